@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Every target sets up what it needs; tools/setup.sh tells which Python and Blender it takes and how to choose others.
+LAMINA_BPY ?=
+VENV ?= .venv$(addprefix -,$(LAMINA_BPY))
+export LAMINA_BPY
+
+READY := $(VENV)/ready
+RUN := $(VENV)/bin/python
+SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py' -o -name '*.osl' -o -name '*.h' -o -name '*.json' \))
+
+.PHONY: help demo test zip validate clean
+
+help:
+	@echo "make demo      render every demo scene into build/demo"
+	@echo "make test      run all tests, then build and validate the extension"
+	@echo "make zip       build the extension into dist/"
+	@echo "make validate  build it and check it with Blender's own tool"
+	@echo "make clean     remove what was built (not $(VENV))"
+
+$(READY): tools/setup.sh tools/check_bpy.py pyproject.toml setup.py $(wildcard requirements/*.txt)
+	@tools/setup.sh $(VENV)
+	@touch $@
+
+demo: build/demo/ready
+	@echo "The demo is in build/demo"
+
+build/demo/ready: $(READY) $(SOURCES)
+	@mkdir -p build
+	$(VENV)/bin/lamina demo -o build/demo
+	@touch $@
+
+test: $(READY)
+	$(RUN) -m pytest
+	@$(MAKE) --no-print-directory validate
+
+zip: $(READY)
+	@rm -rf dist
+	$(RUN) tools/extension.py build dist
+
+validate: zip
+	$(RUN) tools/extension.py validate dist/*.zip
+
+clean:
+	rm -rf build dist .pytest_cache .hypothesis
+	find . -name __pycache__ -not -path './.venv*' -prune -exec rm -rf {} +

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One pass-through node group per kind of layer or base; its interface is the schema's.
+
+A group node of such a tree is a layer: the values, textures, drivers and keyframes sit on its sockets and stay
+there whatever happens to the order. Interfaces are append-only, so files of older versions keep their links.
+"""
+
+import bpy
+
+from ..reference_py.schema import COLOR, FLOAT, Kind, Parameter
+
+KIND_KEY = "lamina_kind"
+_SOCKET_TYPES = {FLOAT: "NodeSocketFloat", COLOR: "NodeSocketColor"}
+
+
+def group_of(kind: Kind) -> bpy.types.NodeTree:
+    """The node group of a kind in this file, made or extended to the schema's parameters as needed."""
+    tree = next((g for g in bpy.data.node_groups if g.get(KIND_KEY) == kind.name and g.library is None), None)
+    if tree is None:
+        tree = bpy.data.node_groups.new(f"Lamina {kind.label}", "ShaderNodeTree")
+        tree[KIND_KEY] = kind.name
+        tree.nodes.new("NodeGroupInput").location = (-200, 0)
+        tree.nodes.new("NodeGroupOutput").location = (200, 0)
+    present = {item.name for item in tree.interface.items_tree if item.in_out == "INPUT"}
+    missing = [p for p in kind.sockets if p.label not in present]
+    for parameter in missing:
+        _declare(tree, parameter)
+    if missing:
+        _pass_through(tree)
+    return tree
+
+
+def _declare(tree, parameter: Parameter) -> None:
+    socket_type = _SOCKET_TYPES.get(parameter.type, "NodeSocketVector")
+    socket = tree.interface.new_socket(parameter.label, in_out="INPUT", socket_type=socket_type)
+    socket.description = parameter.help
+    if parameter.type == COLOR:
+        socket.default_value = (*parameter.default, 1.0)
+    else:
+        socket.default_value = parameter.default
+        socket.min_value = parameter.minimum
+        # a socket has one maximum for slider and typing; the schema's hard range is checked when a stack is read
+        socket.max_value = parameter.maximum
+        if parameter.type == FLOAT and (parameter.minimum, parameter.maximum) == (0.0, 1.0):
+            socket.subtype = "FACTOR"
+    tree.interface.new_socket(parameter.label, in_out="OUTPUT", socket_type=socket_type)
+
+
+def _pass_through(tree) -> None:
+    inputs = next(n for n in tree.nodes if n.bl_idname == "NodeGroupInput")
+    outputs = next(n for n in tree.nodes if n.bl_idname == "NodeGroupOutput")
+    for socket in outputs.inputs:
+        if socket.name and not socket.is_linked:
+            tree.links.new(inputs.outputs[socket.name], socket)

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Colour and metals: spectra to linear Rec.709, measured metals, the artist-friendly conductor.
+
+Convention everywhere: CIE 1931 2-degree observer, illuminant D65, Rec.709 primaries with D65 as white, so a
+perfect white reflector is (1, 1, 1) and no chromatic adaptation is needed. Wavelengths are in nm; RGB is linear
+and the last axis. Tables in ../data are read on first use, not on import.
+"""
+
+from .artist import artist_color, artist_index
+from .metals import conductor_rgb, load_metal, metal_index, metal_names
+from .spectrum import reflectance_to_rgb, reflectance_to_xyz, resample, rgb_weights, standard_wavelengths, xyz_to_rgb
+
+__all__ = [
+    "artist_color", "artist_index", "conductor_rgb", "load_metal", "metal_index", "metal_names", "reflectance_to_rgb",
+    "reflectance_to_xyz", "resample", "rgb_weights", "standard_wavelengths", "xyz_to_rgb",
+]

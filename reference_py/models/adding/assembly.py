@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Adding: operators of a stack from those of its parts (Stam01; Jakob14, section 5).
+
+All reflections between two parts are one linear solve. Matrices are (modes, from, to), see `operators`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+# Light that smooth interfaces trap for good makes the solve singular. It meets no one outside (its couplings are
+# exactly 0), so a loss this small per round trip decides only that it is 0 and not undefined.
+_TRAPPED_LOSS = 1e-13
+
+
+@dataclass(frozen=True)
+class Layers:
+    """Reflection and transmission of some layers without base, for light from above (r_up, t_down) and from below."""
+
+    r_up: np.ndarray
+    t_down: np.ndarray
+    r_down: np.ndarray
+    t_up: np.ndarray
+
+    def over_medium(self, share: np.ndarray) -> "Layers":
+        """With an absorbing medium below, of which one crossing leaves `share` (N,)."""
+        column = share[:, None]
+        return Layers(self.r_up, self.t_down * share, column * self.r_down * share, column * self.t_up)
+
+
+def empty(count: int, modes: int) -> Layers:
+    """No layer at all, in a medium of `count` nodes."""
+    nothing, everything = np.zeros((modes, count, count)), np.broadcast_to(np.eye(count), (modes, count, count))
+    return Layers(nothing, everything, nothing, everything)
+
+
+def round_trips(first: np.ndarray, second: np.ndarray, then: np.ndarray) -> np.ndarray:
+    """(1 + first second + (first second)^2 + ...) then."""
+    return np.linalg.solve(np.eye(first.shape[-2]) - (1.0 - _TRAPPED_LOSS) * (first @ second), then)
+
+
+def add(upper: Layers, lower: Layers) -> Layers:
+    """`upper` directly over `lower`."""
+    down = upper.t_down @ round_trips(lower.r_up, upper.r_down, np.concatenate([lower.r_up, lower.t_down], axis=-1))
+    up = lower.t_up @ round_trips(upper.r_down, lower.r_up, np.concatenate([upper.t_up, upper.r_down], axis=-1))
+    middle, above = lower.r_up.shape[-1], upper.t_up.shape[-1]
+    return Layers(
+        r_up=upper.r_up + down[..., :middle] @ upper.t_up,
+        t_down=down[..., middle:],
+        r_down=lower.r_down + up[..., above:] @ lower.t_down,
+        t_up=up[..., :above],
+    )

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light that meets a microsurface more than once (Heitz16, "Multiple-Scattering Microfacet BSDFs with the Smith Model").
+
+Its energy is known exactly: it is what one event leaves over. How it is shared out, between reflection and
+transmission and over directions, is solved here without noise, as transport in height.
+
+A height h enters through c = C1(h) alone: a ray of direction w is free from c to c' with probability
+(c / c')^Lambda(w), where Lambda(w) = -1 - Lambda(-w) downwards. Below a dielectric the same holds upside down, with
+1 - c, so a ray that crosses a facet goes on in the mirrored frame. The unknown is what a ray of direction w that
+leaves height c gives after at least one more event; it is collocated at DIRECTIONS x HEIGHTS nodes per side, with
+the stretched polar angle (tan = alpha tan(theta)) and c = sin^2 as smooth variables.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ...optics.fresnel import fresnel_conductor, fresnel_dielectric
+from ...optics.microfacet import smith_lambda
+from .facets import MULTIPLE, visible_facets
+from .grid import chebyshev, legendre
+
+DIRECTIONS, HEIGHTS = 20, 10
+SHAPE = 5
+AZIMUTHS = 3
+# Quadratures over facets, and over heights along a ray.
+_ACROSS, _ALONG, _STEPS = 10, 24, 12
+# A leftover below this is rounding.
+_NOTHING = 1e-12
+
+
+@dataclass(frozen=True)
+class Microsurface:
+    """`etas`: n_other / n_own of each side for a dielectric, or empty; `index`: relative (eta, k) of a conductor."""
+
+    alpha: float
+    kind: str
+    etas: tuple[float, ...] = ()
+    index: tuple[float, float] = (0.0, 0.0)
+
+    def shares(self, cos_theta: np.ndarray) -> np.ndarray:
+        """How the leftover of light at cosines (I,) on side 0 is shared: (side, AZIMUTHS, I, SHAPE).
+
+        Mean of P_k(1 - 2 cos^2) cos(m turn) per unit of leftover; [:, 0, :, 0] sums to 1 over the sides of a dielectric.
+        """
+        scatter = _Scatter(self, 0, cos_theta)
+        # from above the surface, where c = 1, every ray comes down to some height
+        descent = _descent(np.ones(1), cos_theta, self)[:, 0]
+        again = np.einsum("ih,mihr->mir", descent, scatter.apply(_solution(self)))
+        left = np.einsum("ih,ih->i", descent, scatter.leftover())
+        again = np.moveaxis(again.reshape(AZIMUTHS, len(cos_theta), -1, SHAPE), 2, 0)
+        if self.etas:
+            left = again[:, 0, :, 0].sum(axis=0)  # equal up to the collocation's error, which this takes out
+        return again * np.where(left > _NOTHING, 1.0 / np.maximum(left, _NOTHING), 0.0)[:, None]
+
+
+@lru_cache(maxsize=64)
+def _solution(surface: Microsurface) -> np.ndarray:
+    """(AZIMUTHS, side, DIRECTIONS, HEIGHTS, sides * SHAPE) of the unknown at the nodes."""
+    sides = max(len(surface.etas), 1)
+    cosines = _node_cosines(surface.alpha)
+    heights = _node_heights()
+    walk = _path(heights, cosines, surface)
+    scatters = [_Scatter(surface, side, -cosines) for side in range(sides)]
+    once = np.stack([s.once(sides) for s in scatters])
+    source = np.einsum("jhk,smjkr->msjhr", walk, once)
+    size = sides * DIRECTIONS * HEIGHTS
+    result = []
+    for m in range(AZIMUTHS):
+        kernel = np.zeros((sides, DIRECTIONS, HEIGHTS, sides, DIRECTIONS, HEIGHTS))
+        for side, s in enumerate(scatters):
+            kernel[side, :, :, side] += np.einsum("jhk,jl->jhlk", walk, s.reflect[m])
+            if sides == 2:
+                kernel[side, :, :, 1 - side] += np.einsum("jhk,jl->jhlk", walk, s.refract[m])[..., ::-1]
+        right = source[m].reshape(size, -1)
+        result.append(np.linalg.solve(np.eye(size) - kernel.reshape(size, size), right))
+    return np.stack(result).reshape(AZIMUTHS, sides, DIRECTIONS, HEIGHTS, -1)
+
+
+class _Scatter:
+    """One event of rays that come from directions of cosines (I,), which may lie below the horizon, on one side."""
+
+    def __init__(self, surface: Microsurface, side: int, cos_theta: np.ndarray):
+        self.surface, self.side = surface, side
+        facets = visible_facets(cos_theta, surface.alpha, surface.kind, MULTIPLE, _ACROSS, _ALONG)
+        cos = np.clip(facets.cos_om, 0.0, 1.0)
+        if surface.etas:
+            eta = surface.etas[side]
+            reflectance = fresnel_dielectric(cos, eta)
+            cos_t = np.sqrt(np.maximum(1.0 - (1.0 - cos * cos) / eta**2, 0.0))
+            refracted = (cos / eta - cos_t)[..., None] * facets.wm - facets.wo / eta
+            self.refracted = refracted * np.array([1.0, 1.0, -1.0])
+            self.w_refracted = facets.weights * (1.0 - reflectance)
+        else:
+            reflectance = fresnel_conductor(cos, *surface.index)
+        self.reflected = 2.0 * cos[..., None] * facets.wm - facets.wo
+        self.weights = facets.weights
+        self.w_reflected = facets.weights * reflectance
+        self.reflect = self._matrix(self.reflected, self.w_reflected)
+        self.refract = self._matrix(self.refracted, self.w_refracted) if surface.etas else None
+
+    def _matrix(self, w, weights) -> np.ndarray:
+        """(AZIMUTHS, I, DIRECTIONS): weights of the direction nodes, half of them up and half down."""
+        alpha = self.surface.alpha
+        polar = np.arctan2(alpha * np.hypot(w[..., 0], w[..., 1]), w[..., 2])
+        # the unknown jumps at the horizon: of two rays from the top, one leaves and one comes down again
+        down = polar > 0.5 * np.pi
+        half = DIRECTIONS // 2
+        basis = legendre(4.0 / np.pi * (polar - np.where(down, 0.5 * np.pi, 0.0)) - 1.0, half)
+        turned = weights * _turns(w)
+        moments = [np.einsum("miq,kiq->mik", turned * part, basis) for part in (~down, down)]
+        return np.concatenate(moments @ _to_nodes(half), axis=-1)
+
+    def once(self, sides: int) -> np.ndarray:
+        """(AZIMUTHS, I, HEIGHTS, sides * SHAPE): what leaves directly after this event, at the heights' nodes."""
+        result = np.zeros((AZIMUTHS, len(self.weights), HEIGHTS, sides, SHAPE))
+        result[:, :, :, self.side] = self._leaving(self.reflected, self.w_reflected, _node_heights())
+        if sides == 2:
+            result[:, :, :, 1 - self.side] = self._leaving(self.refracted, self.w_refracted, 1.0 - _node_heights())
+        return result.reshape(*result.shape[:3], -1)
+
+    def _leaving(self, w, weights, heights) -> np.ndarray:
+        free = _free(w[..., 2], heights, self.surface)
+        shapes = legendre(1.0 - 2.0 * np.square(w[..., 2]), SHAPE)
+        return np.einsum("miq,hiq,kiq->mihk", weights * _turns(w), free, shapes, optimize=True)
+
+    def leftover(self) -> np.ndarray:
+        """(I, HEIGHTS): share of the light that does not leave directly after this event, without absorption."""
+        heights = _node_heights()
+        stays = np.einsum("iq,hiq->ih", self.weights, 1.0 - _free(self.reflected[..., 2], heights, self.surface))
+        if not self.surface.etas:
+            return stays
+        stays = np.einsum("iq,hiq->ih", self.w_reflected, 1.0 - _free(self.reflected[..., 2], heights, self.surface))
+        crossed = 1.0 - _free(self.refracted[..., 2], 1.0 - heights, self.surface)
+        return stays + np.einsum("iq,hiq->ih", self.w_refracted, crossed)
+
+    def apply(self, solution: np.ndarray) -> np.ndarray:
+        """(AZIMUTHS, I, HEIGHTS, ...): the unknown after this event, at the heights' nodes."""
+        result = np.einsum("mij,mjhr->mihr", self.reflect, solution[:, self.side])
+        if self.surface.etas:
+            result += np.einsum("mij,mjhr->mihr", self.refract, solution[:, 1 - self.side, :, ::-1])
+        return result
+
+
+def _turns(w) -> np.ndarray:
+    """(AZIMUTHS, ...) cos(m turn); the ray travelled along -x before."""
+    return chebyshev(-w[..., 0] / np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-12), AZIMUTHS)
+
+
+def _node_cosines(alpha: float) -> np.ndarray:
+    """Cosines (DIRECTIONS,) of travel, from up to down."""
+    up = 0.25 * np.pi * (np.polynomial.legendre.leggauss(DIRECTIONS // 2)[0] + 1.0)
+    polar = np.concatenate([up, up + 0.5 * np.pi])
+    return alpha * np.cos(polar) / np.hypot(np.sin(polar), alpha * np.cos(polar))
+
+
+def _node_heights() -> np.ndarray:
+    """c (HEIGHTS,), symmetric about 1/2."""
+    return np.square(np.sin(0.25 * np.pi * (np.polynomial.legendre.leggauss(HEIGHTS)[0] + 1.0)))
+
+
+def _lambda(cos_theta, surface: Microsurface):
+    return smith_lambda(np.maximum(np.abs(cos_theta), 1e-9), surface.alpha, surface.kind)
+
+
+def _free(cos_theta, heights, surface: Microsurface) -> np.ndarray:
+    """(len(heights), ...) probability that a ray of these cosines of travel leaves without another event."""
+    log_c = np.log(heights).reshape(-1, *(1,) * np.ndim(cos_theta))
+    return np.where(cos_theta > 0.0, np.exp(np.maximum(_lambda(cos_theta, surface) * log_c, -700.0)), 0.0)
+
+
+def _path(start, cos_theta, surface: Microsurface) -> np.ndarray:
+    """(I, len(start), HEIGHTS): weights of the height of the next event for rays of cosines of travel (I,)."""
+    up = (cos_theta > 0.0)[:, None, None]
+    return np.where(up, _ascent(start, cos_theta, surface), _descent(start, cos_theta, surface))
+
+
+def _descent(start, cos_theta, surface: Microsurface) -> np.ndarray:
+    u, gauss = np.polynomial.legendre.leggauss(_STEPS)
+    t = 0.5 * (u + 1.0)  # the probability is t^2, which softens the root at 0
+    fall = t ** (2.0 / (1.0 + _lambda(cos_theta, surface)))[:, None]
+    return np.einsum("ihtk,t->ihk", _at_heights(start[:, None] * fall[:, None, :]), gauss * t)
+
+
+def _ascent(start, cos_theta, surface: Microsurface) -> np.ndarray:
+    u, gauss = np.polynomial.legendre.leggauss(_STEPS)
+    log_c, rise = np.log(start)[:, None], np.maximum(_lambda(cos_theta, surface), 1e-12)[:, None, None]
+    hit = -np.expm1(np.maximum(rise * log_c, -700.0))
+    c = np.exp(np.minimum(log_c - np.log1p(-hit * 0.5 * (u + 1.0)) / rise, 0.0))
+    return np.einsum("ihtk,t->ihk", _at_heights(c), 0.5 * gauss) * hit
+
+
+def _at_heights(c) -> np.ndarray:
+    """(..., HEIGHTS) weights that interpolate values at the heights' nodes at c."""
+    y = 4.0 / np.pi * np.arcsin(np.sqrt(np.clip(c, 0.0, 1.0))) - 1.0
+    return np.moveaxis(legendre(y, HEIGHTS), 0, -1) @ _to_nodes(HEIGHTS)
+
+
+def _to_nodes(count: int) -> np.ndarray:
+    """(count, count): from values of the Legendre polynomials at a point to weights of Gauss nodes."""
+    nodes, gauss = np.polynomial.legendre.leggauss(count)
+    return legendre(nodes, count) * gauss * (np.arange(count) + 0.5)[:, None]

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The part of f in closed form: one event on the topmost rough surface, seen through smooth interfaces.
+
+A smooth interface keeps s = n sin(theta), so both directions refract about the surface normal, light that bounces
+between smooth interfaces is a geometric series per direction, and f / n^2 is what is carried through.
+"""
+
+import numpy as np
+
+from ...frame import dot, half_vector
+from ...optics.diffuse import oren_nayar
+from ...optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
+from ...optics.microfacet import distribution, is_specular, masking_g1, masking_g2
+from .facets import SINGLE
+from .recipe import Recipe
+
+
+def direct_f(recipe: Recipe, surface: str, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+    """f (P, 3) in 1/sr of this part, for directions (P, 3) above the surface."""
+    smooth = 0
+    while smooth < len(recipe.interfaces) and is_specular(recipe.interfaces[smooth].alpha):
+        smooth += 1
+    factor = _carried(recipe, smooth, wo[:, 2]) * _carried(recipe, smooth, wi[:, 2])
+    n = recipe.interfaces[smooth - 1].n_below if smooth else 1.0
+    wo, wi = _inside(wo, n), _inside(wi, n)
+    return factor * _event(recipe, smooth, surface, wo, wi) / (n * n)
+
+
+def _inside(w, n):
+    """The direction with the same s in a medium of index n."""
+    return np.concatenate([w[:, :2] / n, cos_theta_t(w[:, 2:], n)], axis=-1)
+
+
+def _carried(recipe: Recipe, smooth: int, cos_theta) -> np.ndarray:
+    """Share (P, 3) of the light along one direction that gets through the first `smooth` interfaces, all bounces."""
+    cosines = [cos_theta, *(cos_theta_t(cos_theta, i.n_below) for i in recipe.interfaces[:smooth])]
+    taus = [recipe.tau_above, *recipe.taus[:smooth]]
+    crossing = [np.exp(-tau / np.maximum(c, 1e-12)[:, None]) for tau, c in zip(taus, cosines)]
+    # adding of scalars from the top: what came through, and what the layers so far reflect from below
+    through, back = crossing[0], np.zeros(crossing[0].shape)
+    for k, interface in enumerate(recipe.interfaces[:smooth]):
+        reflectance = fresnel_dielectric(cosines[k], interface.eta)[:, None]
+        trips = 1.0 / np.maximum(1.0 - back * reflectance, 1e-13)
+        share = crossing[k + 1]
+        through = through * trips * (1.0 - reflectance) * share
+        back = (reflectance + np.square(1.0 - reflectance) * back * trips) * np.square(share)
+    return through
+
+
+def _event(recipe: Recipe, k: int, surface: str, wo, wi) -> np.ndarray:
+    """f (P, 3) of one event on interface k or the base, for directions in the medium above it."""
+    wh = half_vector(wi, wo)
+    cos_h = np.clip(dot(wi, wh), 0.0, 1.0)
+    if k < len(recipe.interfaces):
+        interface = recipe.interfaces[k]
+        fresnel = fresnel_dielectric(cos_h, interface.eta)[:, None] * np.ones(3)
+        return fresnel * _lobe(wo, wi, wh, interface.alpha, interface.distribution, surface)[:, None]
+    base = recipe.base
+    if base.kind == "lambert":
+        return np.array(base.color) / np.pi * np.ones((len(wo), 1))
+    if base.kind == "oren_nayar":
+        return oren_nayar(wi, wo, base.color, base.sigma_deg)
+    if base.is_mirror:
+        return np.zeros(wo.shape)
+    eta, k = np.array(base.index).T
+    return fresnel_conductor(cos_h[:, None], eta, k) * _lobe(wo, wi, wh, base.alpha, base.distribution, surface)[:, None]
+
+
+def _lobe(wo, wi, wh, alpha, kind, surface):
+    cos_o, cos_i = wo[:, 2], wi[:, 2]
+    if surface == SINGLE:
+        masking = masking_g1(cos_o, alpha, kind) * masking_g1(cos_i, alpha, kind)
+    else:
+        masking = masking_g2(cos_i, cos_o, alpha, kind)
+    return distribution(wh[:, 2], alpha, kind) * masking / (4.0 * np.maximum(cos_o * cos_i, 1e-30))

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One direction grid for all media of a stack, in the transverse momentum s = n sin(theta).
+
+A smooth interface conserves s, so on this grid its operators are diagonal and exact. The measure s ds dphi is
+n^2 cos(theta) dw: kernels per d2p = s ds dphi already hold the n^2 of basic radiance and are symmetric.
+The grid is cut where s equals an index (grazing in one medium, critical angle in the denser ones). On each panel
+s^2 = a^2 + (b^2 - a^2) sin^2(psi) with Gauss nodes in psi makes the square roots at both ends smooth.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+FEWEST_NODES = 8
+
+
+@dataclass(frozen=True)
+class Grid:
+    """`breaks`: increasing absolute indices of the stack; `nodes`: count on the first panel, 0 to breaks[0]."""
+
+    breaks: tuple[float, ...]
+    nodes: int
+
+    @cached_property
+    def _panels(self) -> list[tuple[float, float, np.ndarray, np.ndarray]]:
+        """(a, b, Gauss nodes in [-1, 1], weights) of each panel."""
+        panels, a = [], 0.0
+        for b in self.breaks:
+            share = 1.0 - np.arcsin(a / b) / (0.5 * np.pi)
+            panels.append((a, b, *np.polynomial.legendre.leggauss(max(FEWEST_NODES, int(np.ceil(self.nodes * share))))))
+            a = b
+        return panels
+
+    @cached_property
+    def starts(self) -> list[int]:
+        """Index of each panel's first node, and the total count at the end."""
+        return [0, *np.cumsum([len(x) for _, _, x, _ in self._panels]).tolist()]
+
+    def count(self, n: float) -> int:
+        """Number of nodes with s < n; n is one of `breaks`."""
+        return self.starts[self.breaks.index(n) + 1]
+
+    @cached_property
+    def s(self) -> np.ndarray:
+        """(N,) nodes."""
+        return np.concatenate(
+            [np.sqrt(a * a + (b * b - a * a) * np.square(np.sin(_psi(x)))) for a, b, x, _ in self._panels]
+        )
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """(N,) integral of each node's basis function over d2p = 2 pi s ds; the first ones sum to pi n^2."""
+        return np.concatenate(
+            [0.25 * np.pi**2 * (b * b - a * a) * np.sin(2.0 * _psi(x)) * w for a, b, x, w in self._panels]
+        )
+
+    def cosines(self, n: float) -> np.ndarray:
+        """(count(n),) cos(theta) of the nodes in a medium of index n, precise at grazing angles."""
+        inside = self._panels[: self.breaks.index(n) + 1]
+        return np.concatenate(
+            [np.sqrt((n * n - b * b) + (b * b - a * a) * np.square(np.cos(_psi(x)))) / n for a, b, x, _ in inside]
+        )
+
+    def project(self, n: float, directions: np.ndarray, modes: int) -> "Projector":
+        """Prepare rows of operators for end directions (I, Q, 3) in a medium of index n, sign of z ignored."""
+        return Projector(self, n, directions, modes)
+
+    def interpolation(self, n: float, cos_theta: np.ndarray) -> np.ndarray:
+        """(I, count(n)) weights that interpolate nodal values at the cosines (I,) in a medium of index n."""
+        cos_theta = np.asarray(cos_theta, float)[:, None]
+        direction = np.stack([np.sqrt(1.0 - np.square(cos_theta)), np.zeros_like(cos_theta), cos_theta], axis=-1)
+        return self.project(n, direction, 1)(np.ones(cos_theta.shape))[0]
+
+
+class Projector:
+    """Turns weights of points on the sphere of directions into rows of operators on nodal values."""
+
+    def __init__(self, grid: Grid, n: float, directions: np.ndarray, modes: int):
+        self._grid, self._panel_count, self._modes = grid, grid.breaks.index(n) + 1, modes
+        self._shape = directions.shape[:2]
+        x, y, z = np.moveaxis(directions.reshape(-1, 3), -1, 0)
+        s2, below_n = n * n * (x * x + y * y), n * n * z * z
+        edges = np.square(grid.breaks[: self._panel_count - 1])
+        panel = np.searchsorted(edges, s2, side="right")
+        self._parts = []
+        for p in range(self._panel_count):
+            a, b, nodes, gauss = grid._panels[p]
+            chosen = np.flatnonzero(panel == p)
+            rise = np.sqrt(np.maximum(s2[chosen] - a * a, 0.0))
+            fall = np.sqrt(np.maximum(b * b - n * n + below_n[chosen], 0.0))
+            basis = legendre(4.0 / np.pi * np.arctan2(rise, fall) - 1.0, len(nodes))
+            # Gauss nodes: coefficient k of the interpolant is (k + 1/2) sum_j w_j P_k(x_j) g_j
+            to_nodes = legendre(nodes, len(nodes)) * gauss * (np.arange(len(nodes)) + 0.5)[:, None]
+            bounds = np.searchsorted(chosen, np.arange(self._shape[0] + 1) * self._shape[1])
+            self._parts.append((chosen, basis, to_nodes, bounds))
+        # travel of the walker, which starts along -x: the azimuth by which the interface turned it
+        self._turn = np.arctan2(-y, -x) if modes > 1 else None
+
+    def __call__(self, weights: np.ndarray) -> np.ndarray:
+        """Rows (modes, I, count(n)): sum over the points of weights (I, Q) times cos(m turn) times the node's basis."""
+        weights = weights.ravel()
+        starts = self._grid.starts
+        rows = np.zeros((self._modes, self._shape[0], starts[self._panel_count]))
+        for p, (chosen, basis, to_nodes, bounds) in enumerate(self._parts):
+            weighted = basis * weights[chosen]
+            moments = np.zeros((self._modes, self._shape[0], len(basis)))
+            for i in range(self._shape[0]):
+                part = slice(bounds[i], bounds[i + 1])
+                if self._modes == 1:
+                    moments[0, i] = weighted[:, part].sum(axis=1)
+                else:
+                    moments[:, i] = chebyshev(np.cos(self._turn[chosen[part]]), self._modes) @ weighted[:, part].T
+            rows[:, :, starts[p] : starts[p + 1]] = moments @ to_nodes
+        return rows
+
+
+def _psi(x: np.ndarray) -> np.ndarray:
+    return 0.25 * np.pi * (x + 1.0)
+
+
+def legendre(x: np.ndarray, count: int) -> np.ndarray:
+    """(count, ...) Legendre polynomials P_0 to P_(count-1) at x."""
+    values = np.empty((count, *np.shape(x)))
+    values[0] = 1.0
+    if count > 1:
+        values[1] = x
+    for k in range(1, count - 1):
+        values[k + 1] = ((2 * k + 1) * x * values[k] - k * values[k - 1]) / (k + 1)
+    return values
+
+
+def chebyshev(x: np.ndarray, count: int) -> np.ndarray:
+    """(count, ...) cos(m acos(x)) for m = 0 to count-1."""
+    values = np.empty((count, *np.shape(x)))
+    values[0] = 1.0
+    if count > 1:
+        values[1] = x
+    for m in range(1, count - 1):
+        values[m + 1] = 2.0 * x * values[m] - values[m - 1]
+    return values

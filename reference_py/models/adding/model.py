@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The model `adding`: energies from the azimuthal mean alone, f from a Fourier series in azimuth.
+
+f is split. What meets one facet of the topmost rough surface, seen through smooth interfaces, is a formula
+(`direct`); the rest is smoother and comes from the grid. Limits: where a rough surface below a rough one is
+narrower than the grid (about 1.6 / nodes or 4 / modes in alpha), the rest of f is blurred or rings; energies stay exact.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...errors import LaminaError
+from ...optics.microfacet import is_specular
+from ...stack import Stack
+from .assembly import Layers, add, empty, round_trips
+from .direct import direct_f
+from .facets import MULTIPLE, SURFACES
+from .grid import Grid, chebyshev
+from .operators import Resolution, dielectric_rows, interface_operators, transmittance
+from .recipe import Recipe
+
+# Facets per direction: energies need fewer than azimuthal modes do.
+_ENERGY = Resolution(modes=1, across=16, along=32)
+_NODES, _MODES = 40, 64
+
+
+@dataclass(frozen=True)
+class LayerEnergies:
+    """Reflectance and transmittance of the layers without the base, all media included.
+
+    Above is vacuum, below is the last medium of index `n_below`; cosines are those of the side's own medium.
+    """
+
+    n_below: float
+    grid: Grid
+    nodal: dict[str, np.ndarray]
+
+    def above(self, cos_theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Directional (R, T), each (I, 3), for light from above at cosines (I,)."""
+        at = self.grid.interpolation(1.0, np.asarray(cos_theta, float))
+        return at @ self.nodal["r_up"], at @ self.nodal["t_down"]
+
+    def below(self, cos_theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Directional (R, T), each (I, 3), for light from below at cosines (I,) in the last medium."""
+        at = self.grid.interpolation(self.n_below, np.asarray(cos_theta, float))
+        return at @ self.nodal["r_down"], at @ self.nodal["t_up"]
+
+    @property
+    def diffuse_above(self) -> tuple[np.ndarray, np.ndarray]:
+        """(R, T), each (3,), of uniform light from above."""
+        return self._mean("r_up", 1.0), self._mean("t_down", 1.0)
+
+    @property
+    def diffuse_below(self) -> tuple[np.ndarray, np.ndarray]:
+        """(R, T), each (3,), of uniform light from below."""
+        return self._mean("r_down", self.n_below), self._mean("t_up", self.n_below)
+
+    def _mean(self, name: str, n: float) -> np.ndarray:
+        return self.grid.weights[: self.grid.count(n)] @ self.nodal[name] / (np.pi * n * n)
+
+
+class Adding:
+    """f and energies of a stack.
+
+    `surface`: "multiple" (lossless microsurfaces, Heitz16) or "single" (one event per surface, separable Smith
+    masking, what is left over is lost). `nodes`: directions from the normal to grazing in the thinnest medium;
+    `modes`: azimuthal modes of f. Raises LaminaError on a bad option.
+    """
+
+    name = "adding"
+    stochastic = False
+
+    def __init__(self, stack: Stack, surface: str = MULTIPLE, nodes: int = _NODES, modes: int = _MODES, **unknown):
+        for key in unknown:
+            raise LaminaError(f"model {self.name}: unknown option {key!r}; choose surface, nodes, modes")
+        if surface not in SURFACES:
+            raise LaminaError(f"model {self.name}: unknown surface {surface!r}; choose {', '.join(SURFACES)}")
+        self.stack, self.surface = stack, surface
+        nodes, modes = _whole("nodes", nodes, 8, 512), _whole("modes", modes, 1, 512)
+        self._recipe = Recipe.of(stack)
+        self._grid = self._recipe.grid(nodes)
+        self._shape = Resolution(modes, across=max(24, modes // 2), along=48)
+
+    # --- energies ---
+
+    def albedo(self, wo: np.ndarray) -> np.ndarray:
+        """Directional albedo (..., 3) for wo (..., 3) above the surface, mirror-like parts included; 0 below."""
+        wo = np.asarray(wo, float)
+        cos_theta, inverse = np.unique(wo[..., 2].ravel(), return_inverse=True)
+        visible = np.flatnonzero(cos_theta > 0.0)
+        result = np.zeros((len(cos_theta), 3))
+        if len(visible):
+            cos_o = np.minimum(cos_theta[visible], 1.0)
+            reflected, crossed = self._rows_from_above(cos_o)
+            for channel, members in self._recipe.channels():
+                inside = reflected(channel) if crossed is None else reflected(channel) + crossed @ self._escape[channel]
+                inside = inside * np.exp(-self._recipe.tau_above[channel] / cos_o)
+                result[np.ix_(visible, members)] = inside[:, None]
+        return result[inverse].reshape(wo.shape[:-1] + (3,))
+
+    def _rows_from_above(self, cos_o):
+        """Energy that the first surface turns out per channel, and what it lets cross on the grid below it."""
+        recipe, grid = self._recipe, self._grid
+        outside = {c: transmittance(grid, 1.0, recipe.tau_above[c]) for c in range(3)}
+        if not recipe.interfaces:
+            return lambda c: sum(recipe.base.rows(c, cos_o, self.surface, grid, _ENERGY))[0] @ outside[c], None
+        top = recipe.interfaces[0]
+        once, more, crossed = dielectric_rows(
+            top.n_above, top.n_below, cos_o, top.alpha, top.distribution, self.surface, grid, _ENERGY
+        )
+        return lambda c: (once + more)[0] @ outside[c], crossed[0]
+
+    @cached_property
+    def _escape(self) -> dict[int, np.ndarray]:
+        """By channel: what light going down just below the first interface gives outside, at the grid's directions."""
+        escape = {}
+        for channel, _ in self._recipe.channels():
+            below = self._below(0, channel, _ENERGY)
+            top = self._operators(0, _ENERGY)
+            outside = top.t_up[0] @ transmittance(self._grid, 1.0, self._recipe.tau_above[channel])
+            escape[channel] = round_trips(below[0], top.r_down[0], below[0] @ outside)
+        return escape
+
+    def layer_energies(self) -> LayerEnergies:
+        """Energies of all layers without the base."""
+        recipe, grid = self._recipe, self._grid
+        n_below = recipe.base.n
+        nodal = {key: np.zeros((grid.count(n), 3)) for key, n in
+                 (("r_up", 1.0), ("t_down", 1.0), ("r_down", n_below), ("t_up", n_below))}
+        for channel, members in recipe.channels():
+            whole = self._layers(channel)
+            for key, values in nodal.items():
+                values[:, members] = getattr(whole, key)[0].sum(axis=-1)[:, None]
+        return LayerEnergies(n_below, grid, nodal)
+
+    def _layers(self, channel: int) -> Layers:
+        recipe, grid = self._recipe, self._grid
+        whole = empty(grid.count(1.0), 1).over_medium(transmittance(grid, 1.0, recipe.tau_above[channel]))
+        for k, interface in enumerate(recipe.interfaces):
+            share = transmittance(grid, interface.n_below, recipe.taus[k][channel])
+            whole = add(whole, self._operators(k, _ENERGY).over_medium(share))
+        return whole
+
+    def _operators(self, k: int, resolution: Resolution):
+        i = self._recipe.interfaces[k]
+        return interface_operators(i.n_above, i.n_below, i.alpha, i.distribution, self.surface, self._grid, resolution)
+
+    def _below(self, k: int, channel: int, resolution: Resolution) -> np.ndarray:
+        """Reflection operator of all that is below interface k, its medium included."""
+        return self._reflection(k + 1, channel, resolution)[0]
+
+    def _reflection(self, k: int, channel: int, resolution: Resolution):
+        """(whole, mirror-like (N,), direct) reflection of interface k and all below, seen through the medium above it.
+
+        `direct` is the part that `direct_f` knows in closed form.
+        """
+        recipe, grid = self._recipe, self._grid
+        if k == len(recipe.interfaces):
+            n, base = recipe.base.n, recipe.base
+            once, more = base.rows(channel, grid.cosines(n), self.surface, grid, resolution)
+            whole, direct = once + more, once
+            mirror = np.diagonal(more[0]) if base.is_mirror else np.zeros(len(once[0]))
+        else:
+            n, top = recipe.interfaces[k].n_above, self._operators(k, resolution)
+            below, mirror_below, direct_below = self._reflection(k + 1, channel, resolution)
+            whole = top.r_up + top.t_down @ round_trips(below, top.r_down, below @ top.t_up)
+            if is_specular(recipe.interfaces[k].alpha):
+                trips = 1.0 / (1.0 - mirror_below * np.diagonal(top.r_down[0]))
+                mirror = np.diagonal(top.r_up[0] + top.t_down[0] * (trips * mirror_below) @ top.t_up[0])
+                direct = (top.t_down * trips) @ direct_below @ (trips[:, None] * top.t_up)
+            else:
+                mirror, direct = np.zeros(len(whole[0])), top.once
+        tau = recipe.tau_above if k == 0 else recipe.taus[k - 1]
+        share = transmittance(grid, n, tau[channel])
+        pair = share[:, None] * share
+        return whole * pair, mirror * share * share, direct * pair
+
+    # --- shape ---
+
+    def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """BRDF (..., 3) in 1/sr without cosine; mirror-like parts have no f; 0 below the horizon."""
+        wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
+        shape = wo.shape
+        wo, wi = wo.reshape(-1, 3), wi.reshape(-1, 3)
+        visible = (wo[:, 2] > 0.0) & (wi[:, 2] > 0.0)
+        result = np.zeros(wo.shape)
+        wo, wi = wo[visible], wi[visible]
+        if len(wo):
+            value = direct_f(self._recipe, self.surface, wo, wi) + self._interpolated(wo, wi)
+            result[visible] = np.maximum(value, 0.0)  # a cut Fourier series may undershoot
+        return result.reshape(shape)
+
+    def _interpolated(self, wo, wi) -> np.ndarray:
+        cos_o, which_o = np.unique(np.minimum(wo[:, 2], 1.0), return_inverse=True)
+        cos_i, which_i = np.unique(np.minimum(wi[:, 2], 1.0), return_inverse=True)
+        at_o, at_i = self._grid.interpolation(1.0, cos_o), self._grid.interpolation(1.0, cos_i)
+        azimuth = wo[:, 0] * wi[:, 0] + wo[:, 1] * wi[:, 1]
+        sines = np.hypot(wo[:, 0], wo[:, 1]) * np.hypot(wi[:, 0], wi[:, 1])
+        # travel: a mirror, whose wi is opposite in azimuth, turns by 0
+        turn = -np.clip(np.where(sines > 1e-12, azimuth / np.maximum(sines, 1e-12), -1.0), -1.0, 1.0)
+        harmonics = chebyshev(turn, self._shape.modes)
+        result = np.zeros((len(wo), 3))
+        for channel, members in self._recipe.channels():
+            density = self._rest[channel]
+            value = np.zeros(len(wo))
+            for m in range(self._shape.modes):
+                value += (1.0 if m == 0 else 2.0) * harmonics[m] * _pairs(at_o @ density[m], at_i, which_o, which_i)
+            result[:, members] = value[:, None]
+        return result
+
+    @cached_property
+    def _rest(self) -> dict[int, np.ndarray]:
+        """By channel: modes of f (modes, N, N) at the grid's directions, without mirror-like and direct parts."""
+        rest = {}
+        for channel, _ in self._recipe.channels():
+            whole, mirror, direct = self._reflection(0, channel, self._shape)
+            rest[channel] = (whole - np.diag(mirror) - direct) / self._grid.weights[: len(mirror)]
+        return rest
+
+
+def _pairs(left, right, which_left, which_right) -> np.ndarray:
+    """Dot products of chosen rows of `left` and `right`, by whichever way needs less memory."""
+    if len(left) * len(right) <= 4 * len(which_left):
+        return (left @ right.T)[which_left, which_right]
+    return np.einsum("ij,ij->i", left[which_left], right[which_right])
+
+
+def _whole(name: str, value, low: int, high: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not low <= value <= high:
+        raise LaminaError(f"model adding: {name} is {value!r}; choose a whole number from {low} to {high}")
+    return int(value)

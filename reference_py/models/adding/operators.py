@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Interfaces, media and bases as matrices on the direction grid.
+
+A row belongs to the direction in which a walker arrives (from the viewer), a column to the one in which it leaves:
+(K g)(i) = sum_j K[i, j] g(j) for a radiance g / n^2. So rows sum to directional energies, and by reciprocity
+K[i, j] / grid.weights[j] is symmetric between the two sides. Azimuth is that of travel: a mirror turns by 0.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ...frame import spherical
+from ...optics.diffuse import oren_nayar
+from ...optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
+from ...optics.microfacet import is_specular
+from .assembly import Layers
+from .bounces import AZIMUTHS, SHAPE, Microsurface
+from .facets import MULTIPLE, dielectric_events, visible_facets
+from .grid import Grid, legendre
+
+# Azimuths of the quadrature of an Oren-Nayar base over the half circle.
+_OREN_NAYAR_AZIMUTHS = 128
+# Directions handled at once, which bounds memory.
+_CHUNK = 64
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """Azimuthal modes, and facets across and along the plane of incidence per direction."""
+
+    modes: int
+    across: int
+    along: int
+
+
+@dataclass(frozen=True)
+class InterfaceOperators(Layers):
+    """Operators of one interface; `once` is the part of r_up that meets exactly one facet."""
+
+    once: np.ndarray
+
+
+@lru_cache(maxsize=24)
+def interface_operators(n_above, n_below, alpha, kind, surface, grid: Grid, resolution: Resolution) -> InterfaceOperators:
+    """Operators of a dielectric interface; n_above and n_below are among grid.breaks."""
+    if is_specular(alpha):
+        return _mirror_operators(n_above, n_below, grid, resolution.modes)
+    setup = (alpha, kind, surface, grid, resolution)
+    once, more, t_down = dielectric_rows(n_above, n_below, grid.cosines(n_above), *setup)
+    once_down, more_down, t_up = dielectric_rows(n_below, n_above, grid.cosines(n_below), *setup)
+    return InterfaceOperators(once + more, t_down, once_down + more_down, t_up, once)
+
+
+def _mirror_operators(n_above, n_below, grid, modes) -> InterfaceOperators:
+    """Exactly diagonal, so that light which is trapped below a critical angle never leaks."""
+    above, below = grid.count(n_above), grid.count(n_below)
+    f_above = fresnel_dielectric(grid.cosines(n_above), n_below / n_above)
+    f_below = fresnel_dielectric(grid.cosines(n_below), n_above / n_below)
+    every = np.ones((modes, 1, 1))
+    r_up, r_down = every * np.diag(f_above), every * np.diag(f_below)
+    t_down, t_up = every * np.eye(above, below), every * np.eye(below, above)
+    return InterfaceOperators(
+        r_up, t_down * (1.0 - f_above)[:, None], r_down, t_up * (1.0 - f_below)[:, None], np.zeros_like(r_up)
+    )
+
+
+def dielectric_rows(n_own, n_other, cos_theta, alpha, kind, surface, grid: Grid, resolution: Resolution):
+    """Rows for walkers that arrive at cosines (I,) in n_own: (reflected once, reflected otherwise, transmitted).
+
+    A mirror reflects "otherwise": its part has no finite f.
+    """
+    parts = [
+        _dielectric_chunk(n_own, n_other, cos_theta[i : i + _CHUNK], alpha, kind, surface, grid, resolution)
+        for i in range(0, len(cos_theta), _CHUNK)
+    ]
+    return tuple(np.concatenate(rows, axis=1) for rows in zip(*parts))
+
+
+def _dielectric_chunk(n_own, n_other, cos_theta, alpha, kind, surface, grid, resolution):
+    eta, modes = n_other / n_own, resolution.modes
+    if is_specular(alpha):
+        reflectance = fresnel_dielectric(cos_theta, eta)[:, None]
+        mirrored = reflectance * grid.interpolation(n_own, cos_theta)
+        refracted = (1.0 - reflectance) * grid.interpolation(n_other, cos_theta_t(cos_theta, eta))
+        every = np.ones((modes, 1, 1))
+        return 0.0 * every * mirrored, every * mirrored, every * refracted
+    facets = visible_facets(cos_theta, alpha, kind, surface, resolution.across, resolution.along)
+    (wi, w_reflected), (wt, w_refracted) = dielectric_events(facets, eta)
+    once = grid.project(n_own, wi, modes)(w_reflected)
+    more = np.zeros_like(once)
+    transmitted = grid.project(n_other, wt, modes)(w_refracted)
+    if surface == MULTIPLE:
+        left = 1.0 - once[0].sum(axis=1) - transmitted[0].sum(axis=1)
+        moments = Microsurface(alpha, kind, etas=(eta, 1.0 / eta)).shares(cos_theta) * left[:, None]
+        more[:AZIMUTHS] = _spread(moments[0], grid, n_own)[:modes]
+        transmitted[:AZIMUTHS] += _spread(moments[1], grid, n_other)[:modes]
+    return once, more, transmitted
+
+
+def _spread(moments, grid: Grid, n: float) -> np.ndarray:
+    """Rows (AZIMUTHS, I, N) whose energy over d2p has the Legendre moments (AZIMUTHS, I, SHAPE) in 1 - 2 cos^2."""
+    count = grid.count(n)
+    shapes = legendre(2.0 * np.square(grid.s[:count] / n) - 1.0, SHAPE) * (2.0 * np.arange(SHAPE) + 1.0)[:, None]
+    return moments @ shapes * grid.weights[:count] / (np.pi * n * n)
+
+
+def transmittance(grid: Grid, n: float, tau: float) -> np.ndarray:
+    """(N,) share left after one crossing of a medium of optical depth tau."""
+    return np.exp(-tau / grid.cosines(n))
+
+
+def lambert_rows(color: float, n: float, count: int, grid: Grid, modes: int) -> np.ndarray:
+    """Rows (modes, count, N) of an ideally diffuse base below a medium of index n."""
+    rows = np.zeros((modes, count, grid.count(n)))
+    rows[0] = color * grid.weights[: grid.count(n)] / (np.pi * n * n)
+    return rows
+
+
+def oren_nayar_rows(color: float, sigma_deg: float, n: float, cos_theta, grid: Grid, modes: int) -> np.ndarray:
+    """Rows (modes, I, N) of an Oren-Nayar base for walkers at cosines (I,)."""
+    # mean over the half circle; azimuth pi of the light is a turn of 0
+    phi = np.pi * (np.arange(_OREN_NAYAR_AZIMUTHS) + 0.5) / _OREN_NAYAR_AZIMUTHS
+    wo = spherical(np.arccos(cos_theta), 0.0)[:, None, None]
+    wi = spherical(np.arccos(grid.cosines(n))[:, None], np.pi - phi)
+    f = oren_nayar(wi, wo, np.full(3, color), sigma_deg)[..., 0]
+    harmonics = np.cos(np.arange(modes)[:, None] * phi) / len(phi)
+    return np.einsum("mp,ijp->mij", harmonics, f) * grid.weights[: grid.count(n)] / (n * n)
+
+
+def conductor_rows(index, channel, n, cos_theta, alpha, kind, surface, grid: Grid, resolution: Resolution):
+    """Rows (modes, I, N) of a conductor of relative (eta, k) per channel: (reflected once, reflected otherwise)."""
+    parts = [
+        _conductor_chunk(index, channel, n, cos_theta[i : i + _CHUNK], alpha, kind, surface, grid, resolution)
+        for i in range(0, len(cos_theta), _CHUNK)
+    ]
+    return tuple(np.concatenate(rows, axis=1) for rows in zip(*parts))
+
+
+def _conductor_chunk(index, channel, n, cos_theta, alpha, kind, surface, grid, resolution):
+    eta, k = index[channel]
+    if is_specular(alpha):
+        mirrored = fresnel_conductor(cos_theta, eta, k)[:, None] * grid.interpolation(n, cos_theta)
+        every = np.ones((resolution.modes, 1, 1))
+        return 0.0 * every * mirrored, every * mirrored
+    facets = visible_facets(cos_theta, alpha, kind, surface, resolution.across, resolution.along)
+    wi, weights = facets.reflected()
+    once = grid.project(n, wi, resolution.modes)(weights * fresnel_conductor(facets.cos_om, eta, k))
+    more = np.zeros_like(once)
+    if surface == MULTIPLE:
+        left = 1.0 - weights.sum(axis=1)
+        moments = Microsurface(alpha, kind, index=index[channel]).shares(cos_theta)[0] * left[:, None]
+        more[:AZIMUTHS] = _spread(moments, grid, n)[: resolution.modes]
+    return once, more

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Directional albedo of any f by deterministic multiple importance sampling.
+
+Quasi-random points are warped by one strategy per lobe width (facet normals of the distribution, reflected)
+and one cosine strategy, combined by the balance heuristic (Veach95). Narrow lobes cost no more than wide ones.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from ..frame import dot, half_vector, reflect
+from ..optics import microfacet
+
+# Roberts' R2 sequence: the generalised golden ratio of two dimensions.
+_GOLDEN_2 = 1.32471795724474602596
+
+
+def _points(count: int) -> tuple[np.ndarray, np.ndarray]:
+    index = np.arange(1, count + 1, dtype=float)
+    return (0.5 + index / _GOLDEN_2) % 1.0, (0.5 + index / _GOLDEN_2**2) % 1.0
+
+
+def _facet_normals(u1: np.ndarray, u2: np.ndarray, alpha: float, kind: str) -> np.ndarray:
+    """Normals of density D(wm) cos(wm) (Walter07, eqs. 28 and 35)."""
+    tan2 = alpha**2 * (u1 / (1.0 - u1) if kind == microfacet.GGX else -np.log1p(-u1))
+    cos = 1.0 / np.sqrt(1.0 + tan2)
+    sin = np.sqrt(np.maximum(1.0 - cos * cos, 0.0))
+    phi = 2.0 * np.pi * u2
+    return np.stack([sin * np.cos(phi), sin * np.sin(phi), cos], axis=-1)
+
+
+def directional_albedo(
+    f: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    wo: np.ndarray,
+    lobes: Sequence[tuple[str, float]],
+    count: int = 8192,
+) -> np.ndarray:
+    """Cosine-weighted integral of f(wo, wi) over wi, (..., 3), for wo (..., 3).
+
+    `lobes` are the (distribution, alpha) that f contains; `count` points are spent on each of them and
+    on the cosine. The relative error is about 1e-4 for 8192 points (`tests/reference_py/test_quadrature.py`).
+    """
+    wo = np.asarray(wo, float)
+    flat = wo.reshape(-1, 3)
+    lobes = sorted({(kind, alpha) for kind, alpha in lobes if not microfacet.is_specular(alpha)})
+    u1, u2 = _points(count)
+    result = np.array([_albedo_of_view(f, view, lobes, u1, u2) for view in flat])
+    return result.reshape(wo.shape[:-1] + result.shape[-1:])
+
+
+def _albedo_of_view(f, wo, lobes, u1, u2) -> np.ndarray:
+    sin = np.sqrt(u1)
+    cosine = np.stack([sin * np.cos(2 * np.pi * u2), sin * np.sin(2 * np.pi * u2), np.sqrt(1.0 - u1)], axis=-1)
+    samples = [cosine] + [reflect(wo, _facet_normals(u1, u2, alpha, kind)) for kind, alpha in lobes]
+    total = np.zeros(3)
+    for wi in samples:
+        wi = wi[wi[:, 2] > 0.0]
+        value = f(np.broadcast_to(wo, wi.shape), wi) * wi[:, 2:]
+        total = total + np.sum(value / _mixture_density(wo, wi, lobes)[:, None], axis=0)
+    return total / len(u1)
+
+
+def _mixture_density(wo, wi, lobes) -> np.ndarray:
+    """Sum of the strategies' densities at wi; each strategy draws the same number of points."""
+    density = wi[:, 2] / np.pi
+    if lobes:
+        wh = half_vector(wi, wo)
+        jacobian = wh[:, 2] / np.maximum(4.0 * dot(wi, wh), 1e-300)
+        for kind, alpha in lobes:
+            density = density + microfacet.distribution(wh[:, 2], alpha, kind) * jacobian
+    return density

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Weidlich07: "Arbitrarily Layered Micro-Facet Surfaces", eqs. 1 to 7 as printed.
+
+Limits, all inherited from the paper: one bounce per interface (light that an interface turns back is lost),
+no solid-angle compression on crossing, so a base lobe loses energy towards grazing views, and no broadening
+of a base lobe by a rough coat. `lamina albedo` beside a white base shows it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import LaminaError
+from ..frame import dot, half_vector
+from ..optics import microfacet
+from ..optics.diffuse import oren_nayar, oren_nayar_1994
+from ..optics.fresnel import fresnel_conductor, fresnel_dielectric
+from ..optics.material import conductor_index, interfaces, n_above_base
+from ..optics.microfacet import alpha_from_roughness, is_specular
+from ..stack import Stack
+from .quadrature import directional_albedo
+
+# The print's ambiguities, each a named option; the first choice is the default.
+OPTIONS = {
+    # "two refraction directions": about the half vector (then all interfaces share it) or about the surface normal
+    "refraction": ("half_vector", "macro_normal"),
+    # eq. 3 prints 1/theta where eq. 6 has 1/cos(theta)
+    "absorption": ("inverse_cosine", "inverse_angle"),
+    # eq. 4 does not say whose G: that of the interface being left, at (i, o), or none (t = T21)
+    "compensation": ("interface", "none"),
+    # eq. 7 is Blinn's distribution; a stack names its own
+    "distribution": ("stack", "blinn"),
+    # eq. 1 assumes V cavities; Smith's function is consistent with any distribution
+    "masking": ("smith", "v_cavity"),
+    # the paper uses the Oren-Nayar model of 1994
+    "oren_nayar": ("energy_preserving", "qualitative_1994"),
+}
+
+_NORMAL = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True)
+class _Facets:
+    """The microfacet statistics of one interface or of a conductor base."""
+
+    alpha: float
+    kind: str
+    v_cavity: bool
+
+    def masking(self, wi, wo, wh) -> np.ndarray:
+        if self.v_cavity:
+            return microfacet.masking_v_cavity(wi[..., 2], wo[..., 2], wh[..., 2], dot(wi, wh))
+        # Blinn has no Smith function of its own: Beckmann's of the same alpha is its companion (Walter07)
+        kind = microfacet.BECKMANN if self.kind == microfacet.BLINN else self.kind
+        return microfacet.masking_g2(wi[..., 2], wo[..., 2], self.alpha, kind)
+
+    def lobe(self, wi, wo, wh) -> np.ndarray:
+        """D G / (4 cos_i cos_o), eq. 1 without Fresnel; 0 for a mirror, which has no finite f."""
+        if is_specular(self.alpha):
+            return np.zeros(np.broadcast_shapes(wi.shape, wo.shape)[:-1])
+        d = microfacet.distribution(wh[..., 2], self.alpha, self.kind)
+        return d * self.masking(wi, wo, wh) / (4.0 * np.maximum(wi[..., 2] * wo[..., 2], 1e-30))
+
+
+class WeidlichWilkie:
+    """f and albedo of a stack; `options` as in `OPTIONS`.
+
+    Raises LaminaError on an unknown option or choice.
+    """
+
+    name = "weidlich_wilkie"
+    stochastic = False
+
+    def __init__(self, stack: Stack, **options: str):
+        for key, value in options.items():
+            if key not in OPTIONS:
+                raise LaminaError(f"model {self.name}: unknown option {key!r}; choose {', '.join(OPTIONS)}")
+            if value not in OPTIONS[key]:
+                raise LaminaError(f"model {self.name}: unknown {key} {value!r}; choose {', '.join(OPTIONS[key])}")
+        self.options = {key: options.get(key, choices[0]) for key, choices in OPTIONS.items()}
+        self.stack = stack
+        self.interfaces = interfaces(stack)
+        self._facets = tuple(self._make_facets(s.alpha, s.distribution) for s in self.interfaces)
+        self._base_facets = None
+        if stack.base.kind == "conductor":
+            alpha = float(alpha_from_roughness(stack.base["roughness"]))
+            self._base_facets = self._make_facets(alpha, stack.base["distribution"])
+            eta, k = conductor_index(stack.base)
+            self._base_index = eta / n_above_base(stack), k / n_above_base(stack)
+
+    def _make_facets(self, alpha: float, kind: str) -> _Facets:
+        kind = microfacet.BLINN if self.options["distribution"] == "blinn" else kind
+        return _Facets(alpha, kind, self.options["masking"] == "v_cavity")
+
+    def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """BRDF (..., 3) in 1/sr without cosine; mirror-like components have none and count as 0."""
+        return sum(self.components(wo, wi))
+
+    def components(self, wo: np.ndarray, wi: np.ndarray) -> list[np.ndarray]:
+        """The summands of eq. 2, unrolled: one (..., 3) per interface from the top, the base last."""
+        wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
+        visible = (wo[..., 2] > 0.0) & (wi[..., 2] > 0.0)
+        carried = np.where(visible, 1.0, 0.0)[..., None] * np.ones(3)
+        parts = []
+        for surface, facets in zip(self.interfaces, self._facets):
+            wh = half_vector(wi, wo)
+            cos_h = np.clip(dot(wi, wh), 0.0, 1.0)
+            reflected = fresnel_dielectric(cos_h, surface.eta) * facets.lobe(wi, wo, wh)
+            parts.append(carried * reflected[..., None])
+            carried, wi, wo = self._cross(surface, facets, carried, wi, wo, wh)
+        parts.append(carried * self._base(wi, wo))
+        return parts
+
+    def _cross(self, surface, facets, carried, wi, wo, wh):
+        """T12 a t of eq. 2 times `carried`, and the two refraction directions."""
+        normal = wh if self.options["refraction"] == "half_vector" else np.broadcast_to(_NORMAL, wh.shape)
+        eta = surface.eta
+        cos_i, cos_o = np.clip(dot(wi, normal), 0.0, 1.0), np.clip(dot(wo, normal), 0.0, 1.0)
+        t12 = 1.0 - fresnel_dielectric(cos_i, eta)
+        wi_below, wo_below = _refract(wi, normal, cos_i, eta), _refract(wo, normal, cos_o, eta)
+        # Fresnel is the same from either side of a refracted path, so T21 needs no second formula
+        t21 = 1.0 - fresnel_dielectric(cos_o, eta)
+        if self.options["compensation"] == "interface":
+            g = facets.masking(wi, wo, wh)
+            t21 = (1.0 - g) + t21 * g
+        above = (wi_below[..., 2] > 0.0) & (wo_below[..., 2] > 0.0)
+        factor = np.where(above, t12 * t21, 0.0)[..., None] * self._absorption(surface.tau, wi_below, wo_below)
+        return carried * factor, wi_below, wo_below
+
+    def _absorption(self, tau, wi, wo) -> np.ndarray:
+        cos_i, cos_o = np.clip(wi[..., 2], 1e-6, 1.0), np.clip(wo[..., 2], 1e-6, 1.0)
+        if self.options["absorption"] == "inverse_angle":
+            cos_i, cos_o = np.maximum(np.arccos(cos_i), 1e-6), np.maximum(np.arccos(cos_o), 1e-6)
+        return np.exp(-tau * (1.0 / cos_i + 1.0 / cos_o)[..., None])
+
+    def _base(self, wi, wo) -> np.ndarray:
+        base = self.stack.base
+        if base.kind == "lambert":
+            return np.array(base["color"]) / np.pi
+        if base.kind == "oren_nayar":
+            model = oren_nayar_1994 if self.options["oren_nayar"] == "qualitative_1994" else oren_nayar
+            return model(wi, wo, base["color"], base["sigma_deg"])
+        wh = half_vector(wi, wo)
+        fresnel = fresnel_conductor(dot(wi, wh)[..., None], *self._base_index)
+        return fresnel * self._base_facets.lobe(wi, wo, wh)[..., None]
+
+    def albedo(self, wo: np.ndarray) -> np.ndarray:
+        """Directional albedo (..., 3), mirror-like components included."""
+        wo = np.asarray(wo, float)
+        facets = [*self._facets, *([self._base_facets] if self._base_facets else [])]
+        # the cosine power of Blinn and a Beckmann lobe of the same alpha are close enough to share samples
+        lobes = [(microfacet.BECKMANN if f.kind == microfacet.BLINN else f.kind, f.alpha) for f in facets]
+        return directional_albedo(self.f, wo, lobes) + self._mirror_albedo(wo)
+
+    def _mirror_albedo(self, wo) -> np.ndarray:
+        """Energy of the mirror-like components: their delta sits at h = n, where D integrates to 1."""
+        wi = wo * np.array([-1.0, -1.0, 1.0])
+        carried, total, top_cos, n_above = np.ones(wo.shape), np.zeros(wo.shape), wo[..., 2], 1.0
+        for surface, facets in zip(self.interfaces, self._facets):
+            if is_specular(facets.alpha):
+                fresnel = fresnel_dielectric(wo[..., 2], surface.eta)
+                total = total + carried * (fresnel * self._delta_energy(wo, top_cos, n_above))[..., None]
+            carried, wi, wo = self._cross(surface, facets, carried, wi, wo, half_vector(wi, wo))
+            n_above = surface.n_below
+        if self._base_facets and is_specular(self._base_facets.alpha):
+            fresnel = fresnel_conductor(wo[..., 2, None], *self._base_index)
+            total = total + carried * fresnel * self._delta_energy(wo, top_cos, n_above)[..., None]
+        return total
+
+    def _delta_energy(self, wo, top_cos, n_above):
+        """What is left of a delta that eq. 1 evaluates inside, integrated over wi outside.
+
+        dwi = 4 cos(h) dh about the shared half vector; n^2 cos_i' / cos_i dwi' about the surface normal.
+        """
+        if self.options["refraction"] == "half_vector":
+            return np.square(top_cos / np.maximum(wo[..., 2], 1e-12))
+        return np.full(wo.shape[:-1], n_above**2)
+
+
+def _refract(w, normal, cos_n, eta):
+    """Refract w (leaving the surface) about `normal` into the medium below; the result leaves the next surface.
+
+    Under total reflection the direction grazes; its transmittance is 0 anyway.
+    """
+    cos_t = np.sqrt(np.maximum(1.0 - (1.0 - np.square(cos_n)) / np.square(eta), 0.0))
+    return w / eta + (cos_t - cos_n / eta)[..., None] * normal

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One weighted closure of a network, as numbers for given views."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class SchlickCurve:
+    """Fresnel curve f0 + (f90 - f0) (1 - cos(wi, wh))^5 of a lobe; f0 and f90 are (..., 3)."""
+
+    f0: np.ndarray
+    f90: np.ndarray
+
+
+@dataclass(frozen=True)
+class DielectricCurve:
+    """The exact Fresnel curve of a dielectric of relative index eta."""
+
+    eta: float
+
+
+@dataclass(frozen=True)
+class GlossyLobe:
+    """A microfacet reflection lobe.
+
+    weight (..., 3); alpha_x along and alpha_y across the plane of incidence; `tilt` turns the lobe's normal
+    by that angle in radians towards the viewer; `fresnel` acts on the half vector.
+    """
+
+    distribution: str
+    weight: np.ndarray
+    alpha_x: np.ndarray
+    alpha_y: np.ndarray
+    tilt: np.ndarray = np.float64(0.0)
+    fresnel: SchlickCurve | DielectricCurve | None = None
+
+
+@dataclass(frozen=True)
+class DiffuseLobe:
+    """Lambert of albedo `weight` (..., 3), or, where `sigma_deg` is given, weight times Oren-Nayar of `color`."""
+
+    weight: np.ndarray
+    color: tuple[float, float, float] | None = None
+    sigma_deg: float = 0.0

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Diffuse bases: the energy-preserving Oren-Nayar model that Cycles renders, and the one of 1994.
+
+`oren_nayar` is the improved form of Fujii 2012 with the multiple-scattering term of OpenPBR 1.0.
+Its roughness parameter is B / A of OrenNayar94, so a standard deviation in degrees means the same
+facet statistics in both.
+"""
+
+import numpy as np
+
+from ..frame import dot
+
+_G0 = 0.5 * np.pi - 2.0 / 3.0
+
+
+def _coefficients_1994(sigma_deg):
+    sigma2 = np.square(np.radians(sigma_deg))
+    return 1.0 - 0.5 * sigma2 / (sigma2 + 0.33), 0.45 * sigma2 / (sigma2 + 0.09)
+
+
+def fujii_roughness(sigma_deg):
+    """Roughness of Fujii's form, B / A of OrenNayar94 at this standard deviation in degrees."""
+    a, b = _coefficients_1994(sigma_deg)
+    return b / a
+
+
+def _directional_g(cos_theta: np.ndarray) -> np.ndarray:
+    """G of the albedo a pi + b G(theta); a Taylor expansion where tan(theta) would overflow."""
+    cos_theta = np.clip(cos_theta, 0.0, 1.0)
+    safe = np.maximum(cos_theta, 1e-6)
+    sin_theta = np.sqrt(np.maximum(1.0 - safe * safe, 0.0))
+    g = sin_theta * (np.arccos(safe) - 2.0 / 3.0 - sin_theta * safe) + 2.0 / 3.0 * (sin_theta / safe) * (1.0 - sin_theta**3)
+    return np.where(cos_theta < 1e-6, _G0 - cos_theta, g)
+
+
+def oren_nayar(wi: np.ndarray, wo: np.ndarray, color: np.ndarray, sigma_deg: float) -> np.ndarray:
+    """f in 1/sr, (..., 3), for directions above the surface (Fujii 2012; OpenPBR 1.0, diffuse lobe)."""
+    color = np.asarray(color, float)
+    sigma = fujii_roughness(sigma_deg)
+    cos_i, cos_o = np.maximum(wi[..., 2], 0.0), np.maximum(wo[..., 2], 0.0)
+    if sigma == 0.0:
+        return np.broadcast_to(color / np.pi, np.broadcast_shapes(cos_i.shape, cos_o.shape) + (3,)).copy()
+    a = 1.0 / (np.pi + sigma * _G0)
+    b = sigma * a
+    t = dot(wi, wo) - cos_i * cos_o
+    t = np.where(t > 0.0, t / np.maximum(np.maximum(cos_i, cos_o), 1e-30), t)
+    mean = a * np.pi + (2.0 * np.pi - 5.6) / 3.0 * b
+    # Cycles multiplies OpenPBR's color^2 by the closure's own color once more; what it renders is what we mean.
+    multiple = color**3 * (mean / (1.0 - mean)) / (np.pi * (1.0 - color * (1.0 - mean)))
+    lost_o = 1.0 - (a * np.pi + b * _directional_g(cos_o))
+    lost_i = 1.0 - (a * np.pi + b * _directional_g(cos_i))
+    return color * (a + b * t)[..., None] + multiple * (lost_o * lost_i)[..., None]
+
+
+def oren_nayar_1994(wi: np.ndarray, wo: np.ndarray, color: np.ndarray, sigma_deg: float) -> np.ndarray:
+    """The qualitative model of OrenNayar94 (eq. 30), in 1/sr, (..., 3); loses energy at grazing angles."""
+    a, b = _coefficients_1994(sigma_deg)
+    cos_i, cos_o = np.maximum(wi[..., 2], 1e-12), np.maximum(wo[..., 2], 1e-12)
+    sin_sin_cos_phi = dot(wi, wo) - cos_i * cos_o
+    # sin(max angle) tan(min angle) cos(phi) = sin_i sin_o cos(phi) / max(cos)
+    lobe = a + b * np.maximum(sin_sin_cos_phi, 0.0) / np.maximum(cos_i, cos_o)
+    return np.asarray(color, float) / np.pi * lobe[..., None]

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Unpolarised Fresnel reflectance of dielectrics and conductors (Born and Wolf 1999, sections 1.5 and 14.4)."""
+
+import numpy as np
+
+
+def cos_theta_t(cos_theta_i: np.ndarray, eta_it) -> np.ndarray:
+    """Cosine of the refracted angle for eta_it = n_t / n_i; 0 under total internal reflection."""
+    return np.sqrt(np.maximum(1.0 - (1.0 - np.square(cos_theta_i)) / np.square(eta_it), 0.0))
+
+
+def fresnel_dielectric(cos_theta_i: np.ndarray, eta_it) -> np.ndarray:
+    """Reflectance of a dielectric interface for light that meets it at cos_theta_i >= 0.
+
+    eta_it = n_t / n_i in travel direction; 1 beyond the critical angle.
+    """
+    cos_i = np.clip(cos_theta_i, 0.0, 1.0)
+    eta = np.asarray(eta_it, float)
+    sin2_t = (1.0 - np.square(cos_i)) / np.square(eta)
+    cos_t = np.sqrt(np.maximum(1.0 - sin2_t, 0.0))
+    # At grazing incidence with eta = 1 both quotients are 0 / 0: such an interface reflects nothing.
+    with np.errstate(invalid="ignore", divide="ignore"):
+        r_s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t)
+        r_p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t)
+        reflectance = 0.5 * (np.square(r_s) + np.square(r_p))
+    reflectance = np.where(sin2_t >= 1.0, 1.0, reflectance)
+    return np.where(eta == 1.0, 0.0, reflectance)
+
+
+def fresnel_conductor(cos_theta_i: np.ndarray, eta, k) -> np.ndarray:
+    """Reflectance of a conductor of complex index eta + i k relative to the medium above. Broadcasts."""
+    cos_i = np.clip(cos_theta_i, 0.0, 1.0)
+    cos2 = np.square(cos_i)
+    sin2 = 1.0 - cos2
+    eta2, k2 = np.square(eta), np.square(k)
+    t0 = eta2 - k2 - sin2
+    a2_plus_b2 = np.sqrt(np.square(t0) + 4.0 * eta2 * k2)
+    a = np.sqrt(np.maximum(0.5 * (a2_plus_b2 + t0), 0.0))
+    r_s = (a2_plus_b2 + cos2 - 2.0 * cos_i * a) / (a2_plus_b2 + cos2 + 2.0 * cos_i * a)
+    t3 = cos2 * a2_plus_b2 + np.square(sin2)
+    t4 = 2.0 * cos_i * a * sin2
+    r_p = r_s * (t3 - t4) / (t3 + t4)
+    return 0.5 * (r_s + r_p)
