@@ -1,14 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Structure of a Lamina material: which layers, in which order, of which kind. Values live in node sockets."""
+"""Structure of a Lamina material: which layers, in which order, of which kind. Values live in node sockets.
 
-from collections.abc import Iterator
+No property here can be animated: an f-curve moves a property without calling its update function, so the shader
+would not follow.
+"""
+
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, PointerProperty, StringProperty
 
 from ..reference_py.network import DEFAULT_TIER, TIERS
-from ..reference_py.schema import SCHEMA, SCHEMA_VERSION, Kind
+from ..reference_py.schema import SCHEMA, SCHEMA_VERSION, Kind, Schema
+
+_NOT_ANIMATABLE: set[str] = set()
+_ACRONYMS = {"ggx": "GGX"}
 
 _quiet = False
 
@@ -24,15 +31,23 @@ def quietly() -> Iterator[None]:
         _quiet = before
 
 
-def _structure_changed(element, _context) -> None:
+def _update(name: str) -> Callable:
+    """An update function that tells which property was set."""
+
+    def update(group, _context) -> None:
+        if not _quiet:
+            from . import material
+
+            material.structure_changed(group.id_data, name)
+
+    return update
+
+
+def _renamed(element, _context) -> None:
     if not _quiet:
-        from . import material
+        from . import elements
 
-        material.structure_changed(element.id_data)
-
-
-def all_kinds() -> tuple[Kind, ...]:
-    return (*SCHEMA.layers.values(), *SCHEMA.bases.values())
+        elements.show_name(element)
 
 
 def given_choices(kind: Kind) -> list[str]:
@@ -40,51 +55,82 @@ def given_choices(kind: Kind) -> list[str]:
     return ["+".join(group) for group in kind.alternatives]
 
 
-def _enum(choices, label: str, help_text: str, default: str | None = None) -> EnumProperty:
-    items = [(c, c.replace("_", " ").replace("+", " and ").capitalize(), "") for c in choices]
-    return EnumProperty(name=label, description=help_text, items=items, default=default or choices[0], update=_structure_changed)
+def choice_label(choice: str) -> str:
+    """How a choice of the schema reads in a menu."""
+    return _ACRONYMS.get(choice, choice.replace("_", " ").title())
 
 
-def _structure_annotations() -> dict:
-    """One enum per structural parameter of the schema, and one that says which alternative is given."""
-    annotations = {p.name: _enum(p.choices, p.label, p.help, p.default) for kind in all_kinds() for p in kind.structure}
-    given = [choice for kind in all_kinds() for choice in given_choices(kind)]
-    annotations["given"] = _enum(given, "Given By", "Which parameters describe the metal")
-    annotations["kind"] = _enum([k.name for k in all_kinds()], "Kind", "What this layer or base is")
+def _enum(name: str, items: list[tuple[str, str]], label: str, help_text: str, default: str) -> EnumProperty:
+    return EnumProperty(
+        name=label,
+        description=help_text,
+        items=[(item, text, "") for item, text in items],
+        default=default,
+        options=_NOT_ANIMATABLE,
+        update=_update(name),
+    )
+
+
+def structure_annotations(schema: Schema) -> dict:
+    """One enum per structural parameter of the schema, and `given`, which says which alternative describes a kind."""
+    kinds = (*schema.layers.values(), *schema.bases.values())
+    annotations = {
+        p.name: _enum(p.name, [(c, choice_label(c)) for c in p.choices], p.label, p.help, p.default)
+        for kind in kinds
+        for p in kind.structure
+    }
+    given = [
+        (choice, " and ".join(kind.parameter(name).label for name in group))
+        for kind in kinds
+        for choice, group in zip(given_choices(kind), kind.alternatives)
+    ]
+    if given:
+        annotations["given"] = _enum("given", given, "Given By", "What describes this material", given[0][0])
     return annotations
 
 
 class LaminaElement(bpy.types.PropertyGroup):
     """A layer or the base. `name` is the user's label, `node` the name of its group node, which never changes."""
 
+    name: StringProperty(name="Name", description="Name of this layer; double-click to change it", update=_renamed)
     node: StringProperty()
+    kind: StringProperty(description="A layer or base kind of the schema")
     visible: BoolProperty(
-        name="Visible", description="Let this layer take part in the material", default=True, update=_structure_changed
+        name="Visible",
+        description="Let this layer take part in the material",
+        default=True,
+        options=_NOT_ANIMATABLE,
+        update=_update("visible"),
     )
     unknown: StringProperty(description="JSON of the keys that this version does not know")
 
 
-LaminaElement.__annotations__.update(_structure_annotations())
+LaminaElement.__annotations__.update(structure_annotations(SCHEMA))
 
 
 class LaminaMaterial(bpy.types.PropertyGroup):
     """Structure of one material; empty `base.node` means that it is not a Lamina material."""
 
     layers: CollectionProperty(type=LaminaElement)
-    active_layer: IntProperty(name="Active Layer")
+    active_layer: IntProperty(
+        name="Active Layer", description="Layer shown below the list", min=0, options=_NOT_ANIMATABLE
+    )
     base: PointerProperty(type=LaminaElement)
     tier: EnumProperty(
         name="Tier",
         description="How the stack is told to Cycles",
         items=[(name, name.replace("_", " ").title(), "") for name in TIERS],
         default=DEFAULT_TIER,
-        update=_structure_changed,
+        options=_NOT_ANIMATABLE,
+        update=_update("tier"),
     )
     stack_name: StringProperty(name="Name", description="Name of the stack")
     source: StringProperty(name="Source", description="Where the stack's numbers come from")
     unknown: StringProperty(description="JSON of the keys that this version does not know")
     schema_version: IntProperty(default=SCHEMA_VERSION)
     shader_node: StringProperty(description="Name of the Script node")
+    lobe_count: IntProperty(description="Lobes of the generated shader")
+    problem: StringProperty(description="Why the shader does not follow the structure", options={"SKIP_SAVE"})
 
     @property
     def is_layered(self) -> bool:

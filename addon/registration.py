@@ -3,18 +3,26 @@
 
 import bpy
 
-from . import properties
+from . import operators, panel, properties
+from .cli.main import run
 
-CLASSES = (*properties.CLASSES,)
+# Kept for unregister: Blender gives the command as a handle.
+_command = None
+
+CLASSES = (*properties.CLASSES, *operators.CLASSES, *panel.CLASSES)
 
 
 def register() -> None:
+    """Add the classes, the materials' property and the command `blender --command lamina ...`."""
+    global _command
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.Material.lamina = bpy.props.PointerProperty(type=properties.LaminaMaterial)
+    _command = bpy.utils.register_cli_command("lamina", run)
 
 
 def unregister() -> None:
+    bpy.utils.unregister_cli_command(_command)
     del bpy.types.Material.lamina
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The generated shader in a material: a Text datablock, its Script node, and the proof that it compiled."""
 
+import hashlib
+import re
+
 import bpy
 
 from ..reference_py.errors import LaminaError
 from .network.osl import Shader
-from .rendering.environment import osl_available
+from .rendering import environment
 
 
 def require_osl() -> None:
     """Raise LaminaError where Script nodes cannot work, before anything is changed."""
-    available, reason = osl_available()
+    available, reason = environment.osl_available()
     if not available:
         raise LaminaError(
             f"Lamina needs Cycles with OSL, and {reason}; use a Blender from blender.org, with CPU or OptiX rendering"
@@ -19,6 +22,7 @@ def require_osl() -> None:
 
 def enable_osl(scene: bpy.types.Scene) -> list[str]:
     """Switch a scene to Cycles with OSL. Returns one sentence per thing that was changed, for the user to see."""
+    require_osl()
     notices = []
     if scene.render.engine != "CYCLES":
         notices.append(f"render engine of {scene.name} set to Cycles (was {scene.render.engine})")
@@ -29,18 +33,55 @@ def enable_osl(scene: bpy.types.Scene) -> list[str]:
     return notices
 
 
+def scene_problem(scene: bpy.types.Scene) -> str:
+    """Which setting of a scene `enable_osl` would change for Script nodes to render; empty when none."""
+    if scene.render.engine != "CYCLES":
+        return "The render engine is not Cycles"
+    return "" if scene.cycles.shading_system else "Open Shading Language is switched off"
+
+
+def device_problem(scene: bpy.types.Scene, preferences: bpy.types.Preferences) -> str:
+    """Why a scene's render device would ignore Script nodes; empty when it does not."""
+    cycles = preferences.addons.get("cycles")
+    device = cycles.preferences.compute_device_type if cycles else "NONE"
+    if scene.cycles.device == "GPU" and device not in ("NONE", "OPTIX"):
+        return f"{device} devices cannot run Open Shading Language; render on the CPU or with OptiX"
+    return ""
+
+
 def text_of(shader: Shader) -> bpy.types.Text:
-    """The Text datablock that holds the shader. A text of that name edited by hand is left alone, a new one is made."""
+    """The Text datablock that holds the shader. A text of its name that somebody edited is left alone."""
     name = f"{shader.name}.osl"
-    text = bpy.data.texts.get(name)
-    if text is None or text.library is not None or text.as_string() != shader.text:
-        text = bpy.data.texts.new(name)
-        text.from_string(shader.text)
+    for text in bpy.data.texts:
+        if text.library is None and text.name.startswith(name) and text.as_string() == shader.text:
+            return text
+    text = bpy.data.texts.new(name)
+    text.from_string(shader.text)
     return text
 
 
+def drop_text(text: bpy.types.Text | None) -> None:
+    """Remove a generated text that no node uses any more. A text edited by hand stays."""
+    if text is None or text.library is not None or not _is_untouched(text.as_string()):
+        return
+    if not bpy.data.user_map(subset={text})[text]:
+        bpy.data.texts.remove(text)
+
+
+def _is_untouched(text: str) -> bool:
+    """Whether a shader's text still has the hash that its name states."""
+    match = re.search(r"\bshader (lamina_([0-9a-f]{12}))\(", text)
+    return bool(match) and hashlib.sha256(text.replace(match[1], "@SHADER@").encode()).hexdigest().startswith(match[2])
+
+
+def holds(node: bpy.types.ShaderNodeScript, shader: Shader) -> bool:
+    """Whether a Script node has this very shader, compiled, with all its sockets."""
+    text = node.script
+    return text is not None and text.as_string() == shader.text and bool(node.bytecode) and not _missing(node, shader)
+
+
 def set_script(node: bpy.types.ShaderNodeScript, shader: Shader) -> None:
-    """Give a Script node the shader and compile it into the node.
+    """Give a new Script node the shader and compile it into the node.
 
     Raises LaminaError with the compiler's words when sockets are missing afterwards: Cycles would render such a
     node white without an error.
@@ -50,11 +91,15 @@ def set_script(node: bpy.types.ShaderNodeScript, shader: Shader) -> None:
     log: list[str] = []
     node.mode = "INTERNAL"
     node.script = text_of(shader)
-    cycles.osl.update_script_node(node, lambda level, message: log.append(message))
-    wanted = {i.osl_name for i in shader.inputs}
-    missing = sorted(wanted - {socket.identifier for socket in node.inputs})
-    if missing or "BSDF" not in {socket.identifier for socket in node.outputs}:
+    if _missing(node, shader):  # setting the script compiles it only while the window's scene renders with Cycles
+        cycles.osl.update_script_node(node, lambda level, message: log.append(message))
+    missing = _missing(node, shader)
+    if missing:
         said = " ".join(log) or "the compiler said nothing"
-        raise LaminaError(f"the shader {shader.name} did not compile, sockets missing: {', '.join(missing) or 'BSDF'}; {said}")
-    for socket in [s for s in node.inputs if s.identifier not in wanted]:
-        node.inputs.remove(socket)
+        raise LaminaError(f"the shader {shader.name} did not compile, sockets missing: {', '.join(missing)}; {said}")
+
+
+def _missing(node, shader: Shader) -> list[str]:
+    """Sockets that the shader needs and the node has not."""
+    present = {socket.identifier for socket in (*node.inputs, *node.outputs)}
+    return sorted({"BSDF", *(i.osl_name for i in shader.inputs)} - present)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The contact sheet: ten looks on the same ball, on one page. Run with the bpy wheel:
 
-    python -m lamina.demo_blend.contact_sheet OUT.png [--tile 320] [--samples 32] [--columns 5]
+    python -m lamina.demo_blend.contact_sheet OUT.png [--tile 320] [--samples 24] [--columns 5]
 """
 
 import argparse
@@ -15,7 +15,8 @@ from ..reference_py.errors import LaminaError
 
 # label, note, inputs of the stock Principled BSDF (colours linear)
 STOCK = [
-    ("Coated red paint", "clear coat over matt", {"Base Color": (0.52, 0.008, 0.01), "Roughness": 0.6, "Coat Weight": 1.0}),
+    ("Coated red paint", "clear coat over matt", {"Base Color": (0.52, 0.008, 0.01), "Roughness": 0.6,
+                                                  "Coat Weight": 1.0}),
     ("Copper", "polished", {"Base Color": (0.95, 0.56, 0.41), "Metallic": 1.0, "Roughness": 0.12}),
     ("Frosted metal", "bead blasted", {"Base Color": (0.8, 0.81, 0.82), "Metallic": 1.0, "Roughness": 0.42}),
     ("Car paint", "metallic blue", {"Base Color": (0.01, 0.09, 0.36), "Metallic": 0.85, "Roughness": 0.38,
@@ -42,8 +43,8 @@ def stock_tile(label: str, note: str, inputs: dict[str, float | tuple[float, ...
 def main() -> int:
     parser = argparse.ArgumentParser(description="Render ten looks on one page.")
     parser.add_argument("out", help="PNG to write")
-    parser.add_argument("--tile", type=int, default=320, help="pixels along a tile's side")
-    parser.add_argument("--samples", type=int, default=32)
+    parser.add_argument("--tile", type=int, default=240, help="pixels along a tile's side")
+    parser.add_argument("--samples", type=int, default=24)
     parser.add_argument("--columns", type=int, default=5)
     given = parser.parse_args()
     ensure_osl_query_on_path()

@@ -36,6 +36,16 @@ def replacing(path: str | os.PathLike) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
+def require_writable(path: str | os.PathLike) -> None:
+    """Raise LaminaError now if `path` could not be written later, before long work starts."""
+    folder = Path(path).parent
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise LaminaError(f"{path}: cannot write into folder {folder}: {error.strerror}") from None
+
+
 def write_text(path: str | os.PathLike, text: str) -> None:
     """Write UTF-8 text, whole or not at all. Raises LaminaError."""
     with replacing(path) as temporary:

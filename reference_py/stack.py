@@ -99,16 +99,19 @@ class Stack:
     def from_json(cls, text: str, where: str = "stack") -> "Stack":
         try:
             data = json.loads(text, parse_constant=_no_constant)
+            json.dumps(data, ensure_ascii=False).encode()
         except json.JSONDecodeError as error:
             raise LaminaError(f"{where}: not valid JSON at line {error.lineno} column {error.colno}: {error.msg}") from None
         except LaminaError as error:
             raise LaminaError(f"{where}: {error}") from None
+        except UnicodeEncodeError as error:
+            raise LaminaError(f"{where}: text holds half a character, {ascii(error.object[error.start])}") from None
         except (RecursionError, ValueError) as error:
             raise LaminaError(f"{where}: not readable as JSON: {error or 'nested too deeply'}") from None
         return cls.from_dict(data, where)
 
     def to_json(self) -> str:
-        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False) + "\n"
+        return _json_text(self.to_dict()) + "\n"
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Stack":
@@ -128,6 +131,17 @@ class Stack:
     def save(self, path: str | os.PathLike) -> None:
         """Write the stack as JSON, whole or not at all. Raises LaminaError when the path is not writable."""
         write_text(path, self.to_json())
+
+
+def _json_text(value, indent: str = "") -> str:
+    """JSON with two spaces of indent and every list of plain numbers on one line: people read stack files too."""
+    inner = indent + "  "
+    if isinstance(value, dict) and value:
+        rows = [f"{inner}{json.dumps(k, ensure_ascii=False)}: {_json_text(v, inner)}" for k, v in value.items()]
+        return "{\n" + ",\n".join(rows) + f"\n{indent}}}"
+    if isinstance(value, list) and any(isinstance(v, (dict, list)) for v in value):
+        return "[\n" + ",\n".join(inner + _json_text(v, inner) for v in value) + f"\n{indent}]"
+    return json.dumps(value, ensure_ascii=False)
 
 
 def _no_constant(token: str):

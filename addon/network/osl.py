@@ -18,6 +18,8 @@ from ...reference_py.stack import Element, Stack
 
 PARTS = Path(__file__).resolve().parents[2] / "osl"
 BASE = "Base"
+# Below this alpha a lobe takes Cycles' anisotropic path (osl/narrow.h); above it the isotropic one is within 1e-4.
+NARROW_ALPHA = 0.06
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,7 @@ def generate(stack: Stack, tier: str, schema: Schema = SCHEMA) -> Shader:
         BECKMANNS=_list(_beckmann(layer) for layer in stack.layers) or "0",
         TAUS=_list(f"optical_depth({layer_owner(i)}Tint, {layer_owner(i)}Thickness)" for i in surfaces) or "color(0.0)",
         MIN_COS_O=f"{MIN_COS_O:g}",
+        TANGENT=_fill("tangent.osl") if _has_glossy(stack) else "",
         LOBES="".join(_lobes(stack)),
         SUM=_right_nested([f"lobe_{i}" for i in range(count + 1)]),
     )
@@ -95,7 +98,8 @@ def _functions(stack: Stack) -> str:
     """The parts that this structure calls, each once, callees first."""
     texts = []
     conductor = stack.base.kind == "conductor"
-    if stack.layers or conductor:
+    if _has_glossy(stack):
+        texts.append(_fill("narrow.h", NARROW_ALPHA=f"{NARROW_ALPHA:g}"))
         texts += [_fill("fresnel_dielectric.h"), _fill("masking.h"), _fill("carried.h")]
     if stack.layers:
         texts.append(_fill("medium.h", TINT_FLOOR=f"{TINT_FLOOR:g}"))
@@ -109,6 +113,10 @@ def _functions(stack: Stack) -> str:
     elif stack.layers:
         texts.append(_fill("weight_diffuse.h", NODE_COUNT=NODE_COUNT, NODES=_node_arrays()))
     return "\n".join(texts)
+
+
+def _has_glossy(stack: Stack) -> bool:
+    return bool(stack.layers) or stack.base.kind == "conductor"
 
 
 def _weight_glossy(parameters: str, fresnel: str) -> str:
@@ -140,7 +148,8 @@ def _lobes(stack: Stack) -> list[str]:
             )
         )
     else:
-        left = f"weight_diffuse({index}, n, alpha, beckmann, tau, view_z)" if stack.layers else "color(1.0)"
+        sigma = "base_sigma" if base.kind == "oren_nayar" else "0.0"
+        left = f"weight_diffuse({index}, n, alpha, beckmann, tau, view_z, {sigma})" if stack.layers else "color(1.0)"
         lobes.append(_fill(f"lobe_{base.kind}.osl", INDEX=index, LEFT=left))
     return lobes
 

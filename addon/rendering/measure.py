@@ -17,7 +17,8 @@ from .images import read_exr
 from .settings import add_object, measurement_settings, node_tree, render_to, scratch_scene
 
 CAMERA_DISTANCE = 100.0
-FURNACE_VIEW_WIDTH = 1e-3  # of the orthographic camera over the plane: grazing rays then start above it up to 89.999 deg
+# of the orthographic camera over the plane: so narrow, grazing rays start above the plane up to 89.999 deg
+FURNACE_VIEW_WIDTH = 1e-3
 
 
 def _orthographic_camera(scene: bpy.types.Scene, width: float) -> bpy.types.Object:
@@ -52,9 +53,12 @@ def render_sun_sphere(material: bpy.types.Material, sun_theta_deg: float, size: 
       position (size, size, 3)  hit point in sphere radii
       mask (size, size)         True on the sphere
       wi, wo (3,)               unit directions to the sun and to the viewer
-    all in world axes. Poles are on y and tangents of UVMap run around y. One sample, no bounces, no noise: against
-    float64 formulas wide lobes agree to about 1e-6, narrow ones to float32's 1 - cos^2 (relative error of D about
-    6e-8 / alpha^2, because Cycles computes sin^2 of the half vector's angle so).
+    all in world axes. Poles are on y and tangents of UVMap run around y. One sample, no bounces, no noise.
+
+    Precision [measured against float64 formulas]: lobes of alpha .3 and more agree to 1e-6 (median). Narrower isotropic
+    ones carry Cycles' own float32 error of 1 - cos^2 of the half angle: relative error 6e-8 / alpha^2 (median),
+    3e-7 / alpha^2 (99 %), so 2 and 7 % at alpha .002. With alpha_x and alpha_y apart by one part in a million, Cycles
+    uses the half vector's x and y instead: 1e-5 and 1e-4 at alpha .002.
     Raises LaminaError for an angle out of range or a window beside the sphere.
     """
     x, y, half = window

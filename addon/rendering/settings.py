@@ -13,11 +13,11 @@ from .environment import osl_available
 
 
 def node_tree(owner: bpy.types.ID) -> bpy.types.NodeTree:
-    """Node tree of a material, world or light, made when there is none.
+    """Node tree of a new material, world or light, made when there is none.
 
     From Blender 5.0 on new materials and worlds have one, and setting `use_nodes` is deprecated.
     """
-    if owner.node_tree is None or not owner.use_nodes:
+    if owner.node_tree is None:
         owner.use_nodes = True
     return owner.node_tree
 

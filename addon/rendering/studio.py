@@ -30,7 +30,7 @@ class Studio(NamedTuple):
         bpy.data.batch_remove(self.owned)
 
 
-def build_ball_scene(material: bpy.types.Material | None = None, tile_px: int = 320, samples: int = 32, *,
+def build_ball_scene(material: bpy.types.Material | None = None, tile_px: int = 320, samples: int = 24, *,
                      name: str = "Lamina Studio") -> Studio:
     """New scene with one ball (radius 1 m) of `material`, camera, lights and render settings, ready to render.
 

@@ -7,18 +7,23 @@ its distance from one is the network's error.
 
 import numpy as np
 
-from ..frame import dot, half_vector
+from ..frame import dot, half_vector, normalize, reflect
 from ..network import DEFAULT_TIER, make_network
 from ..network.lobe import DielectricCurve, DiffuseLobe, GlossyLobe, SchlickCurve
 from ..optics.diffuse import oren_nayar
 from ..optics.fresnel import fresnel_dielectric
 from ..optics.microfacet import GGX, is_specular, smith_lambda
+from ..optics.sampling import components, projected_area, sample_visible_normals, vectors
 from ..stack import Stack
-from .quadrature import directional_albedo
+from .quadrature import cosine_directions, directional_albedo
+
+
+# Share of its weight that a lobe keeps where its Fresnel factor vanishes, as the factor rises around that view.
+_LEAST_SHARE = 1e-3
 
 
 class Mirror:
-    """f and albedo of the network of `tier`."""
+    """The network of `tier`."""
 
     name = "mirror"
     stochastic = False
@@ -42,9 +47,86 @@ class Mirror:
         widths = [(lobe.distribution, float(np.max(lobe.alpha_x))) for lobe in glossy]
         total = directional_albedo(self.f, wo, widths)
         for lobe in glossy:
-            if is_specular(np.max(lobe.alpha_x)):
+            if _is_mirror(lobe):
                 total = total + lobe.weight * _fresnel(lobe, wo[..., 2])
         return total
+
+    def sample(self, wo: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+        """One light direction (..., 3) per wo and whether it is above the horizon, (...).
+
+        A lobe is picked by its energy at the view and sampled by its visible normals or cosine, as in Cycles.
+        Mirror-like lobes are never picked; null vectors where there are no others.
+        """
+        wo = np.asarray(wo, float)
+        flat = wo.reshape(-1, 3)
+        lobes, shares = self._finite_lobes(flat)
+        bounds = np.cumsum(shares, axis=-1)[:, :-1]
+        chosen = np.sum(rng.random(len(flat))[:, None] >= bounds, axis=-1)
+        wi = np.zeros(flat.shape)
+        for i, lobe in enumerate(lobes):
+            wi = np.where((chosen == i)[:, None], _sample_lobe(lobe, flat, rng), wi)
+        valid = (wi[:, 2] > 0.0) & (flat[:, 2] > 0.0)
+        return wi.reshape(wo.shape), valid.reshape(wo.shape[:-1])
+
+    def pdf(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """Density (...) in 1/sr of `sample` for wi on the whole sphere; 0 for viewers below the horizon."""
+        wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
+        flat_o, flat_i = wo.reshape(-1, 3), wi.reshape(-1, 3)
+        lobes, shares = self._finite_lobes(flat_o)
+        total = sum((shares[:, i] * _lobe_density(lobe, flat_o, flat_i) for i, lobe in enumerate(lobes)), np.zeros(len(flat_o)))
+        return np.where(flat_o[:, 2] > 0.0, total, 0.0).reshape(wo.shape[:-1])
+
+    def _finite_lobes(self, wo):
+        """The lobes with a finite f and the probabilities (n, lobes) of picking them for wo (n, 3)."""
+        cos_o = np.where(wo[:, 2] > 0.0, wo[:, 2], 1.0)
+        lobes = [lobe for lobe in self.network.lobes(cos_o) if not (isinstance(lobe, GlossyLobe) and _is_mirror(lobe))]
+        shares = np.ones((len(wo), len(lobes)))
+        for i, lobe in enumerate(lobes):
+            shares[:, i] = np.mean(lobe.weight * _reflectance(lobe, cos_o), axis=-1)
+        shares = np.where(np.sum(shares, axis=-1, keepdims=True) > 0.0, shares, 1.0)
+        return lobes, shares / np.sum(shares, axis=-1, keepdims=True)
+
+
+def _is_mirror(lobe: GlossyLobe) -> bool:
+    return is_specular(np.max(lobe.alpha_x))
+
+
+def _reflectance(lobe, cos_o):
+    """What a lobe of weight 1 reflects, about."""
+    if isinstance(lobe, DiffuseLobe):
+        return 1.0 if lobe.color is None else np.array(lobe.color)
+    return np.maximum(_fresnel(lobe, cos_o), _LEAST_SHARE)
+
+
+def _sample_lobe(lobe, wo, rng) -> np.ndarray:
+    """wi (n, 3) of one lobe; below the surface where its facets send it there."""
+    if isinstance(lobe, DiffuseLobe):
+        return cosine_directions(rng.random(len(wo)), rng.random(len(wo)))
+    axes = _lobe_frame(wo, lobe.tilt)
+    stretched, _ = _stretched(lobe, wo, axes)
+    # a surface of alphas (x, y) is one of alpha 1, compressed: so are its visible normals (Heitz14)
+    mx, my, mz = components(sample_visible_normals(stretched, 1.0, lobe.distribution, rng))
+    wm = sum(part[:, None] * axis for part, axis in zip((lobe.alpha_x * mx, lobe.alpha_y * my, mz), axes))
+    return reflect(wo, normalize(wm))
+
+
+def _lobe_density(lobe, wo, wi) -> np.ndarray:
+    """Density (n,) in 1/sr of `_sample_lobe`."""
+    if isinstance(lobe, DiffuseLobe):
+        return np.maximum(wi[:, 2], 0.0) / np.pi
+    x, y, n = axes = _lobe_frame(wo, lobe.tilt)
+    stretched, length = _stretched(lobe, wo, axes)
+    wh = half_vector(wi, wo)
+    d = _distribution(lobe, dot(wh, x), dot(wh, y), dot(wh, n))
+    return d / (4.0 * length * projected_area(stretched, 1.0, lobe.distribution))
+
+
+def _stretched(lobe, wo, axes):
+    """wo (n, 3) as seen by the lobe's surface stretched to alpha 1, and the length (n,) that this gave it."""
+    x, y, n = axes
+    w = vectors(lobe.alpha_x * dot(wo, x), lobe.alpha_y * dot(wo, y), dot(wo, n))
+    length = np.linalg.norm(w, axis=-1)
+    return w / length[:, None], length
 
 
 def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
@@ -53,7 +135,7 @@ def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np
         if lobe.color is None:
             return lobe.weight / np.pi * np.ones(wi.shape)
         return lobe.weight * oren_nayar(wi, wo, np.array(lobe.color), lobe.sigma_deg)
-    if is_specular(np.max(lobe.alpha_x)):
+    if _is_mirror(lobe):
         return np.zeros(wi.shape)
     x, y, n = _lobe_frame(wo, lobe.tilt)
     wh = half_vector(wi, wo)

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Weidlich07: "Arbitrarily Layered Micro-Facet Surfaces", eqs. 1 to 7 as printed.
+"""Weidlich07: "Arbitrarily Layered Micro-Facet Surfaces", eqs. 1 to 8 as printed.
 
 Limits, all inherited from the paper: one bounce per interface (light that an interface turns back is lost),
 no solid-angle compression on crossing, so a base lobe loses energy towards grazing views, and no broadening
-of a base lobe by a rough coat. `lamina albedo` beside a white base shows it.
+of a base lobe by a rough coat. `lamina albedo` beside a white base shows it. The density of samples lacks the
+same Jacobian (`weidlich_wilkie_sampling`); `weidlich_wilkie_repaired` has it.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +20,7 @@ from ..optics.fresnel import fresnel_conductor, fresnel_dielectric
 from ..optics.material import conductor_index, interfaces, n_above_base
 from ..optics.microfacet import alpha_from_roughness, is_specular
 from ..stack import Stack
+from . import weidlich_wilkie_sampling as sampling
 from .quadrature import directional_albedo
 
 # The print's ambiguities, each a named option; the first choice is the default.
@@ -62,8 +65,20 @@ class _Facets:
         return d * self.masking(wi, wo, wh) / (4.0 * np.maximum(wi[..., 2] * wo[..., 2], 1e-30))
 
 
+@dataclass(frozen=True)
+class Level:
+    """What one component of eq. 2 sees, once refracted through the interfaces above it."""
+
+    wo: np.ndarray
+    wi: np.ndarray
+    reaches: np.ndarray
+    """Bool (...): both directions are above every horizon on the way."""
+    carried: np.ndarray
+    """Product (..., 3) of T12 a t of eq. 2; 0 where `reaches` is false."""
+
+
 class WeidlichWilkie:
-    """f and albedo of a stack; `options` as in `OPTIONS`.
+    """The model of 2007 as printed; `options` as in `OPTIONS`.
 
     Raises LaminaError on an unknown option or choice.
     """
@@ -98,21 +113,29 @@ class WeidlichWilkie:
 
     def components(self, wo: np.ndarray, wi: np.ndarray) -> list[np.ndarray]:
         """The summands of eq. 2, unrolled: one (..., 3) per interface from the top, the base last."""
+        *above, bottom = self.levels(wo, wi)
+        parts = []
+        for surface, facets, level in zip(self.interfaces, self._facets, above):
+            wh = half_vector(level.wi, level.wo)
+            cos_h = np.clip(dot(level.wi, wh), 0.0, 1.0)
+            reflected = fresnel_dielectric(cos_h, surface.eta) * facets.lobe(level.wi, level.wo, wh)
+            parts.append(level.carried * reflected[..., None])
+        return [*parts, bottom.carried * self._base(bottom.wi, bottom.wo)]
+
+    def levels(self, wo: np.ndarray, wi: np.ndarray) -> Iterator[Level]:
+        """The levels from the top interface to the base."""
         wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
         visible = (wo[..., 2] > 0.0) & (wi[..., 2] > 0.0)
-        carried = np.where(visible, 1.0, 0.0)[..., None] * np.ones(3)
-        parts = []
+        level = Level(wo, wi, visible, np.where(visible, 1.0, 0.0)[..., None] * np.ones(3))
+        yield level
         for surface, facets in zip(self.interfaces, self._facets):
-            wh = half_vector(wi, wo)
-            cos_h = np.clip(dot(wi, wh), 0.0, 1.0)
-            reflected = fresnel_dielectric(cos_h, surface.eta) * facets.lobe(wi, wo, wh)
-            parts.append(carried * reflected[..., None])
-            carried, wi, wo = self._cross(surface, facets, carried, wi, wo, wh)
-        parts.append(carried * self._base(wi, wo))
-        return parts
+            level = self._cross(surface, facets, level)
+            yield level
 
-    def _cross(self, surface, facets, carried, wi, wo, wh):
-        """T12 a t of eq. 2 times `carried`, and the two refraction directions."""
+    def _cross(self, surface, facets, level: Level) -> Level:
+        """The level below `surface`."""
+        wi, wo = level.wi, level.wo
+        wh = half_vector(wi, wo)
         normal = wh if self.options["refraction"] == "half_vector" else np.broadcast_to(_NORMAL, wh.shape)
         eta = surface.eta
         cos_i, cos_o = np.clip(dot(wi, normal), 0.0, 1.0), np.clip(dot(wo, normal), 0.0, 1.0)
@@ -123,9 +146,9 @@ class WeidlichWilkie:
         if self.options["compensation"] == "interface":
             g = facets.masking(wi, wo, wh)
             t21 = (1.0 - g) + t21 * g
-        above = (wi_below[..., 2] > 0.0) & (wo_below[..., 2] > 0.0)
-        factor = np.where(above, t12 * t21, 0.0)[..., None] * self._absorption(surface.tau, wi_below, wo_below)
-        return carried * factor, wi_below, wo_below
+        reaches = level.reaches & (wi_below[..., 2] > 0.0) & (wo_below[..., 2] > 0.0)
+        factor = np.where(reaches, t12 * t21, 0.0)[..., None] * self._absorption(surface.tau, wi_below, wo_below)
+        return Level(wo_below, wi_below, reaches, level.carried * factor)
 
     def _absorption(self, tau, wi, wo) -> np.ndarray:
         cos_i, cos_o = np.clip(wi[..., 2], 1e-6, 1.0), np.clip(wo[..., 2], 1e-6, 1.0)
@@ -144,27 +167,40 @@ class WeidlichWilkie:
         fresnel = fresnel_conductor(dot(wi, wh)[..., None], *self._base_index)
         return fresnel * self._base_facets.lobe(wi, wo, wh)[..., None]
 
+    def sample(self, wo: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+        """One light direction (..., 3) per wo and whether it is valid, (...): false where it was culled.
+
+        What culling loses is compensated in f, by t of eq. 4. A component without finite f is never picked.
+        """
+        return sampling.sample(self, wo, rng)
+
+    def pdf(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """Density (...) in 1/sr that eq. 8 claims for `sample`; it is not the samples' own below an interface."""
+        return sampling.pdf(self, wo, wi)
+
+    @property
+    def lobes(self) -> tuple[tuple[float, str] | None, ...]:
+        """(alpha, distribution) of every component from the top; None for a diffuse base."""
+        base = None if self._base_facets is None else (self._base_facets.alpha, self._base_facets.kind)
+        return (*((f.alpha, f.kind) for f in self._facets), base)
+
     def albedo(self, wo: np.ndarray) -> np.ndarray:
         """Directional albedo (..., 3), mirror-like components included."""
         wo = np.asarray(wo, float)
-        facets = [*self._facets, *([self._base_facets] if self._base_facets else [])]
-        # the cosine power of Blinn and a Beckmann lobe of the same alpha are close enough to share samples
-        lobes = [(microfacet.BECKMANN if f.kind == microfacet.BLINN else f.kind, f.alpha) for f in facets]
-        return directional_albedo(self.f, wo, lobes) + self._mirror_albedo(wo)
+        widths = [(kind, alpha) for alpha, kind in filter(None, self.lobes)]
+        return directional_albedo(self.f, wo, widths) + self._mirror_albedo(wo)
 
     def _mirror_albedo(self, wo) -> np.ndarray:
         """Energy of the mirror-like components: their delta sits at h = n, where D integrates to 1."""
-        wi = wo * np.array([-1.0, -1.0, 1.0])
-        carried, total, top_cos, n_above = np.ones(wo.shape), np.zeros(wo.shape), wo[..., 2], 1.0
-        for surface, facets in zip(self.interfaces, self._facets):
+        top_cos, total = wo[..., 2], np.zeros(wo.shape)
+        *above, bottom = self.levels(wo, wo * np.array([-1.0, -1.0, 1.0]))
+        for surface, facets, level in zip(self.interfaces, self._facets, above):
             if is_specular(facets.alpha):
-                fresnel = fresnel_dielectric(wo[..., 2], surface.eta)
-                total = total + carried * (fresnel * self._delta_energy(wo, top_cos, n_above))[..., None]
-            carried, wi, wo = self._cross(surface, facets, carried, wi, wo, half_vector(wi, wo))
-            n_above = surface.n_below
+                fresnel = fresnel_dielectric(level.wo[..., 2], surface.eta)
+                total = total + level.carried * (fresnel * self._delta_energy(level.wo, top_cos, surface.n_above))[..., None]
         if self._base_facets and is_specular(self._base_facets.alpha):
-            fresnel = fresnel_conductor(wo[..., 2, None], *self._base_index)
-            total = total + carried * fresnel * self._delta_energy(wo, top_cos, n_above)[..., None]
+            fresnel = fresnel_conductor(bottom.wo[..., 2, None], *self._base_index)
+            total = total + bottom.carried * fresnel * self._delta_energy(bottom.wo, top_cos, n_above_base(self.stack))[..., None]
         return total
 
     def _delta_energy(self, wo, top_cos, n_above):

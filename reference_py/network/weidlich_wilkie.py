@@ -12,6 +12,7 @@ the generated shader. Against the exact component's energy that is good to 1 % u
 import numpy as np
 
 from ..optics import microfacet
+from ..optics.diffuse import fujii_roughness
 from ..optics.fresnel import fresnel_conductor, fresnel_dielectric
 from ..optics.material import conductor_index, interfaces, n_above_base
 from ..optics.microfacet import alpha_from_roughness, masking_g2
@@ -68,7 +69,8 @@ class WeidlichWilkieNetwork:
         if base.kind == "lambert":
             return DiffuseLobe(self._diffuse_weight(cos_o) * np.array(base["color"]))
         if base.kind == "oren_nayar":
-            return DiffuseLobe(self._diffuse_weight(cos_o), base["color"], base["sigma_deg"])
+            weight = self._diffuse_weight(cos_o, float(fujii_roughness(base["sigma_deg"])))
+            return DiffuseLobe(weight, base["color"], base["sigma_deg"])
         eta, k = conductor_index(base)
         n = n_above_base(self.stack)
         alpha = float(alpha_from_roughness(base["roughness"]))
@@ -128,15 +130,26 @@ class WeidlichWilkieNetwork:
         closure = np.sum(weight * masking_g2(z_i, z_o, alpha, distribution), axis=-1)[..., None]
         return component / np.maximum(closure, 1e-20)
 
-    def _diffuse_weight(self, cos_o):
-        """What the layers above leave of a Lambert base's albedo."""
+    def _diffuse_weight(self, cos_o, sigma=0.0):
+        """What the layers above leave of a diffuse base's energy; `sigma` is B / A of Oren-Nayar, 0 for Lambert.
+
+        The base's own lobe 1 + sigma t counts at the inner directions in the component, at the outer ones in the closure.
+        """
         u, cos_phi, node_weight = nodes()
         z_i = np.sqrt(u)
         cos_o = cos_o[..., None]
         sin_o = np.sqrt(np.maximum(1.0 - np.square(cos_o), 0.0))
-        cos_2h = z_i * cos_o + np.sqrt(1.0 - u) * cos_phi * sin_o
-        cos_h = np.sqrt(np.maximum(0.5 * (1.0 + cos_2h), 0.0))
+        cos_io = z_i * cos_o + np.sqrt(1.0 - u) * cos_phi * sin_o
+        cos_h = np.sqrt(np.maximum(0.5 * (1.0 + cos_io), 0.0))
         z_h = 0.5 * (z_i + cos_o) / np.maximum(cos_h, 1e-6)
         z_i, z_o = np.broadcast_arrays(z_i, cos_o)
-        carried, *_ = self._carried(len(self._surfaces), cos_h, z_h, z_i, z_o)
-        return np.sum(node_weight[:, None] * carried, axis=-2)
+        carried, cos_k, z_ik, z_ok = self._carried(len(self._surfaces), cos_h, z_h, z_i, z_o)
+        inner = node_weight * _oren_nayar_lobe(2.0 * np.square(cos_k) - 1.0, z_ik, z_ok, sigma)
+        outer = node_weight * _oren_nayar_lobe(cos_io, z_i, z_o, sigma)
+        return np.sum(inner[..., None] * carried, axis=-2) / np.sum(outer, axis=-1)[..., None]
+
+
+def _oren_nayar_lobe(cos_io, z_i, z_o, sigma):
+    """Angular part 1 + sigma t of the diffuse lobe (optics.diffuse)."""
+    t = cos_io - z_i * z_o
+    return 1.0 + sigma * np.where(t > 0.0, t / np.maximum(z_i, z_o), t)

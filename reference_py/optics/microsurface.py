@@ -78,8 +78,7 @@ def scattering_density(w: np.ndarray, o: np.ndarray, eta: float | None, alpha: f
     """
     area = projected_area(w, alpha, kind)
     if eta is None:
-        cos, spread = _facets_reflecting(w, o, area, alpha, kind)
-        return spread
+        return _facets_reflecting(w, o, area, alpha, kind)[1]
     if o[0, 2] < 0.0:
         return _refracted(w, o, area, eta, alpha, kind)
     return _reflected(w, o, area, eta, alpha, kind)
@@ -121,7 +120,7 @@ def _cosine(w, wm) -> np.ndarray:
 
 
 def _facets_reflecting(w, o, area, alpha, kind):
-    """Facet cosine and density of mirror directions, D_w(wh) / (4 cos), for every reflecting facet (Heitz16, eq. 13)."""
+    """Facet cosine and density of mirror directions, D_w(wh) / (4 cos), for every reflecting facet (Heitz16)."""
     h = w + o
     length = np.sqrt(np.maximum(dot(h, h), 1e-30))
     return 0.5 * length, 0.25 * distribution(h[:, 2] / length, alpha, kind) / area
@@ -174,7 +173,7 @@ def _conductor_once(w, fresnel, alpha, kind, rng, target) -> Scattered:
 
 
 def _dielectric_walk(w, eta, alpha, kind, rng, target) -> Scattered:
-    """Heitz16, algorithm of section 5, in the frame of the side where the ray is: crossing a facet negates it."""
+    """Random walk of Heitz16 in the frame of the side where the ray is: crossing a facet negates it."""
     n = len(w)
     out = np.empty((3, n)).T
     ray, outside = np.arange(n), np.ones(n, bool)
@@ -237,7 +236,7 @@ def _conductor_walk(w, fresnel, alpha, kind, rng, target) -> Scattered:
 
 
 def _advance(log_below, w, area, rng) -> np.ndarray:
-    """log(C1) where a ray that travels along -w meets the surface next (Heitz16, eq. 16); >= 0 if it leaves."""
+    """log(C1) where a ray that travels along -w meets the surface next (Heitz16); >= 0 if it leaves."""
     with np.errstate(divide="ignore", over="ignore"):  # straight up the area is 0: it leaves
         return log_below - rng.standard_exponential(len(w)) * (w[:, 2] / area)
 
@@ -249,7 +248,7 @@ def _log_above(log_below: np.ndarray) -> np.ndarray:
 
 
 class _Estimate:
-    """Next event estimation inside the microsurface: energy that each facet sends out to the target (Heitz16, eq. 24)."""
+    """Next event estimation inside the microsurface: energy that each facet sends out to the target (Heitz16)."""
 
     def __init__(self, target: np.ndarray, alpha: float, kind: str, shape: tuple[int, ...]):
         self.target, self.alpha, self.kind = target, alpha, kind
@@ -276,5 +275,5 @@ class _Estimate:
         self.total[ray] += value
 
     def _escape(self, ray, log_height) -> np.ndarray:
-        """Probability C1^Lambda of leaving towards the target without meeting the surface again (Heitz16, eq. 7)."""
+        """Probability C1^Lambda of leaving towards the target without meeting the surface again (Heitz16)."""
         return np.exp(log_height * np.maximum(self.lambda_target[ray], 1e-300))

@@ -10,7 +10,7 @@ import numpy as np
 
 # Light that smooth interfaces trap for good makes the solve singular. It meets no one outside (its couplings are
 # exactly 0), so a loss this small per round trip decides only that it is 0 and not undefined.
-_TRAPPED_LOSS = 1e-13
+TRAPPED_LOSS = 1e-13
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ def empty(count: int, modes: int) -> Layers:
 
 def round_trips(first: np.ndarray, second: np.ndarray, then: np.ndarray) -> np.ndarray:
     """(1 + first second + (first second)^2 + ...) then."""
-    return np.linalg.solve(np.eye(first.shape[-2]) - (1.0 - _TRAPPED_LOSS) * (first @ second), then)
+    return np.linalg.solve(np.eye(first.shape[-2]) - (1.0 - TRAPPED_LOSS) * (first @ second), then)
 
 
 def add(upper: Layers, lower: Layers) -> Layers:

@@ -17,15 +17,14 @@ from functools import lru_cache
 import numpy as np
 
 from ...optics.fresnel import fresnel_conductor, fresnel_dielectric
-from ...optics.microfacet import smith_lambda
-from .facets import MULTIPLE, visible_facets
-from .grid import chebyshev, legendre
+from .facets import MULTIPLE, smith_lambda, visible_facets
+from .grid import chebyshev, gauss_legendre, legendre
 
 DIRECTIONS, HEIGHTS = 20, 10
-SHAPE = 5
-AZIMUTHS = 3
+SHAPE = 8
+AZIMUTHS = 6
 # Quadratures over facets, and over heights along a ray.
-_ACROSS, _ALONG, _STEPS = 10, 24, 12
+_ACROSS, _ALONG, _STEPS = 16, 28, 12
 # A leftover below this is rounding.
 _NOTHING = 1e-12
 
@@ -39,35 +38,40 @@ class Microsurface:
     etas: tuple[float, ...] = ()
     index: tuple[float, float] = (0.0, 0.0)
 
-    def shares(self, cos_theta: np.ndarray) -> np.ndarray:
-        """How the leftover of light at cosines (I,) on side 0 is shared: (side, AZIMUTHS, I, SHAPE).
+    def shares(self, cos_theta: np.ndarray, modes: int) -> np.ndarray:
+        """How the leftover of light at cosines (I,) on side 0 is shared: (side, min(modes, AZIMUTHS), I, SHAPE).
 
         Mean of P_k(1 - 2 cos^2) cos(m turn) per unit of leftover; [:, 0, :, 0] sums to 1 over the sides of a dielectric.
         """
-        scatter = _Scatter(self, 0, cos_theta)
+        modes = min(modes, AZIMUTHS)
+        scatter = _Scatter(self, 0, cos_theta, modes)
         # from above the surface, where c = 1, every ray comes down to some height
         descent = _descent(np.ones(1), cos_theta, self)[:, 0]
-        again = np.einsum("ih,mihr->mir", descent, scatter.apply(_solution(self)))
+        again = np.einsum("ih,mihr->mir", descent, scatter.apply(_solution(self, modes)))
         left = np.einsum("ih,ih->i", descent, scatter.leftover())
-        again = np.moveaxis(again.reshape(AZIMUTHS, len(cos_theta), -1, SHAPE), 2, 0)
+        again = np.moveaxis(again.reshape(modes, len(cos_theta), -1, SHAPE), 2, 0)
+        # No moment exceeds the energy, which is positive: where there is hardly any, rounding would say otherwise.
+        energy = np.maximum(again[:, 0, :, 0], 0.0)
+        shape = np.clip(again / np.maximum(energy, _NOTHING)[:, None, :, None], -1.0, 1.0)
         if self.etas:
-            left = again[:, 0, :, 0].sum(axis=0)  # equal up to the collocation's error, which this takes out
-        return again * np.where(left > _NOTHING, 1.0 / np.maximum(left, _NOTHING), 0.0)[:, None]
+            left = energy.sum(axis=0)  # equal up to the collocation's error, which this takes out
+        share = np.where(left > _NOTHING, energy / np.maximum(left, _NOTHING), 0.0)
+        return shape * share[:, None, :, None]
 
 
 @lru_cache(maxsize=64)
-def _solution(surface: Microsurface) -> np.ndarray:
-    """(AZIMUTHS, side, DIRECTIONS, HEIGHTS, sides * SHAPE) of the unknown at the nodes."""
+def _solution(surface: Microsurface, modes: int) -> np.ndarray:
+    """(modes, side, DIRECTIONS, HEIGHTS, sides * SHAPE) of the unknown at the nodes."""
     sides = max(len(surface.etas), 1)
     cosines = _node_cosines(surface.alpha)
     heights = _node_heights()
     walk = _path(heights, cosines, surface)
-    scatters = [_Scatter(surface, side, -cosines) for side in range(sides)]
+    scatters = [_Scatter(surface, side, -cosines, modes) for side in range(sides)]
     once = np.stack([s.once(sides) for s in scatters])
     source = np.einsum("jhk,smjkr->msjhr", walk, once)
     size = sides * DIRECTIONS * HEIGHTS
     result = []
-    for m in range(AZIMUTHS):
+    for m in range(modes):
         kernel = np.zeros((sides, DIRECTIONS, HEIGHTS, sides, DIRECTIONS, HEIGHTS))
         for side, s in enumerate(scatters):
             kernel[side, :, :, side] += np.einsum("jhk,jl->jhlk", walk, s.reflect[m])
@@ -75,15 +79,15 @@ def _solution(surface: Microsurface) -> np.ndarray:
                 kernel[side, :, :, 1 - side] += np.einsum("jhk,jl->jhlk", walk, s.refract[m])[..., ::-1]
         right = source[m].reshape(size, -1)
         result.append(np.linalg.solve(np.eye(size) - kernel.reshape(size, size), right))
-    return np.stack(result).reshape(AZIMUTHS, sides, DIRECTIONS, HEIGHTS, -1)
+    return np.stack(result).reshape(modes, sides, DIRECTIONS, HEIGHTS, -1)
 
 
 class _Scatter:
     """One event of rays that come from directions of cosines (I,), which may lie below the horizon, on one side."""
 
-    def __init__(self, surface: Microsurface, side: int, cos_theta: np.ndarray):
-        self.surface, self.side = surface, side
-        facets = visible_facets(cos_theta, surface.alpha, surface.kind, MULTIPLE, _ACROSS, _ALONG)
+    def __init__(self, surface: Microsurface, side: int, cos_theta: np.ndarray, modes: int):
+        self.surface, self.side, self.modes = surface, side, modes
+        facets = visible_facets(cos_theta, surface.alpha, surface.kind, MULTIPLE, _ACROSS, _ALONG, (surface.etas or (1.0,))[side])
         cos = np.clip(facets.cos_om, 0.0, 1.0)
         if surface.etas:
             eta = surface.etas[side]
@@ -101,20 +105,20 @@ class _Scatter:
         self.refract = self._matrix(self.refracted, self.w_refracted) if surface.etas else None
 
     def _matrix(self, w, weights) -> np.ndarray:
-        """(AZIMUTHS, I, DIRECTIONS): weights of the direction nodes, half of them up and half down."""
+        """(modes, I, DIRECTIONS): weights of the direction nodes, half of them up and half down."""
         alpha = self.surface.alpha
         polar = np.arctan2(alpha * np.hypot(w[..., 0], w[..., 1]), w[..., 2])
         # the unknown jumps at the horizon: of two rays from the top, one leaves and one comes down again
         down = polar > 0.5 * np.pi
         half = DIRECTIONS // 2
         basis = legendre(4.0 / np.pi * (polar - np.where(down, 0.5 * np.pi, 0.0)) - 1.0, half)
-        turned = weights * _turns(w)
+        turned = weights * _turns(w, self.modes)
         moments = [np.einsum("miq,kiq->mik", turned * part, basis) for part in (~down, down)]
         return np.concatenate(moments @ _to_nodes(half), axis=-1)
 
     def once(self, sides: int) -> np.ndarray:
-        """(AZIMUTHS, I, HEIGHTS, sides * SHAPE): what leaves directly after this event, at the heights' nodes."""
-        result = np.zeros((AZIMUTHS, len(self.weights), HEIGHTS, sides, SHAPE))
+        """(modes, I, HEIGHTS, sides * SHAPE): what leaves directly after this event, at the heights' nodes."""
+        result = np.zeros((self.modes, len(self.weights), HEIGHTS, sides, SHAPE))
         result[:, :, :, self.side] = self._leaving(self.reflected, self.w_reflected, _node_heights())
         if sides == 2:
             result[:, :, :, 1 - self.side] = self._leaving(self.refracted, self.w_refracted, 1.0 - _node_heights())
@@ -123,7 +127,7 @@ class _Scatter:
     def _leaving(self, w, weights, heights) -> np.ndarray:
         free = _free(w[..., 2], heights, self.surface)
         shapes = legendre(1.0 - 2.0 * np.square(w[..., 2]), SHAPE)
-        return np.einsum("miq,hiq,kiq->mihk", weights * _turns(w), free, shapes, optimize=True)
+        return np.einsum("miq,hiq,kiq->mihk", weights * _turns(w, self.modes), free, shapes, optimize=True)
 
     def leftover(self) -> np.ndarray:
         """(I, HEIGHTS): share of the light that does not leave directly after this event, without absorption."""
@@ -136,32 +140,32 @@ class _Scatter:
         return stays + np.einsum("iq,hiq->ih", self.w_refracted, crossed)
 
     def apply(self, solution: np.ndarray) -> np.ndarray:
-        """(AZIMUTHS, I, HEIGHTS, ...): the unknown after this event, at the heights' nodes."""
+        """(modes, I, HEIGHTS, ...): the unknown after this event, at the heights' nodes."""
         result = np.einsum("mij,mjhr->mihr", self.reflect, solution[:, self.side])
         if self.surface.etas:
             result += np.einsum("mij,mjhr->mihr", self.refract, solution[:, 1 - self.side, :, ::-1])
         return result
 
 
-def _turns(w) -> np.ndarray:
-    """(AZIMUTHS, ...) cos(m turn); the ray travelled along -x before."""
-    return chebyshev(-w[..., 0] / np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-12), AZIMUTHS)
+def _turns(w, modes: int) -> np.ndarray:
+    """(modes, ...) cos(m turn); the ray travelled along -x before."""
+    return chebyshev(-w[..., 0] / np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-12), modes)
 
 
 def _node_cosines(alpha: float) -> np.ndarray:
     """Cosines (DIRECTIONS,) of travel, from up to down."""
-    up = 0.25 * np.pi * (np.polynomial.legendre.leggauss(DIRECTIONS // 2)[0] + 1.0)
+    up = 0.25 * np.pi * (gauss_legendre(DIRECTIONS // 2)[0] + 1.0)
     polar = np.concatenate([up, up + 0.5 * np.pi])
     return alpha * np.cos(polar) / np.hypot(np.sin(polar), alpha * np.cos(polar))
 
 
 def _node_heights() -> np.ndarray:
     """c (HEIGHTS,), symmetric about 1/2."""
-    return np.square(np.sin(0.25 * np.pi * (np.polynomial.legendre.leggauss(HEIGHTS)[0] + 1.0)))
+    return np.square(np.sin(0.25 * np.pi * (gauss_legendre(HEIGHTS)[0] + 1.0)))
 
 
 def _lambda(cos_theta, surface: Microsurface):
-    return smith_lambda(np.maximum(np.abs(cos_theta), 1e-9), surface.alpha, surface.kind)
+    return smith_lambda(np.abs(cos_theta), surface.alpha, surface.kind)
 
 
 def _free(cos_theta, heights, surface: Microsurface) -> np.ndarray:
@@ -177,14 +181,14 @@ def _path(start, cos_theta, surface: Microsurface) -> np.ndarray:
 
 
 def _descent(start, cos_theta, surface: Microsurface) -> np.ndarray:
-    u, gauss = np.polynomial.legendre.leggauss(_STEPS)
+    u, gauss = gauss_legendre(_STEPS)
     t = 0.5 * (u + 1.0)  # the probability is t^2, which softens the root at 0
     fall = t ** (2.0 / (1.0 + _lambda(cos_theta, surface)))[:, None]
     return np.einsum("ihtk,t->ihk", _at_heights(start[:, None] * fall[:, None, :]), gauss * t)
 
 
 def _ascent(start, cos_theta, surface: Microsurface) -> np.ndarray:
-    u, gauss = np.polynomial.legendre.leggauss(_STEPS)
+    u, gauss = gauss_legendre(_STEPS)
     log_c, rise = np.log(start)[:, None], np.maximum(_lambda(cos_theta, surface), 1e-12)[:, None, None]
     hit = -np.expm1(np.maximum(rise * log_c, -700.0))
     c = np.exp(np.minimum(log_c - np.log1p(-hit * 0.5 * (u + 1.0)) / rise, 0.0))
@@ -199,5 +203,5 @@ def _at_heights(c) -> np.ndarray:
 
 def _to_nodes(count: int) -> np.ndarray:
     """(count, count): from values of the Legendre polynomials at a point to weights of Gauss nodes."""
-    nodes, gauss = np.polynomial.legendre.leggauss(count)
+    nodes, gauss = gauss_legendre(count)
     return legendre(nodes, count) * gauss * (np.arange(count) + 0.5)[:, None]

@@ -10,8 +10,8 @@ import numpy as np
 from ...frame import dot, half_vector
 from ...optics.diffuse import oren_nayar
 from ...optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
-from ...optics.microfacet import distribution, is_specular, masking_g1, masking_g2
-from .facets import SINGLE
+from ...optics.microfacet import is_specular
+from .facets import reflection_lobe
 from .recipe import Recipe
 
 
@@ -54,7 +54,7 @@ def _event(recipe: Recipe, k: int, surface: str, wo, wi) -> np.ndarray:
     if k < len(recipe.interfaces):
         interface = recipe.interfaces[k]
         fresnel = fresnel_dielectric(cos_h, interface.eta)[:, None] * np.ones(3)
-        return fresnel * _lobe(wo, wi, wh, interface.alpha, interface.distribution, surface)[:, None]
+        return fresnel * reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], interface.alpha, interface.distribution, surface)[:, None]
     base = recipe.base
     if base.kind == "lambert":
         return np.array(base.color) / np.pi * np.ones((len(wo), 1))
@@ -63,13 +63,4 @@ def _event(recipe: Recipe, k: int, surface: str, wo, wi) -> np.ndarray:
     if base.is_mirror:
         return np.zeros(wo.shape)
     eta, k = np.array(base.index).T
-    return fresnel_conductor(cos_h[:, None], eta, k) * _lobe(wo, wi, wh, base.alpha, base.distribution, surface)[:, None]
-
-
-def _lobe(wo, wi, wh, alpha, kind, surface):
-    cos_o, cos_i = wo[:, 2], wi[:, 2]
-    if surface == SINGLE:
-        masking = masking_g1(cos_o, alpha, kind) * masking_g1(cos_i, alpha, kind)
-    else:
-        masking = masking_g2(cos_i, cos_o, alpha, kind)
-    return distribution(wh[:, 2], alpha, kind) * masking / (4.0 * np.maximum(cos_o * cos_i, 1e-30))
+    return fresnel_conductor(cos_h[:, None], eta, k) * reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], base.alpha, base.distribution, surface)[:, None]

@@ -12,7 +12,9 @@ from math import pi
 import numpy as np
 
 from ...optics.fresnel import fresnel_dielectric
-from ...optics.microfacet import GGX, smith_lambda
+from ...optics.microfacet import GGX, distribution
+from ...optics.sampling import projected_area
+from .grid import gauss_legendre
 
 SINGLE, MULTIPLE = "single", "multiple"
 SURFACES = (MULTIPLE, SINGLE)
@@ -50,7 +52,7 @@ class Facets:
         return wt, self.weights * np.where(wt[..., 2] < 0.0, self._transmission_masking(-wt[..., 2]), 0.0)
 
     def _lambda(self, cos_theta):
-        return smith_lambda(np.maximum(cos_theta, 1e-12), self.alpha, self.kind)
+        return smith_lambda(cos_theta, self.alpha, self.kind)
 
     def _reflection_masking(self, cos_i):
         """Share of the facets seen from wo that are seen from wi too: G / G1(wo)."""
@@ -67,20 +69,31 @@ class Facets:
         return np.exp(log_gamma(2.0 + lambda_o) + log_gamma(1.0 + lambda_t) - log_gamma(2.0 + lambda_o + lambda_t))
 
 
-def visible_facets(cos_theta: np.ndarray, alpha: float, kind: str, surface: str, across: int, along: int) -> Facets:
-    """Quadrature over the normals seen at cosines (I,) > 0; `across` and `along` points of the plane of incidence."""
+def visible_facets(
+    cos_theta: np.ndarray, alpha: float, kind: str, surface: str, across: int, along: int, eta: float = 1.0
+) -> Facets:
+    """Quadrature over the normals seen at cosines (I,), below the horizon too.
+
+    `across` and `along` points of the plane of incidence. Where eta = n_t / n_i < 1 the strip of facets that
+    do not reflect totally is integrated apart, as the Fresnel curve has a root at its edge.
+    """
     cos_theta = np.asarray(cos_theta, float)
     sin_theta = np.sqrt(1.0 - np.square(cos_theta))
     length = np.hypot(alpha * sin_theta, cos_theta)
-    vx, vz = (alpha * sin_theta / length)[:, None, None], (cos_theta / length)[:, None, None]
-    x_a, w_a = np.polynomial.legendre.leggauss(across)
-    x_b, w_b = np.polynomial.legendre.leggauss(along)
-    a, w_a = (0.25 * pi * (x_a + 1.0))[:, None], (w_a * 0.25 * pi)[:, None]
-    # from the stretched horizon, where the slope is infinite, to the edge of the visible disc
-    low = -np.arctan2(vz, vx)
-    b = low + (0.5 * pi - low) * 0.5 * (x_b + 1.0)
-    t1, t2, depth = np.sin(a), np.cos(a) * np.sin(b), np.cos(a) * np.cos(b)
-    nx, ny, nz = depth * vx - t2 * vz, np.broadcast_to(t1, b.shape[:1] + (across, along)), t2 * vx + depth * vz
+    cap = _StretchedCap((alpha * sin_theta / length)[:, None, None], (cos_theta / length)[:, None, None], alpha)
+    # a across, then b from the stretched horizon, where the slope is infinite, to the edge of the visible disc
+    low, high = -np.arctan2(cap.vz, cap.vx), np.full(cap.vz.shape, 0.5 * pi)
+    if eta < 1.0:
+        critical = np.sqrt(1.0 - eta * eta) / length[:, None, None]
+        a, w_a = _joined(across // 2, 0.0 * high, cap.transmitting_across(low, critical), high)
+        a, w_a = np.moveaxis(a, 1, 2), np.moveaxis(w_a, 1, 2)
+        low, high = (np.broadcast_to(edge, a.shape) for edge in (low, high))
+        b, w_b = _joined(along // 2, low, *cap.transmitting_along(a, low, critical), high)
+    else:
+        a, w_a = _gauss(across, 0.0, 0.5 * pi)
+        a, w_a = a[:, None], w_a[:, None]
+        b, w_b = _gauss(along, low, high)
+    nx, ny, nz = cap.normal(a, b)
     nz = np.maximum(nz, 1e-12)
     weights = np.square(np.cos(a)) * np.cos(b) * w_a * w_b
     weights = weights / weights.sum(axis=(1, 2), keepdims=True)
@@ -95,8 +108,86 @@ def visible_facets(cos_theta: np.ndarray, alpha: float, kind: str, surface: str,
     wm = np.stack([alpha * nx, alpha * ny, nz], axis=-1)
     wm = wm / np.linalg.norm(wm, axis=-1, keepdims=True)
     wo = np.stack([sin_theta, np.zeros_like(sin_theta), cos_theta], axis=-1)[:, None, :]
-    flat = (len(cos_theta), across * along)
-    return Facets(wo, wm.reshape(*flat, 3), weights.reshape(flat), alpha, kind, surface)
+    return Facets(wo, wm.reshape(len(cos_theta), -1, 3), weights.reshape(len(cos_theta), -1), alpha, kind, surface)
+
+
+def reflection_lobe(cos_o, cos_i, cos_m, alpha: float, kind: str, surface: str) -> np.ndarray:
+    """D G / (4 cos_i cos_o) of one event, f without Fresnel; cos_m is that of the facet normal. Broadcasts."""
+    lambda_o, lambda_i = smith_lambda(cos_o, alpha, kind), smith_lambda(cos_i, alpha, kind)
+    one_over_g = (1.0 + lambda_o) * (1.0 + lambda_i) if surface == SINGLE else 1.0 + lambda_o + lambda_i
+    return distribution(cos_m, alpha, kind) / (4.0 * np.maximum(cos_o * cos_i, 1e-30) * one_over_g)
+
+
+def smith_lambda(cos_theta: np.ndarray, alpha: float, kind: str) -> np.ndarray:
+    """Lambda of directions at cosines above the surface, from the exact projected area (Heitz16, eq. 3).
+
+    `microfacet.smith_lambda` approximates Beckmann's, which would not balance to the last digit.
+    """
+    cos = np.maximum(np.ravel(cos_theta), 1e-9)
+    w = np.stack([np.sqrt(np.maximum(1.0 - cos * cos, 0.0)), np.zeros_like(cos), cos], axis=-1)
+    return np.maximum(projected_area(w, alpha, kind) / cos - 1.0, 0.0).reshape(np.shape(cos_theta))
+
+
+@dataclass(frozen=True)
+class _StretchedCap:
+    """Normals of the stretched hemisphere by angles a across and b along the plane of incidence."""
+
+    vx: np.ndarray
+    vz: np.ndarray
+    alpha: float
+
+    def normal(self, a, b):
+        t2, depth = np.cos(a) * np.sin(b), np.cos(a) * np.cos(b)
+        return depth * self.vx - t2 * self.vz, np.sin(a) + 0.0 * b, t2 * self.vx + depth * self.vz
+
+    def _excess(self, a, b, critical):
+        """Positive where the facets' cosine, in units of the stretched length, exceeds `critical`."""
+        cos_a, cos_b = np.cos(a), np.cos(b)
+        nz2 = np.square(cos_a * (np.sin(b) * self.vx + cos_b * self.vz))
+        return cos_a * cos_b - critical * np.sqrt(self.alpha**2 + (1.0 - self.alpha**2) * nz2)
+
+    def transmitting_across(self, low, critical):
+        """Largest a at which some facets do not reflect totally; 0 if all do."""
+        trial = _trials(low)
+        inside = np.zeros(low.shape)
+        return _root(lambda a: self._excess(a, trial, critical).max(axis=-1, keepdims=True), inside, inside + 0.5 * pi)
+
+    def transmitting_along(self, a, low, critical):
+        """The two b between which the facets at a do not reflect totally; equal if all do."""
+        trial = _trials(low)
+        best = np.take_along_axis(trial, np.argmax(self._excess(a, trial, critical), axis=-1)[..., None], axis=-1)
+        return [_root(lambda b: self._excess(a, b, critical), best, edge) for edge in (low, np.full(low.shape, 0.5 * pi))]
+
+
+def _trials(low):
+    return low + (0.5 * pi - low) * (np.arange(24) + 0.5) / 24
+
+
+def _root(excess, inside, outside):
+    """Bisection for the end of what is positive; `outside` if all is, about `inside` if nothing is."""
+    low, high = inside, outside
+    for _ in range(26):
+        middle = 0.5 * (low + high)
+        positive = excess(middle) > 0.0
+        low, high = np.where(positive, middle, low), np.where(positive, high, middle)
+    return high
+
+
+def _joined(count, *edges):
+    """Nodes and weights of `_rooted` pieces between consecutive edges, joined along the last axis."""
+    return [np.concatenate(values, axis=-1) for values in zip(*(_rooted(count, *pair) for pair in zip(edges, edges[1:])))]
+
+
+def _gauss(count, low, high):
+    x, w = gauss_legendre(count)
+    half = 0.5 * (high - low)
+    return low + half * (x + 1.0), half * w
+
+
+def _rooted(count, low, high):
+    """Gauss nodes and weights in a variable in which square roots at both ends are smooth."""
+    v, w = _gauss(count, 0.0, 1.0)
+    return low + (high - low) * np.square(np.sin(0.5 * pi * v)), (high - low) * 0.5 * pi * np.sin(pi * v) * w
 
 
 def dielectric_events(facets: Facets, eta: float):

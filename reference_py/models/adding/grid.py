@@ -8,7 +8,7 @@ s^2 = a^2 + (b^2 - a^2) sin^2(psi) with Gauss nodes in psi makes the square root
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -28,7 +28,7 @@ class Grid:
         panels, a = [], 0.0
         for b in self.breaks:
             share = 1.0 - np.arcsin(a / b) / (0.5 * np.pi)
-            panels.append((a, b, *np.polynomial.legendre.leggauss(max(FEWEST_NODES, int(np.ceil(self.nodes * share))))))
+            panels.append((a, b, *gauss_legendre(max(FEWEST_NODES, int(np.ceil(self.nodes * share))))))
             a = b
         return panels
 
@@ -117,6 +117,14 @@ class Projector:
 
 def _psi(x: np.ndarray) -> np.ndarray:
     return 0.25 * np.pi * (x + 1.0)
+
+
+@lru_cache(maxsize=128)
+def gauss_legendre(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and weights on [-1, 1]; read only."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    nodes.flags.writeable = weights.flags.writeable = False
+    return nodes, weights
 
 
 def legendre(x: np.ndarray, count: int) -> np.ndarray:

@@ -14,7 +14,7 @@ import numpy as np
 from ...errors import LaminaError
 from ...optics.microfacet import is_specular
 from ...stack import Stack
-from .assembly import Layers, add, empty, round_trips
+from .assembly import TRAPPED_LOSS, Layers, add, empty, round_trips
 from .direct import direct_f
 from .facets import MULTIPLE, SURFACES
 from .grid import Grid, chebyshev
@@ -22,8 +22,8 @@ from .operators import Resolution, dielectric_rows, interface_operators, transmi
 from .recipe import Recipe
 
 # Facets per direction: energies need fewer than azimuthal modes do.
-_ENERGY = Resolution(modes=1, across=16, along=32)
-_NODES, _MODES = 40, 64
+_ENERGY = Resolution(modes=1, across=16, along=36)
+_NODES, _MODES = 32, 64
 
 
 @dataclass(frozen=True)
@@ -165,9 +165,9 @@ class Adding:
         else:
             n, top = recipe.interfaces[k].n_above, self._operators(k, resolution)
             below, mirror_below, direct_below = self._reflection(k + 1, channel, resolution)
-            whole = top.r_up + top.t_down @ round_trips(below, top.r_down, below @ top.t_up)
+            whole = top.r_up + top.t_down @ round_trips(below, top.r_down, below @ self._exit(k, top, resolution))
             if is_specular(recipe.interfaces[k].alpha):
-                trips = 1.0 / (1.0 - mirror_below * np.diagonal(top.r_down[0]))
+                trips = 1.0 / (1.0 - (1.0 - TRAPPED_LOSS) * mirror_below * np.diagonal(top.r_down[0]))
                 mirror = np.diagonal(top.r_up[0] + top.t_down[0] * (trips * mirror_below) @ top.t_up[0])
                 direct = (top.t_down * trips) @ direct_below @ (trips[:, None] * top.t_up)
             else:
@@ -176,6 +176,13 @@ class Adding:
         share = transmittance(grid, n, tau[channel])
         pair = share[:, None] * share
         return whole * pair, mirror * share * share, direct * pair
+
+    def _exit(self, k: int, top, resolution: Resolution) -> np.ndarray:
+        """Crossing of interface k from below: exact sums for energies; for f by reciprocity, as rows average noise."""
+        if resolution is not self._shape:
+            return top.t_up
+        above, below = (self._grid.weights[: matrix.shape[-1]] for matrix in (top.r_up, top.r_down))
+        return np.swapaxes(top.t_down, -1, -2) * above / below[:, None]
 
     # --- shape ---
 
@@ -216,7 +223,8 @@ class Adding:
         rest = {}
         for channel, _ in self._recipe.channels():
             whole, mirror, direct = self._reflection(0, channel, self._shape)
-            rest[channel] = (whole - np.diag(mirror) - direct) / self._grid.weights[: len(mirror)]
+            density = (whole - np.diag(mirror) - direct) / self._grid.weights[: len(mirror)]
+            rest[channel] = 0.5 * (density + np.swapaxes(density, -1, -2))
         return rest
 
 

@@ -6,6 +6,7 @@ A row belongs to the direction in which a walker arrives (from the viewer), a co
 K[i, j] / grid.weights[j] is symmetric between the two sides. Azimuth is that of travel: a mirror turns by 0.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -17,11 +18,13 @@ from ...optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
 from ...optics.microfacet import is_specular
 from .assembly import Layers
 from .bounces import AZIMUTHS, SHAPE, Microsurface
-from .facets import MULTIPLE, dielectric_events, visible_facets
+from .facets import MULTIPLE, dielectric_events, reflection_lobe, visible_facets
 from .grid import Grid, legendre
 
 # Azimuths of the quadrature of an Oren-Nayar base over the half circle.
 _OREN_NAYAR_AZIMUTHS = 128
+# A reflected lobe of alpha * nodes above this is resolved by the grid; it is integrated over so many azimuths + modes.
+_RESOLVED, _LOBE_AZIMUTHS = 2.0, 40
 # Directions handled at once, which bounds memory.
 _CHUNK = 64
 
@@ -86,21 +89,26 @@ def _dielectric_chunk(n_own, n_other, cos_theta, alpha, kind, surface, grid, res
         refracted = (1.0 - reflectance) * grid.interpolation(n_other, cos_theta_t(cos_theta, eta))
         every = np.ones((modes, 1, 1))
         return 0.0 * every * mirrored, every * mirrored, every * refracted
-    facets = visible_facets(cos_theta, alpha, kind, surface, resolution.across, resolution.along)
+    facets = visible_facets(cos_theta, alpha, kind, surface, resolution.across, resolution.along, eta)
     (wi, w_reflected), (wt, w_refracted) = dielectric_events(facets, eta)
-    once = grid.project(n_own, wi, modes)(w_reflected)
+    if _is_resolved(alpha, grid):
+        once = _resolved_lobe(
+            lambda cos: fresnel_dielectric(cos, eta), cos_theta, n_own, alpha, kind, surface, grid, modes
+        )
+    else:
+        once = grid.project(n_own, wi, modes)(w_reflected)
     more = np.zeros_like(once)
     transmitted = grid.project(n_other, wt, modes)(w_refracted)
     if surface == MULTIPLE:
         left = 1.0 - once[0].sum(axis=1) - transmitted[0].sum(axis=1)
-        moments = Microsurface(alpha, kind, etas=(eta, 1.0 / eta)).shares(cos_theta) * left[:, None]
-        more[:AZIMUTHS] = _spread(moments[0], grid, n_own)[:modes]
-        transmitted[:AZIMUTHS] += _spread(moments[1], grid, n_other)[:modes]
+        moments = Microsurface(alpha, kind, etas=(eta, 1.0 / eta)).shares(cos_theta, modes) * left[:, None]
+        more[:AZIMUTHS] = _spread(moments[0], grid, n_own)
+        transmitted[:AZIMUTHS] += _spread(moments[1], grid, n_other)
     return once, more, transmitted
 
 
 def _spread(moments, grid: Grid, n: float) -> np.ndarray:
-    """Rows (AZIMUTHS, I, N) whose energy over d2p has the Legendre moments (AZIMUTHS, I, SHAPE) in 1 - 2 cos^2."""
+    """Rows (modes, I, N) whose energy over d2p has the Legendre moments (modes, I, SHAPE) in 1 - 2 cos^2."""
     count = grid.count(n)
     shapes = legendre(2.0 * np.square(grid.s[:count] / n) - 1.0, SHAPE) * (2.0 * np.arange(SHAPE) + 1.0)[:, None]
     return moments @ shapes * grid.weights[:count] / (np.pi * n * n)
@@ -144,12 +152,50 @@ def _conductor_chunk(index, channel, n, cos_theta, alpha, kind, surface, grid, r
         mirrored = fresnel_conductor(cos_theta, eta, k)[:, None] * grid.interpolation(n, cos_theta)
         every = np.ones((resolution.modes, 1, 1))
         return 0.0 * every * mirrored, every * mirrored
-    facets = visible_facets(cos_theta, alpha, kind, surface, resolution.across, resolution.along)
-    wi, weights = facets.reflected()
-    once = grid.project(n, wi, resolution.modes)(weights * fresnel_conductor(facets.cos_om, eta, k))
+    modes = resolution.modes
+
+    def fresnel(cos):
+        return fresnel_conductor(cos, eta, k)
+
+    if _is_resolved(alpha, grid):
+        lobe = (cos_theta, n, alpha, kind, surface, grid)
+        once, white = _resolved_lobe(fresnel, *lobe, modes), _resolved_lobe(np.ones_like, *lobe, 1)[0].sum(axis=1)
+    else:
+        facets = visible_facets(cos_theta, alpha, kind, surface, 2 * resolution.across, 2 * resolution.along)
+        wi, weights = facets.reflected()
+        once, white = grid.project(n, wi, modes)(weights * fresnel(facets.cos_om)), weights.sum(axis=1)
     more = np.zeros_like(once)
     if surface == MULTIPLE:
-        left = 1.0 - weights.sum(axis=1)
-        moments = Microsurface(alpha, kind, index=index[channel]).shares(cos_theta)[0] * left[:, None]
-        more[:AZIMUTHS] = _spread(moments, grid, n)[: resolution.modes]
+        moments = Microsurface(alpha, kind, index=index[channel]).shares(cos_theta, modes)[0]
+        more[:AZIMUTHS] = _spread(moments * np.maximum(1.0 - white, 0.0)[:, None], grid, n)
     return once, more
+
+
+def _is_resolved(alpha: float, grid: Grid) -> bool:
+    return alpha * grid.nodes >= _RESOLVED
+
+
+def _resolved_lobe(fresnel: Callable, cos_theta, n: float, alpha, kind, surface, grid: Grid, modes: int) -> np.ndarray:
+    """Rows (modes, I, N) of one reflection whose lobe is so wide that its values at the nodes do.
+
+    Scattered facets would miss the root that radiance has at a critical angle; the grid's panels do not.
+    """
+    cos_o, cos_i = cos_theta[:, None, None], grid.cosines(n)[:, None]
+    # midpoints in u, where the turn is 2 atan(width tan(u / 2)): dense about the mirror direction, most at grazing
+    count = _LOBE_AZIMUTHS + modes
+    u = np.pi * (np.arange(count) + 0.5) / count
+    width = np.minimum(1.0, alpha * (cos_o + cos_i))
+    tangent2 = np.square(width * np.tan(0.5 * u))
+    measure = width / (np.square(np.cos(0.5 * u)) * (1.0 + tangent2)) / count
+    cos_turn = (1.0 - tangent2) / (1.0 + tangent2)
+    sines = np.sqrt((1.0 - np.square(cos_o)) * (1.0 - np.square(cos_i)))
+    # 1 + cos of the angle between wo and wi, whose azimuths differ by pi for a turn of 0
+    both = np.maximum(1.0 + cos_o * cos_i - sines * cos_turn, 1e-30)
+    cos_m, cos_om = np.minimum((cos_o + cos_i) / np.sqrt(2.0 * both), 1.0), np.sqrt(0.5 * both)
+    f = reflection_lobe(cos_o, cos_i, cos_m, alpha, kind, surface) * fresnel(cos_om) * measure
+    before, now = cos_turn, np.ones_like(cos_turn)
+    rows = []
+    for _ in range(modes):
+        rows.append(np.sum(f * now, axis=-1))
+        before, now = now, 2.0 * cos_turn * now - before
+    return np.stack(rows) * grid.weights[: cos_i.shape[0]] / (n * n)

@@ -13,9 +13,8 @@ import numpy as np
 from ...errors import LaminaError
 from ...optics.microsurface import SURFACES
 from ...stack import Stack
-from .connect import LightPaths
 from .surfaces import Surfaces
-from .walk import Walk
+from .walk import Walk, connected_f
 
 BATCH = 1 << 15
 DEFAULT_WALKS = 1 << 16
@@ -80,15 +79,14 @@ class PositionFree:
         """`f` and its standard error, both (..., 3)."""
         wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
         visible = (wo[..., 2] > 0.0) & (wi[..., 2] > 0.0)
-        wo_visible, wi_visible = wo[visible], wi[visible]
+        # f is symmetric. Few microfacets send light to a grazing direction, all take it from there: start with that.
+        swap = (wi[..., 2] < wo[..., 2])[..., None]
+        start, end = np.where(swap, wi, wo)[visible], np.where(swap, wo, wi)[visible]
 
         def sample(figure, rng):
-            light = LightPaths(self._surfaces, wi_visible[figure], rng)
-            for _ in Walk(self._surfaces, wo_visible[figure], rng, light).exits():
-                pass
-            return light.f
+            return connected_f(self._surfaces, start[figure], end[figure], rng)
 
-        return self._spread(visible, *self._estimate(sample, len(wo_visible), (3,), rng, progress, cancel))
+        return self._spread(visible, *self._estimate(sample, len(start), (3,), rng, progress, cancel))
 
     def albedo_stderr(self, wo, *, rng=None, progress=None, cancel=None) -> tuple[np.ndarray, np.ndarray]:
         """`albedo` and its standard error, both (..., 3); 0 for viewers below the horizon."""

@@ -38,7 +38,7 @@ class LightPaths:
             energy = energy * event.weight[:, None]
             if surfaces.tau[index] is not None:
                 energy = energy * np.exp(-surfaces.tau[index] / np.maximum(below[:, 2:], 1e-12))
-            # f_t(a, b) / n_b^2 = f_t(b, a) / n_a^2 (Walter07, eq. 34), telescoped over the interfaces
+            # f_t(a, b) / n_b^2 = f_t(b, a) / n_a^2 (Walter07), telescoped over the interfaces
             self._weight.append(energy / (surfaces.n_above[index + 1] ** 2 * below[:, 2:]))
             self._u.append(below)
             before = surface.density(below, -u, True) * lower + (not surface.is_delta)

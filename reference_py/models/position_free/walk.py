@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walk of light through a stack: a sequence of directions, without positions (Guo18, section 4).
+"""The walk of light through a stack: a sequence of directions, without positions (Guo18).
 
 Rays wait in one queue per surface and side, so that each step is one vectorised call with one index and one
 alpha. A ray is known by `w`, which points back to where it came from, in the frame of the surface and side that
@@ -122,3 +122,11 @@ class Walk:
         alive = np.flatnonzero(self.rng.random(len(chance)) < chance)
         rays = rays.take(alive)
         return Rays(rays.w, (rays.throughput.T / chance[alive]).T, rays.path, rays.carry)
+
+
+def connected_f(surfaces: Surfaces, wo: np.ndarray, wi: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """One estimate of f (n, 3) in 1/sr per row of wo and wi (n, 3), by a walk from wo connected to wi."""
+    light = LightPaths(surfaces, wi, rng)
+    for _ in Walk(surfaces, wo, rng, light).exits():
+        pass
+    return light.f

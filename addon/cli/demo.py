@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The main job in one command: all presets rendered on one page, and a table of their cost and error."""
+
+import time
+from pathlib import Path
+
+import numpy as np
+
+from ...reference_py import presets
+from ...reference_py.atomic import require_writable, write_text
+from ...reference_py.compare import distance
+from ...reference_py.models import make_model
+from ...reference_py.network import DEFAULT_TIER, make_network
+from .session import blender, say
+
+THETA_DEG = np.array([0.0, 30.0, 60.0, 75.0])
+COLUMNS = 5
+
+
+def demo(options) -> None:
+    """Render the contact sheet and print and save the table."""
+    folder = Path(options.output)
+    folder.mkdir(parents=True, exist_ok=True)
+    sheet, table = folder / "presets.png", folder / "presets.txt"
+    require_writable(sheet)
+    report = say("demo")
+    stacks = {name: presets.load(name) for name in presets.names()}
+    with blender(report):
+        seconds = _render(stacks, sheet, options, report)
+    lines = [
+        f"Tier {DEFAULT_TIER} against the exact model of the paper, worst of the view angles "
+        f"{', '.join(f'{t:g}' for t in THETA_DEG)} degrees",
+        f"{'preset':20} {'lobes':>5} {'seconds':>8} {'albedo error':>13} {'shape error':>12}",
+    ]
+    for name, stack in stacks.items():
+        gap = distance(stack, make_model("mirror", stack), make_model("weidlich_wilkie", stack), np.radians(THETA_DEG))
+        lobes = make_network(stack).lobe_count
+        lines.append(f"{name:20} {lobes:5} {seconds[name]:8.1f} {100 * gap.albedo.max():11.2f} % {100 * gap.shape.max():10.1f} %")
+    text = "\n".join(lines) + "\n"
+    write_text(table, text)
+    print(text, end="")
+    report(f"wrote {sheet} and {table}")
+
+
+def _render(stacks, sheet: Path, options, report) -> dict[str, float]:
+    """Render the page; returns wall seconds per preset."""
+    import bpy
+
+    from ..material import apply_stack
+    from ..rendering.sheet import Tile, render_sheet
+
+    tiles = []
+    for name, stack in stacks.items():
+        material = bpy.data.materials.new(name)
+        apply_stack(material, stack)
+        layers = f"{len(stack.layers)} layer{'s' * (len(stack.layers) != 1)} over {stack.base.kind.replace('_', '-')}"
+        tiles.append(Tile(presets.label(name), material, layers))
+    marks = [time.monotonic()]
+
+    def progress(done: float, what: str) -> None:
+        marks.append(time.monotonic())
+        report(f"{100 * done:3.0f} % {what}")
+
+    render_sheet(tiles, sheet, COLUMNS, options.size, options.samples, progress, title="Lamina presets")
+    # the first call starts tile 0, the last comes after the page is composed
+    return {name: marks[i + 2] - marks[i + 1] for i, name in enumerate(stacks)}

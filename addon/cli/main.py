@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arguments, exit codes and messages of every command. Imports neither bpy nor numpy until a command needs them.
+
+Exit codes: 0 done, 1 something failed, 2 bad input, 130 cancelled.
+"""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+
+from ...reference_py.errors import LaminaError
+
+DONE, FAILED, BAD_INPUT, CANCELLED = 0, 1, 2, 130
+STACK_HELP = "name of a preset (see `lamina presets`) or a JSON file"
+
+
+class _Parser(argparse.ArgumentParser):
+    """argparse with one line per mistake."""
+
+    def error(self, message: str):
+        raise LaminaError(f"{message} (see `{self.prog} --help`)")
+
+
+def build_parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="lamina", description="Layered materials for Blender's Cycles, with the error stated.")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+
+    presets = _command(commands, "presets", "numbers", "list the presets")
+    models = _command(commands, "models", "numbers", "list the models that `albedo` and `eval` know")
+    albedo = _command(commands, "albedo", "numbers", "share of light that a stack reflects, by view angle")
+    albedo.add_argument("stack", metavar="STACK", help=STACK_HELP)
+    albedo.add_argument("--theta", type=float, nargs="+", default=[0.0, 30.0, 60.0], metavar="DEG", help="view angles in degrees")
+    evaluate = _command(commands, "eval", "numbers", "BRDF value in 1/sr, without the cosine")
+    evaluate.add_argument("stack", metavar="STACK", help=STACK_HELP)
+    evaluate.add_argument("--wo", required=True, metavar="THETA,PHI", help="direction to the viewer, degrees")
+    evaluate.add_argument("--wi", required=True, nargs="+", metavar="THETA,PHI", help="directions to the light, degrees")
+    for command in (albedo, evaluate):
+        command.add_argument("--model", default="weidlich_wilkie", help="see `lamina models` (default: %(default)s)")
+        command.add_argument("--surface", choices=("single", "multiple"), help="surfaces of the truths: one scattering event or lossless")
+        command.add_argument("--option", action="append", default=[], metavar="NAME=VALUE", help="an option of the model; repeatable")
+
+    render = _command(commands, "render", "render", "render a stack with Cycles")
+    render.add_argument("stack", metavar="STACK", help=STACK_HELP)
+    render.add_argument("--scene", choices=("sphere", "ball", "furnace"), default="ball",
+                        help="a sphere in the sun, a ball in a studio, or a plane under a white world (default: %(default)s)")
+    render.add_argument("-o", "--output", metavar="FILE", help="picture to write: .exr (linear) or .png")
+    render.add_argument("--theta", type=float, nargs="+", default=[0.0, 30.0, 60.0], metavar="DEG",
+                        help="view angles of the furnace, degrees")
+    render.add_argument("--samples", type=int, default=64, metavar="N", help="samples per pixel (default: %(default)s)")
+    render.add_argument("--size", type=int, default=256, metavar="PIXELS", help="width and height (default: %(default)s)")
+    apply = _command(commands, "apply", "render", "give an object of a .blend file a stack as its material")
+    apply.add_argument("--stack", required=True, metavar="STACK", help=STACK_HELP)
+    apply.add_argument("--object", required=True, metavar="NAME", help="object that gets the material")
+    apply.add_argument("input", metavar="IN.blend")
+    apply.add_argument("-o", "--output", required=True, metavar="OUT.blend")
+    shader = _command(commands, "shader", "numbers", "print the OSL shader that is generated for a stack")
+    shader.add_argument("stack", metavar="STACK", help=STACK_HELP)
+    for command in (render, apply, shader):
+        command.add_argument("--tier", default=None, help="how the stack is told to Cycles (default: the extension's)")
+    demo = _command(commands, "demo", "demo", "render a contact sheet of all presets and print their errors")
+    demo.add_argument("-o", "--output", default="demo", metavar="FOLDER", help="folder for the pictures (default: %(default)s)")
+    demo.add_argument("--samples", type=int, default=48, metavar="N", help="samples per pixel (default: %(default)s)")
+    demo.add_argument("--size", type=int, default=288, metavar="PIXELS", help="width of a tile (default: %(default)s)")
+    network = _command(commands, "chart", "chart", "measure a chart's numbers and draw it")
+    network.add_argument("chart", choices=("network",), help="network: each preset's network against the exact model, by angle")
+    network.add_argument("-o", "--output", default=".", metavar="FOLDER", help="folder for table and picture (default: %(default)s)")
+
+    for command in (presets, models, albedo, evaluate, render):
+        command.add_argument("--json", action="store_true", help="print JSON")
+    return parser
+
+
+def _command(commands, name: str, module: str, summary: str) -> argparse.ArgumentParser:
+    command = commands.add_parser(name, help=summary, description=summary[0].upper() + summary[1:] + ".")
+    command.set_defaults(module=module)
+    return command
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run one command; returns its exit code. Bad input is one line on stderr."""
+    try:
+        options = build_parser().parse_args(arguments)
+        handler = getattr(_module(options.module), options.command)
+        return handler(options) or DONE
+    except LaminaError as error:
+        print(f"lamina: {' '.join(str(error).split())}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("lamina: cancelled", file=sys.stderr)
+        return CANCELLED
+    except SystemExit as done:  # argparse leaves so after --help
+        return int(done.code or DONE)
+
+
+def _module(name: str):
+    from importlib import import_module
+
+    return import_module(f".{name}", __package__)
+
+
+def main() -> None:
+    """Entry point of the console script."""
+    code = run(sys.argv[1:])
+    sys.stdout.flush()
+    sys.stderr.flush()
+    if "bpy" in sys.modules:
+        # The bpy wheel's exit handlers now and then wait for each other for ever; all files are closed by now.
+        os._exit(code)
+    sys.exit(code)

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Commands that print numbers and need no bpy: presets, models, albedo, eval, shader."""
+
+import json
+import sys
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...reference_py import presets as preset_files
+from ...reference_py.errors import LaminaError
+from ...reference_py.frame import spherical
+from ...reference_py.models import MODELS, make_model
+from .session import say
+
+
+def presets(options) -> None:
+    """Names and first words of the sources of all presets."""
+    stacks = {name: preset_files.load(name) for name in preset_files.names()}
+    if options.json:
+        print(json.dumps({"presets": [{"name": n, "label": s.name, "source": s.source} for n, s in stacks.items()]}))
+        return
+    for name, stack in stacks.items():
+        layers = f"{len(stack.layers)} layer{'s' * (len(stack.layers) != 1)} over {stack.base.kind}"
+        print(f"{name:20} {layers}")
+
+
+def models(options) -> None:
+    """The registry of models."""
+    if options.json:
+        print(json.dumps({"models": [{"name": n, "stochastic": m.stochastic} for n, m in MODELS.items()]}))
+        return
+    for name, model in MODELS.items():
+        print(f"{name:20} {(model.__doc__ or '').strip().splitlines()[0]}")
+
+
+def albedo(options) -> None:
+    """Directional albedo by view angle."""
+    theta = view_angles(options.theta)
+    model = _model(options)
+    wo = spherical(np.radians(theta), 0.0)
+    if model.stochastic:
+        value, stderr = model.albedo_stderr(wo, progress=_progress(options.command))
+    else:
+        value, stderr = model.albedo(wo), None
+    print_albedo(options.model, theta, value, stderr, options.json)
+
+
+def print_albedo(model: str, theta: Sequence[float], value: np.ndarray, stderr: np.ndarray | None, as_json: bool) -> None:
+    """One form for what models compute and what Cycles measures."""
+    if as_json:
+        result = {"model": model, "theta_deg": list(theta), "albedo": value.tolist()}
+        print(json.dumps(result if stderr is None else {**result, "stderr": stderr.tolist()}))
+        return
+    for i, angle in enumerate(theta):
+        numbers = " ".join(f"{v:.5f}" for v in value[i])
+        error = "" if stderr is None else "   +- " + " ".join(f"{v:.5f}" for v in stderr[i])
+        print(f"{angle:6.2f} deg   {numbers}{error}")
+
+
+def eval(options) -> None:  # noqa: A001  (the command is called eval)
+    """f for one view and any number of light directions."""
+    wo, wi = directions([options.wo])[0], directions(options.wi)
+    model = _model(options)
+    wo_all = np.broadcast_to(wo, wi.shape)
+    if model.stochastic:
+        value, stderr = model.f_stderr(wo_all, wi, progress=_progress(options.command))
+    else:
+        value, stderr = model.f(wo_all, wi), None
+    if options.json:
+        result = {"model": options.model, "wo_deg": _numbers(options.wo), "wi_deg": [_numbers(w) for w in options.wi],
+                  "f": value.tolist()}
+        print(json.dumps(result if stderr is None else {**result, "stderr": stderr.tolist()}))
+        return
+    for i, text in enumerate(options.wi):
+        error = "" if stderr is None else "   +- " + " ".join(f"{v:.3g}" for v in stderr[i])
+        print(f"wi {text:12}   {' '.join(f'{v:.6g}' for v in value[i])}{error}")
+
+
+def shader(options) -> None:
+    """The generated OSL text."""
+    from ...reference_py.network import DEFAULT_TIER, make_network
+    from ..network.osl import generate
+
+    stack = preset_files.load(options.stack)
+    tier = make_network(stack, options.tier or DEFAULT_TIER).tier
+    sys.stdout.write(generate(stack, tier).text)
+
+
+def view_angles(theta: Sequence[float]) -> list[float]:
+    """Checked view angles in degrees. Raises LaminaError outside 0 to below 90."""
+    for angle in theta:
+        if not 0.0 <= angle < 90.0:
+            raise LaminaError(f"--theta {angle:g}: a view angle is in degrees from the normal; choose 0 to below 90")
+    return list(theta)
+
+
+def directions(texts: Sequence[str]) -> np.ndarray:
+    """Unit directions (n, 3) from "THETA,PHI" in degrees. Raises LaminaError."""
+    angles = np.radians([_numbers(text) for text in texts])
+    return spherical(angles[:, 0], angles[:, 1])
+
+
+def _numbers(text: str) -> list[float]:
+    try:
+        theta, phi = (float(part) for part in text.split(","))
+        if not (0.0 <= theta <= 180.0 and np.isfinite(phi)):
+            raise ValueError
+    except ValueError:
+        raise LaminaError(f"direction {text!r}: give THETA,PHI in degrees, theta from 0 to 180, such as 30,90") from None
+    return [theta, phi]
+
+
+def _progress(command: str):
+    """A progress callback that says every tenth of the way on stderr."""
+    report, said = say(command), 0
+
+    def progress(done: float) -> None:
+        nonlocal said
+        if done < 1.0 and int(10 * done) > said:
+            said = int(10 * done)
+            report(f"{10 * said} %")
+
+    return progress
+
+
+def _model(options):
+    pairs = {"surface": options.surface} if options.surface else {}
+    for text in options.option:
+        key, separator, value = text.partition("=")
+        if not separator:
+            raise LaminaError(f"--option {text!r}: give NAME=VALUE")
+        pairs[key] = value
+    return make_model(options.model, preset_files.load(options.stack), **pairs)

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Commands that render a stack or put it into a .blend file."""
+
+from pathlib import Path
+
+from ...reference_py import presets as preset_files
+from ...reference_py.atomic import replacing, require_writable
+from ...reference_py.errors import LaminaError
+from ...reference_py.network import DEFAULT_TIER, make_network
+from .numbers import print_albedo, view_angles
+from .session import blender, say
+
+SUN_THETA_DEG = 45.0
+
+
+def render(options) -> None:
+    """One stack in one scene, to a picture or, for the furnace, to numbers."""
+    stack, tier = preset_files.load(options.stack), _tier(options)
+    make_network(stack, tier)
+    if options.samples < 1 or options.size < 2:
+        raise LaminaError(f"--samples {options.samples} --size {options.size}: choose at least 1 sample and 2 pixels")
+    if options.scene == "furnace":
+        _furnace(options, stack, tier)
+        return
+    if not options.output:
+        raise LaminaError(f"--scene {options.scene} needs -o FILE, a picture that ends in .exr or .png")
+    output = Path(options.output)
+    if output.suffix.lower() not in (".exr", ".png"):
+        raise LaminaError(f"{output}: unknown picture format {output.suffix!r}; choose .exr or .png")
+    require_writable(output)
+    report = say("render")
+    report(f"{stack.name or options.stack} in scene {options.scene}")
+    with blender(report):
+        material = _material(stack, tier)
+        (_sphere if options.scene == "sphere" else _ball)(material, output, options)
+    report(f"wrote {output}")
+
+
+def _tier(options) -> str:
+    return options.tier or DEFAULT_TIER
+
+
+def _material(stack, tier):
+    import bpy
+
+    from ..material import apply_stack
+
+    material = bpy.data.materials.new(stack.name or "Lamina")
+    apply_stack(material, stack, tier)
+    return material
+
+
+def _furnace(options, stack, tier) -> None:
+    theta = view_angles(options.theta)
+    report = say("render")
+    report(f"{stack.name or options.stack} in a white furnace, {len(theta)} angles")
+    with blender(report):
+        from ..rendering.measure import render_furnace
+
+        value, stderr = render_furnace(_material(stack, tier), theta, options.samples, options.size)
+    report("measured")
+    print_albedo(f"cycles:{tier}", theta, value, stderr, options.json)
+
+
+def _sphere(material, output: Path, options) -> None:
+    """A sphere in the sun of irradiance pi: a white Lambert sphere shows the cosine."""
+    import numpy as np
+
+    from ..rendering.images import write_exr, write_png
+    from ..rendering.measure import render_sun_sphere
+
+    # a measurement has one sample; more samples are a finer picture, averaged down
+    fine = max(int(round(options.samples**0.5)), 1)
+    radiance = np.pi * render_sun_sphere(material, SUN_THETA_DEG, options.size * fine)["radiance"]
+    radiance = radiance.reshape(options.size, fine, options.size, fine, 3).mean(axis=(1, 3))
+    if output.suffix.lower() == ".exr":
+        write_exr(output, {c: radiance[..., i] for i, c in enumerate("RGB")})
+        return
+    encoded = np.where(radiance <= 0.0031308, 12.92 * radiance, 1.055 * np.maximum(radiance, 1e-9) ** (1 / 2.4) - 0.055)
+    write_png(output, (encoded.clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8))
+
+
+def _ball(material, output: Path, options) -> None:
+    from ..rendering.settings import render_to
+    from ..rendering.studio import build_ball_scene
+
+    studio = build_ball_scene(material, options.size, options.samples)
+    try:
+        if output.suffix.lower() == ".exr":
+            image = studio.scene.render.image_settings
+            image.file_format, image.color_depth = "OPEN_EXR", "32"
+        with replacing(output) as temporary:
+            render_to(studio.scene, temporary)
+    finally:
+        studio.remove()
+
+
+def apply(options) -> None:
+    """Open IN.blend, give the object a new material with the stack, and write OUT.blend."""
+    stack, tier = preset_files.load(options.stack), _tier(options)
+    make_network(stack, tier)
+    source, output = Path(options.input), Path(options.output)
+    if not source.is_file():
+        raise LaminaError(f"{source}: there is no such .blend file")
+    require_writable(output)
+    report = say("apply")
+    report(f"open {source}")
+    with blender(report):
+        import bpy
+
+        from ..blend_files import save_copy
+        from ..script_node import enable_osl, require_osl
+
+        require_osl()
+        try:
+            bpy.ops.wm.open_mainfile(filepath=str(source.resolve()), load_ui=False)
+        except RuntimeError as error:
+            raise LaminaError(f"{source}: Blender cannot open it: {str(error).strip()}") from None
+        target = bpy.data.objects.get(options.object)
+        if target is None or not hasattr(target.data, "materials"):
+            choices = sorted(o.name for o in bpy.data.objects if hasattr(o.data, "materials"))
+            raise LaminaError(f"{source}: no object {options.object!r} that takes a material; choose {', '.join(choices) or 'none'}")
+        notices = enable_osl(bpy.context.scene)
+        material = _material(stack, tier)
+        if target.material_slots:
+            target.material_slots[target.active_material_index].material = material
+        else:
+            target.data.materials.append(material)
+        save_copy(output)
+    for notice in notices:
+        report(notice)
+    report(f"wrote {output}: {options.object} has {stack.name or options.stack}, tier {tier}")
+

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender for the commands that need it: the wheel's module or the running application."""
+
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from ...reference_py.errors import LaminaError
+
+REPORT_SECONDS = 2.0
+
+
+@contextmanager
+def blender(report: Callable[[str], None]) -> Iterator[None]:
+    """A Blender with Lamina registered and OSL at hand. Its chatter is silent; `report` gets the render's state.
+
+    Raises LaminaError where bpy is not installed.
+    """
+    try:
+        import bpy
+    except ImportError as error:
+        raise LaminaError(f"this command needs Blender: pip install bpy, or blender --command lamina ... ({error})") from None
+    from ..rendering.environment import ensure_osl_query_on_path
+
+    ensure_osl_query_on_path()
+    # persistent: commands load files, which drops other handlers
+    listener = bpy.app.handlers.persistent(_render_listener(report))
+    with _silent_stdout():
+        if not hasattr(bpy.types.Material, "lamina"):
+            from .. import registration
+
+            registration.register()
+        bpy.app.handlers.render_stats.append(listener)
+        try:
+            yield
+        finally:
+            bpy.app.handlers.render_stats.remove(listener)
+
+
+def _render_listener(report):
+    """Passes on Cycles' own progress every few seconds."""
+    last = time.monotonic()
+
+    def listen(*arguments) -> None:
+        nonlocal last
+        text = next((a for a in arguments if isinstance(a, str)), "")
+        if "Sample" in text and time.monotonic() - last > REPORT_SECONDS:
+            last = time.monotonic()
+            report(text[text.index("Sample"):].split("|")[0].strip())
+
+    return listen
+
+
+@contextmanager
+def _silent_stdout() -> Iterator[None]:
+    """Blender prints every step of a render on stdout, where our numbers belong."""
+    sys.stdout.flush()
+    saved, sink = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(sink, 1)
+    try:
+        yield
+    finally:
+        sys.stdout.flush()
+        os.dup2(saved, 1)
+        os.close(saved)
+        os.close(sink)
+
+
+def say(command: str) -> Callable[[str], None]:
+    """A reporter that writes one line at a time to stderr."""
+
+    def report(text: str) -> None:
+        print(f"lamina {command}: {text}", file=sys.stderr, flush=True)
+
+    return report

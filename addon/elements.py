@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A layer or base in Blender: a property group for its structure and a group node for its values."""
+
+import json
+import uuid
+
+import bpy
+import numpy as np
+
+from ..reference_py.colour import artist_color, artist_index, conductor_rgb
+from ..reference_py.errors import LaminaError
+from ..reference_py.schema import COLOR, FLOAT, SCHEMA, Kind, Parameter
+from ..reference_py.stack import Element
+from .kind_groups import group_of
+from .properties import given_choices
+
+_FLOAT32_DIGITS = 7
+
+
+def kind_of(element) -> Kind:
+    """The schema's kind of a layer's or base's property group."""
+    return SCHEMA.layers.get(element.kind) or SCHEMA.bases[element.kind]
+
+
+def node_of(element) -> bpy.types.ShaderNodeGroup:
+    """The group node that holds an element's values. Raises LaminaError when somebody deleted it."""
+    material = element.id_data
+    node = material.node_tree.nodes.get(element.node)
+    if node is None:
+        raise LaminaError(
+            f"material {material.name}: the node of {element.name!r} was deleted; undo, remove the layer, or pick a preset anew"
+        )
+    return node
+
+
+def show_name(element) -> None:
+    """Write the element's name on its node, if it has one."""
+    tree = element.id_data.node_tree
+    if tree is not None and element.node in tree.nodes:
+        tree.nodes[element.node].label = element.name
+
+
+def shown_parameters(kind: Kind, given: str) -> tuple[Parameter, ...]:
+    """The parameters that describe an element: those of the alternative `given` first, then the ones of every element."""
+    chosen = [kind.parameter(name) for group, choice in zip(kind.alternatives, given_choices(kind)) if choice == given
+              for name in group]
+    alternative = {name for group in kind.alternatives for name in group}
+    return (*chosen, *(p for p in kind.parameters if p.name not in alternative))
+
+
+def structure_dict(element, kind: Kind) -> dict:
+    """An element as JSON without values: the schema's defaults stand in, since only structure is asked for."""
+    values = {
+        p.name: getattr(element, p.name) if p.is_structural else p.default for p in shown_parameters(kind, element.given)
+    }
+    return {"kind": element.kind, **values}
+
+
+def fill_element(tree: bpy.types.NodeTree, element, source: Element, kind: Kind) -> None:
+    """Set a property group, and make the node of its values, from an element of a stack."""
+    node = tree.nodes.new("ShaderNodeGroup")
+    # the name is an identity: animation data and links refer to it, so it is never changed and never used twice
+    node.name = f"Lamina {uuid.uuid4().hex[:12]}"
+    element.node, element.kind = node.name, source.kind
+    node.node_tree = group_of(kind)
+    name = source.unknown.get("name")
+    element.name = name if isinstance(name, str) else kind.label
+    element.visible, element.unknown = True, json.dumps(dict(source.unknown))
+    for group, choice in zip(kind.alternatives, given_choices(kind)):
+        if group[0] in source:
+            element.given = choice
+    for parameter in kind.parameters:
+        if parameter.name not in source:
+            continue
+        value = source[parameter.name]
+        if parameter.is_structural:
+            setattr(element, parameter.name, value)
+        else:
+            node.inputs[parameter.label].default_value = (*value, 1.0) if parameter.type == COLOR else value
+    if "metal" in source:
+        set_metal(element, kind)
+
+
+def read_element(element, kind: Kind) -> dict:
+    """An element as JSON, values from its node's sockets. A linked socket counts with its own value."""
+    node = node_of(element)
+    given = "eta+k" if element.given == "metal" and _index_differs(element, kind) else element.given
+    data = {"kind": element.kind}
+    for parameter in shown_parameters(kind, given):
+        if parameter.is_structural:
+            data[parameter.name] = getattr(element, parameter.name)
+        else:
+            value = node.inputs[parameter.label].default_value
+            data[parameter.name] = _decimal(value) if parameter.type == FLOAT else [_decimal(v) for v in list(value)[:3]]
+    unknown = json.loads(element.unknown or "{}")
+    if "name" in unknown or element.name != kind.label:
+        unknown["name"] = element.name
+    return {**unknown, **data}
+
+
+def set_metal(element, kind: Kind) -> None:
+    """Write the complex index of the element's named metal into its sockets."""
+    for socket, value in zip(_index_sockets(element, kind), conductor_rgb(element.metal)):
+        socket.default_value = value
+
+
+def carry_metal(element, kind: Kind) -> None:
+    """After a choice: a named metal's index goes into its sockets, and a new way to give a metal starts from the old."""
+    inputs, outputs = node_of(element).inputs, node_of(element).outputs
+    index = [kind.parameter(name) for name in ("eta", "k")]
+    colors = [kind.parameter(name) for name in ("reflectance", "edge_color")]
+    was_colors = outputs[colors[0].label].is_linked  # the shader still reads what it read before
+    is_colors = colors[0].name in element.given
+    if element.given == "metal":
+        set_metal(element, kind)
+    elif is_colors != was_colors:
+        sources, targets, convert = (index, colors, artist_color) if is_colors else (colors, index, artist_index)
+        old = [np.clip(list(inputs[p.label].default_value)[:3], p.minimum, p.maximum) for p in sources]
+        for parameter, value in zip(targets, convert(*old)):
+            value = np.clip(value, parameter.minimum, parameter.maximum)
+            inputs[parameter.label].default_value = (*value, 1.0) if parameter.type == COLOR else value
+
+
+def _index_differs(element, kind: Kind) -> bool:
+    """Whether somebody changed the index of a named metal in its node: then it is that metal no more."""
+    if not any("metal" in group for group in kind.alternatives):
+        return False
+    pairs = zip(_index_sockets(element, kind), conductor_rgb(element.metal))
+    return not all(np.allclose(socket.default_value, value, rtol=1e-6) for socket, value in pairs)
+
+
+def _index_sockets(element, kind: Kind) -> list[bpy.types.NodeSocket]:
+    inputs = node_of(element).inputs
+    return [inputs[kind.parameter(name).label] for name in ("eta", "k")]
+
+
+def _decimal(value: float) -> float:
+    """A float32 as the shortest decimal that names it: .2 and not .200000003."""
+    return float(f"{value:.{_FLOAT32_DIGITS}g}")

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Property groups as plain data, to put them back when a change fails half-way."""
+
+import bpy
+
+
+def snapshot(group: bpy.types.PropertyGroup) -> dict:
+    """All properties of a group by name, with nested groups as dictionaries and collections as lists of them."""
+    data = {}
+    for prop in _properties(group):
+        value = getattr(group, prop.identifier)
+        if prop.type == "COLLECTION":
+            value = [snapshot(item) for item in value]
+        elif prop.type == "POINTER":
+            value = snapshot(value)
+        data[prop.identifier] = value
+    return data
+
+
+def restore(group: bpy.types.PropertyGroup, data: dict) -> None:
+    """Set a group to what `snapshot` returned."""
+    for prop in _properties(group):
+        value = data[prop.identifier]
+        if prop.type == "COLLECTION":
+            collection = getattr(group, prop.identifier)
+            collection.clear()
+            for item in value:
+                restore(collection.add(), item)
+        elif prop.type == "POINTER":
+            restore(getattr(group, prop.identifier), value)
+        else:
+            setattr(group, prop.identifier, value)
+
+
+def _properties(group) -> list[bpy.types.Property]:
+    return [prop for prop in group.bl_rna.properties if prop.identifier != "rna_type"]

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How far two models of the same stack are apart."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .frame import spherical
+from .models.quadrature import directional_albedo
+from .optics import microfacet
+from .optics.material import interfaces
+from .optics.microfacet import alpha_from_roughness
+from .stack import Stack
+
+
+@dataclass(frozen=True)
+class Distance:
+    """Per view: relative error of the albedo (n,), worst channel; cosine-weighted L1 of f over the albedo (n,)."""
+
+    albedo: np.ndarray
+    shape: np.ndarray
+
+
+def lobe_widths(stack: Stack) -> list[tuple[str, float]]:
+    """(distribution, alpha) of every rough surface of a stack: where f can be narrow."""
+    widths = [(s.distribution, s.alpha) for s in interfaces(stack)]
+    if stack.base.kind == "conductor":
+        widths.append((stack.base["distribution"], float(alpha_from_roughness(stack.base["roughness"]))))
+    return [(kind, alpha) for kind, alpha in widths if not microfacet.is_specular(alpha)]
+
+
+def distance(stack: Stack, model, truth, theta: np.ndarray) -> Distance:
+    """Distance of `model` to `truth` at view angles theta (n,) in radians, for deterministic models.
+
+    The L1 covers what has a finite f; mirror-like parts show in the albedo alone.
+    """
+    wo = spherical(theta, 0.0)
+    exact = truth.albedo(wo)
+    scale = np.maximum(exact, 1e-12)
+    albedo = np.max(np.abs(model.albedo(wo) - exact) / scale, axis=-1)
+
+    def gap(wo, wi):
+        return np.abs(model.f(wo, wi) - truth.f(wo, wi))
+
+    shape = np.max(directional_albedo(gap, wo, lobe_widths(stack)) / scale, axis=-1)
+    return Distance(albedo, shape)

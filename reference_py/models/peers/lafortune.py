@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Model `lafortune`: the generalised cosine lobes of Lafortune et al. 1997, "Non-Linear Approximation of Reflectance Functions".
+
+f = d / pi + sum of max(Cxy (x x' + y y') + Cz z z', 0)^n. It is a fit to measurements and knows no layers: the
+material is that of option `fit`, and the stack is not used at all. `blue_paint` stands in for the measured latex
+paint of Weidlich07, figure 9, which is not at hand: three lobes per channel as printed in pbrt version 1 (Pharr and
+Humphreys 2004), materials/bluepaint.cpp, not checked against the paper of 1997.
+Limits: fixed data; the largest lobe is off the mirror direction, and grazing views reflect more than all light.
+"""
+
+import numpy as np
+
+from .parts import Peer
+
+# d; then per lobe Cxy, Cz, n; RGB
+_FITS = {
+    "blue_paint": (
+        (0.3094, 0.39667, 0.70837),
+        (
+            ((0.870567, 0.857255, 0.670982), (0.803624, 0.774290, 0.586674), (21.820103, 18.597755, 7.472717)),
+            ((-0.451218, -0.406681, -0.477976), (0.023123, 0.017625, 0.227295), (2.774499, 2.581499, 3.677653)),
+            ((-1.031545, -1.029426, -1.026588), (0.706734, 0.696530, 0.687715), (66.899060, 63.767912, 57.489181)),
+        ),
+    ),
+}
+
+
+class Lafortune(Peer):
+    """f and albedo of a fit; the stack is ignored."""
+
+    name = "lafortune"
+    OPTIONS = {"fit": tuple(_FITS)}
+
+    def _f(self, wo, wi):
+        diffuse, lobes = _FITS[self.options["fit"]]
+        across = wi[..., 0] * wo[..., 0] + wi[..., 1] * wo[..., 1]
+        along = wi[..., 2] * wo[..., 2]
+        total = np.array(diffuse) / np.pi * np.ones(wi.shape)
+        for c_xy, c_z, n in lobes:
+            base = np.array(c_xy) * across[..., None] + np.array(c_z) * along[..., None]
+            total = total + np.maximum(base, 0.0) ** np.array(n)
+        return total

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Weidlich07 with the repairs that need no further bounces.
+
+- Jacobian: directions refract about the surface normal and a component below carries the solid angle's
+  compression, f2* = f2 T(i) T(o) a (n0 / n1)^2 and p2* = p2 (n0 / n1)^2 cos(i) / cos(i').
+- Weights: components are picked by the energy that each of them sends back at this view.
+- No culling: samples that cannot leave are kept. Their wi points below the horizon, where f is 0, and `pdf` covers
+  them, so its integral over the whole sphere is 1.
+
+Still one bounce per interface, without the paper's compensation, which guessed the rest: light that an interface
+turns back is lost, so a coated white base is too dark. `adding` sums all bounces.
+"""
+
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import LaminaError
+from ..stack import Stack
+from . import weidlich_wilkie_sampling as sampling
+from .quadrature import points
+from .weidlich_wilkie import Level, WeidlichWilkie
+
+WEIGHTS = ("energy", "constant")
+
+_VIEWS, _POINTS = 24, 64
+
+
+class WeidlichWilkieRepaired(WeidlichWilkie):
+    """The model of 2007 with the Jacobian of crossing, in f and in the density of samples.
+
+    `weights` picks components by "energy" or, as Weidlich07 does, by "constant" weights.
+    Raises LaminaError on an unknown option or choice.
+    """
+
+    name = "weidlich_wilkie_repaired"
+
+    def __init__(self, stack: Stack, weights: str = WEIGHTS[0], **unknown: str):
+        for key in unknown:
+            raise LaminaError(f"model {self.name}: unknown option {key!r}; choose weights")
+        if weights not in WEIGHTS:
+            raise LaminaError(f"model {self.name}: unknown weights {weights!r}; choose {', '.join(WEIGHTS)}")
+        super().__init__(stack, refraction="macro_normal", compensation="none")
+        self._weights = weights
+
+    def _cross(self, surface, facets, level: Level) -> Level:
+        below = super()._cross(surface, facets, level)
+        return replace(below, carried=below.carried / surface.eta**2)
+
+    def sample(self, wo: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+        """One light direction (..., 3) per wo and whether it is valid, (...).
+
+        Invalid ones lie below the horizon; they have a density and count as samples of value 0. Null vectors
+        where no component has a finite f.
+        """
+        wo = np.asarray(wo, float)
+        flat = wo.reshape(-1, 3)
+        wi = np.zeros(flat.shape)
+        pick, u1, u2 = rng.random((3, len(flat)))
+        # without the last sum, which rounding may leave below a pick
+        bounds = np.cumsum(self.component_weights(flat), axis=-1)[:, :-1]
+        chosen = np.sum(pick[:, None] >= bounds, axis=-1)
+        for place, k in enumerate(self._finite):
+            rows = np.flatnonzero(chosen == place)
+            wi[rows] = self._sample_component(k, flat[rows], u1[rows], u2[rows])
+        valid = (wi[:, 2] > 0.0) & (flat[:, 2] > 0.0)
+        return wi.reshape(wo.shape), valid.reshape(wo.shape[:-1])
+
+    def pdf(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """Density (...) in 1/sr of `sample` for wi on the whole sphere; 0 for viewers below the horizon."""
+        wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
+        weights = self.component_weights(wo)
+        total = sum((weights[..., i] * self._component_pdf(k, wo, wi) for i, k in enumerate(self._finite)), 0.0)
+        return np.where(wo[..., 2] > 0.0, total, 0.0)
+
+    @cached_property
+    def _finite(self) -> list[int]:
+        return sampling.finite_components(self)
+
+    def _sample_component(self, k: int, wo, u1, u2) -> np.ndarray:
+        n = sampling.index_above(self, k)
+        inside = sampling.sample_component(self.lobes[k], sampling.enter(wo, n), u1, u2)
+        outside, leaves = sampling.leave(inside, n)
+        trapped = np.concatenate([inside[:, :2], -np.abs(inside[:, 2:])], axis=-1)
+        return np.where(leaves[:, None], outside, trapped)
+
+    def _component_pdf(self, k: int, wo, wi) -> np.ndarray:
+        """Density of `_sample_component`: two kinds of trapped directions share the lower hemisphere."""
+        lobe, n = self.lobes[k], sampling.index_above(self, k)
+        wo_inside, wi_inside = sampling.enter(wo, n), sampling.enter(wi, n)
+        jacobian = wi[..., 2] / (n * n * np.maximum(wi_inside[..., 2], 1e-30))
+        above = sampling.component_density(lobe, wo_inside, wi_inside) * jacobian
+        turned = wi * np.array([1.0, 1.0, -1.0])
+        is_trapped = ~sampling.leave(turned, n)[1]
+        below = sampling.component_density(lobe, wo_inside, wi)
+        below = below + np.where(is_trapped, sampling.component_density(lobe, wo_inside, turned), 0.0)
+        return np.where(wi[..., 2] > 0.0, above, below)
+
+    def component_weights(self, wo: np.ndarray) -> np.ndarray:
+        """Probability (..., K) of picking each of the K components with a finite f, from the top."""
+        cosines, energies = self._energies
+        cos_o = np.clip(np.asarray(wo, float)[..., 2], 0.0, 1.0)
+        shares = np.empty(cos_o.shape + (len(energies),))
+        for i, energy in enumerate(energies):
+            shares[..., i] = np.interp(cos_o, cosines, energy)
+        return shares / np.sum(shares, axis=-1, keepdims=True)
+
+    @cached_property
+    def _energies(self) -> tuple[np.ndarray, np.ndarray]:
+        """Cosines (V,) and what each finite component sends back there, (K, V), as mean over RGB.
+
+        An estimate by `_POINTS` samples of the component itself: weights need no more, and any that are positive
+        wherever f is keep the samples unbiased.
+        """
+        cosines = np.square(np.linspace(0.02, 1.0, _VIEWS))  # closer towards grazing, where Fresnel changes fast
+        if self._weights == "constant":
+            return cosines, np.ones((len(self._finite), _VIEWS))
+        wo = np.repeat(np.stack([np.sqrt(1.0 - cosines**2), 0.0 * cosines, cosines], axis=-1), _POINTS, axis=0)
+        u1, u2 = (np.tile(u, _VIEWS) for u in points(_POINTS))
+        energies = np.empty((len(self._finite), _VIEWS))
+        for i, k in enumerate(self._finite):
+            wi = self._sample_component(k, wo, u1, u2)
+            value = np.mean(self.components(wo, wi)[k], axis=-1) * np.maximum(wi[:, 2], 0.0)
+            density = np.maximum(self._component_pdf(k, wo, wi), 1e-30)
+            energies[i] = np.mean((value / density).reshape(_VIEWS, _POINTS), axis=-1)
+        # a black stack reflects nothing: then any weights do
+        return cosines, np.where(np.sum(energies, axis=0) > 0.0, energies, 1.0)

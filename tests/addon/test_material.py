@@ -1,0 +1,389 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A stack in a material: read back as written, animated where it was animated, changed wholly or not at all."""
+
+import hashlib
+from dataclasses import replace
+from types import MappingProxyType
+
+import pytest
+
+pytest.importorskip("bpy")
+
+from lamina.addon import elements, kind_groups, material, properties, script_node  # noqa: E402
+from lamina.addon.network.osl import generate  # noqa: E402
+from lamina.addon.rendering import environment  # noqa: E402
+from lamina.addon.rendering.settings import node_tree  # noqa: E402
+from lamina.reference_py import presets  # noqa: E402
+from lamina.reference_py.colour import artist_index, conductor_rgb  # noqa: E402
+from lamina.reference_py.errors import LaminaError  # noqa: E402
+from lamina.reference_py.network import DEFAULT_TIER  # noqa: E402
+from lamina.reference_py.schema import CHOICE, DIELECTRIC, FLOAT, SCHEMA, Parameter  # noqa: E402
+from lamina.reference_py.stack import Stack  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+TWO_LAYERS = {
+    "name": "Two",
+    "layers": [{"kind": "dielectric", "name": "Coat", "roughness": 0.1},
+               {"kind": "dielectric", "name": "Paint", "roughness": 0.6, "distribution": "beckmann", "tint": [0.9, 0.2, 0.1]}],
+    "base": {"kind": "conductor", "metal": "gold", "roughness": 0.3},
+}
+
+
+@pytest.fixture
+def layered(blender):
+    """A material with two layers over gold, on an object, so that the scene evaluates it."""
+    mesh = blender.data.meshes.new("mesh")
+    item = blender.data.objects.new("object", mesh)
+    blender.context.collection.objects.link(item)
+    mesh.materials.append(blender.data.materials.new("layered"))
+    material.apply_stack(mesh.materials[0], Stack.from_dict(TWO_LAYERS))
+    return mesh.materials[0]
+
+
+def socket(owner, layer, label):
+    return owner.node_tree.nodes[layer.node].inputs[label]
+
+
+def script(owner):
+    return owner.node_tree.nodes[owner.lamina.shader_node]
+
+
+def state(owner) -> dict:
+    """All that Lamina made in a material, as plain data."""
+    tree = owner.node_tree
+    lamina = owner.lamina
+    return {
+        "stack": material.stack_of(owner, hidden=True).to_dict() if lamina.is_layered else None,
+        "visible": [(e.node, e.visible) for e in lamina.layers],
+        "active": lamina.active_layer,
+        "nodes": sorted(n.name for n in tree.nodes),
+        "links": sorted((k.from_node.name, k.from_socket.name, k.to_node.name, k.to_socket.name) for k in tree.links),
+        "text": script(owner).script.as_string() if lamina.is_layered else None,
+    }
+
+
+def layer_wired_to(owner, osl_name: str) -> str:
+    """Name of the layer whose node feeds a shader input."""
+    (link,) = script(owner).inputs[osl_name].links
+    return link.from_node.label
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_preset_reads_back_as_written(blender, name):
+    stack = presets.load(name)
+    new = blender.data.materials.new("new")
+    material.apply_stack(new, stack)
+    assert material.stack_of(new) == stack
+    output = new.node_tree.get_output_node("CYCLES")
+    assert output.inputs["Surface"].links[0].from_node == script(new)
+    assert "Principled BSDF" not in new.node_tree.nodes
+    assert all(s.is_linked for s in script(new).inputs)
+
+
+@pytest.mark.parametrize("base", [
+    {"kind": "lambert", "color": [0.1, 0.2, 0.3]},
+    {"kind": "oren_nayar", "sigma_deg": 33.0},
+    {"kind": "conductor", "eta": [0.2, 0.9, 1.1], "k": [3.0, 2.0, 1.0], "distribution": "beckmann"},
+    {"kind": "conductor", "reflectance": [0.9, 0.5, 0.25], "edge_color": [1.0, 0.5, 0.0], "note": {"of": ["tomorrow"]}},
+])
+def test_every_base_and_unknown_keys_read_back(blender, base):
+    stack = Stack.from_dict({"base": base, "author": {"a": [1, None]}, "layers": [{"kind": "dielectric", "name": 5, "x": True}]})
+    new = blender.data.materials.new("new")
+    material.apply_stack(new, stack)
+    read = material.stack_of(new)
+    assert read.base == stack.base and read.unknown == stack.unknown
+    assert read.layers[0].values == stack.layers[0].values and read.layers[0].unknown["x"] is True
+
+
+def test_applying_again_leaves_nothing_of_the_former_stack(layered, blender):
+    material.apply_stack(layered, presets.load(presets.names()[0]))
+    once = len(layered.node_tree.nodes), len(blender.data.texts)
+    material.apply_stack(layered, presets.load(presets.names()[0]))
+    assert (len(layered.node_tree.nodes), len(blender.data.texts)) == once == (len(layered.lamina.layers) + 3, 1)
+
+
+def test_add_remove_move_hide(layered):
+    material.add_layer(layered, "dielectric", 0)
+    assert [e.name for e in layered.lamina.layers] == ["Dielectric", "Coat", "Paint"]
+    assert layered.lamina.active_layer == 0
+    assert layer_wired_to(layered, "Layer2Roughness") == "Coat"
+    material.move_layer(layered, 0, 2)
+    assert [e.name for e in layered.lamina.layers] == ["Coat", "Paint", "Dielectric"]
+    assert layer_wired_to(layered, "Layer3Roughness") == "Dielectric"
+    assert [round(layer["roughness"], 6) for layer in material.stack_of(layered).layers] == [0.1, 0.6, 0.0]
+    gone = layered.lamina.layers[0].node
+    material.remove_layer(layered, 0)
+    assert gone not in layered.node_tree.nodes
+    assert layer_wired_to(layered, "Layer1Roughness") == "Paint"
+    layered.lamina.layers[0].visible = False
+    assert layered.node_tree.nodes[layered.lamina.layers[0].node].mute
+    assert len(material.stack_of(layered).layers) == 1
+    assert len(material.stack_of(layered, hidden=True).layers) == 2
+    assert layer_wired_to(layered, "Layer1Roughness") == "Dielectric"
+    layered.lamina.layers[0].visible = True
+    assert material.stack_of(layered).layers[0]["roughness"] == 0.6
+    assert layer_wired_to(layered, "Layer1Roughness") == "Paint"
+
+
+def test_last_layer_can_go(layered):
+    material.remove_layer(layered, 1)
+    material.remove_layer(layered, 0)
+    assert material.stack_of(layered).layers == ()
+    assert layered.lamina.lobe_count == 1
+    material.add_layer(layered, "dielectric", 0)
+    assert layered.lamina.lobe_count == 2
+
+
+def test_keyframes_and_drivers_stay_with_their_layer(layered, blender):
+    coat, paint = layered.lamina.layers
+    for frame, value in ((1, 0.0), (11, 1.0)):
+        socket(layered, paint, "Roughness").default_value = value
+        socket(layered, paint, "Roughness").keyframe_insert("default_value", frame=frame)
+    socket(layered, coat, "IOR").driver_add("default_value").driver.expression = "1 + frame / 100"
+    material.move_layer(layered, 1, 0)
+    material.add_layer(layered, "dielectric", 1)
+    blender.context.scene.frame_set(6)
+    stack = material.stack_of(layered)
+    assert [layer.unknown.get("name") for layer in stack.layers] == ["Paint", None, "Coat"]
+    assert [layer["roughness"] for layer in stack.layers] == pytest.approx([0.5, 0.0, 0.1])
+    assert [layer["ior"] for layer in stack.layers] == pytest.approx([1.5, 1.5, 1.06])
+    # what animates a removed layer goes with it, and nothing else
+    material.remove_layer(layered, 0)
+    assert [d.data_path for d in layered.node_tree.animation_data.drivers] == [
+        socket(layered, layered.lamina.layers[1], "IOR").path_from_id("default_value")]
+
+
+def test_structure_cannot_be_animated(layered):
+    for name in ("visible", "distribution"):
+        with pytest.raises(TypeError, match="not animatable"):
+            layered.lamina.layers[0].keyframe_insert(name)
+
+
+def test_a_value_does_not_make_the_shader_again(layered, blender):
+    before = script(layered).as_pointer(), script(layered).script.name, script(layered).bytecode_hash
+    socket(layered, layered.lamina.layers[0], "Roughness").default_value = 0.7
+    socket(layered, layered.lamina.base, "Roughness").default_value = 0.9
+    assert material.stack_of(layered).layers[0]["roughness"] == 0.7
+    assert (script(layered).as_pointer(), script(layered).script.name, script(layered).bytecode_hash) == before
+    assert len(blender.data.texts) == 1
+
+
+def test_a_choice_makes_the_shader_again_and_drops_the_former_text(layered, blender):
+    former = script(layered).script.name
+    layered.lamina.layers[0].distribution = "beckmann"
+    assert script(layered).script.name != former
+    assert [t.name for t in blender.data.texts] == [script(layered).script.name]
+    assert material.stack_of(layered).layers[0]["distribution"] == "beckmann"
+
+
+def test_metal_goes_into_sockets_and_a_changed_index_is_that_metal_no_more(layered):
+    base = layered.lamina.base
+    base.metal = "copper"
+    assert list(socket(layered, base, "IOR").default_value) == pytest.approx(conductor_rgb("copper")[0])
+    assert material.stack_of(layered).base["metal"] == "copper"
+    socket(layered, base, "Extinction").default_value[1] = 7.0
+    read = material.stack_of(layered).base
+    assert "metal" not in read and read["k"][1] == 7.0
+    base.distribution = "beckmann"
+    assert material.stack_of(layered).base["k"] == read["k"]
+
+
+def test_ways_to_give_a_metal_start_from_each_other(layered):
+    base = layered.lamina.base
+    base.given = "reflectance+edge_color"
+    read = material.stack_of(layered).base
+    n, k = artist_index(read["reflectance"], read["edge_color"])
+    for value, of_gold in zip((n, k), conductor_rgb("gold")):  # float32 sockets: n of red hangs on 1 - r
+        assert value == pytest.approx(of_gold, rel=1e-3)
+    base.distribution = "beckmann"
+    assert material.stack_of(layered).base["reflectance"] == read["reflectance"]
+    socket(layered, base, "Reflectance").default_value = (0.25, 0.25, 0.25, 1.0)
+    socket(layered, base, "Edge Color").default_value = (1.0, 1.0, 1.0, 1.0)
+    base.given = "eta+k"
+    assert material.stack_of(layered).base["eta"] == pytest.approx((0.6, 0.6, 0.6))  # (1 - r) / (1 + r)
+
+
+def test_base_kind_keeps_what_both_have_and_its_texture(layered):
+    tree = layered.node_tree
+    material.set_base(layered, "lambert")
+    socket(layered, layered.lamina.base, "Color").default_value = (0.1, 0.2, 0.3, 1.0)
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    tree.links.new(noise.outputs["Color"], socket(layered, layered.lamina.base, "Color"))
+    material.set_base(layered, "oren_nayar")
+    assert material.stack_of(layered).base["color"] == (0.1, 0.2, 0.3)
+    assert socket(layered, layered.lamina.base, "Color").links[0].from_node == noise
+    with pytest.raises(LaminaError, match="unknown base kind 'gld'; choose lambert"):
+        material.set_base(layered, "gld")
+
+
+def test_copy_is_independent(layered):
+    other = layered.copy()
+    before = state(layered)
+    material.remove_layer(other, 0)
+    socket(other, other.lamina.layers[0], "Roughness").default_value = 0.9
+    other.lamina.base.distribution = "beckmann"
+    assert state(layered) == before
+    assert material.stack_of(other).layers[0]["roughness"] == 0.9
+
+
+def test_what_the_user_wired_around_the_shader_stays(layered):
+    tree = layered.node_tree
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    output = tree.get_output_node("CYCLES")
+    tree.links.new(script(layered).outputs["BSDF"], mix.inputs[1])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    material.add_layer(layered, "dielectric", 0)
+    material.apply_stack(layered, presets.load(presets.names()[0]))
+    assert output.inputs["Surface"].links[0].from_node == mix
+    assert mix.inputs[1].links[0].from_node == script(layered)
+
+
+def test_a_text_edited_by_hand_is_neither_used_nor_removed(layered, blender):
+    script(layered).script.write("// mine\n")
+    mine = script(layered).script.name
+    material.regenerate(layered)
+    assert script(layered).script.name != mine
+    assert mine in blender.data.texts
+    material.regenerate(layered)
+    assert len(blender.data.texts) == 2
+
+
+def test_deleted_nodes(layered):
+    layered.node_tree.nodes.remove(script(layered))
+    material.regenerate(layered)
+    assert layer_wired_to(layered, "Layer1Roughness") == "Coat"
+    layered.node_tree.nodes.remove(layered.node_tree.nodes[layered.lamina.layers[0].node])
+    with pytest.raises(LaminaError, match="node of 'Coat' was deleted"):
+        material.stack_of(layered)
+    material.remove_layer(layered, 0)
+    assert [layer.unknown["name"] for layer in material.stack_of(layered).layers] == ["Paint"]
+
+
+def broken_shader(stack, tier):
+    good = generate(stack, tier)
+    body = good.text.replace("BSDF = ", "BSDF = no_such_function() + ").replace(good.name, "@SHADER@")
+    name = "lamina_" + hashlib.sha256(body.encode()).hexdigest()[:12]
+    return replace(good, name=name, text=body.replace("@SHADER@", name))
+
+
+CHANGES = {
+    "apply": lambda owner: material.apply_stack(owner, presets.load(presets.names()[0])),
+    "add": lambda owner: material.add_layer(owner, "dielectric", 1),
+    "remove": lambda owner: material.remove_layer(owner, 0),
+    "move": lambda owner: material.move_layer(owner, 0, 1),
+    "base": lambda owner: material.set_base(owner, "lambert"),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
+def test_a_shader_that_does_not_compile_changes_nothing(layered, blender, monkeypatch, capfd, change):
+    before = state(layered)
+    monkeypatch.setattr(material, "generate", broken_shader)
+    with pytest.raises(LaminaError, match="did not compile"):
+        change(layered)
+    assert state(layered) == before
+    assert len(blender.data.texts) == 1
+
+
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
+def test_without_osl_nothing_changes(layered, monkeypatch, change):
+    before = state(layered)
+    monkeypatch.setattr(environment, "osl_available", lambda: (False, "this Blender was built without OSL"))
+    with pytest.raises(LaminaError, match="Lamina needs Cycles with OSL, and this Blender was built without OSL"):
+        change(layered)
+    assert state(layered) == before
+
+
+def test_a_choice_that_fails_is_kept_with_the_reason(layered, monkeypatch, capfd):
+    text = script(layered).script.name
+    with monkeypatch.context() as patch:
+        patch.setattr(material, "generate", broken_shader)
+        layered.lamina.layers[0].distribution = "beckmann"
+    assert "did not compile" in layered.lamina.problem
+    assert script(layered).script.name == text
+    material.regenerate(layered)
+    assert layered.lamina.problem == "" and script(layered).script.name != text
+
+
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
+def test_linked_material_is_not_touched(layered, blender, tmp_path, change):
+    path = str(tmp_path / "library.blend")
+    blender.data.libraries.write(path, {layered}, fake_user=True)
+    blender.ops.wm.read_factory_settings(use_empty=True)
+    with blender.data.libraries.load(path, link=True) as (_, wanted):
+        wanted.materials = ["layered"]
+    linked = blender.data.materials["layered"]
+    before = state(linked)
+    with pytest.raises(LaminaError, match=r"material layered is linked from .*library\.blend; make it local"):
+        change(linked)
+    assert state(linked) == before
+    override = linked.override_create()
+    with pytest.raises(LaminaError, match="is a library override"):
+        change(override)
+
+
+def test_unlayered_material_has_a_clear_message(blender):
+    new = blender.data.materials.new("plain")
+    for call in (material.stack_of, material.regenerate, lambda m: material.add_layer(m, "dielectric", 0)):
+        with pytest.raises(LaminaError, match="material plain has no Lamina stack; pick a preset first"):
+            call(new)
+    with pytest.raises(LaminaError, match="unknown tier 'best'; choose weidlich_wilkie"):
+        material.apply_stack(new, Stack.from_dict(TWO_LAYERS), "best")
+    assert not new.lamina.is_layered
+
+
+def test_socket_out_of_range_is_named(layered):
+    # Blender keeps the interface's range in the panel, but not from Python, drivers or old files
+    socket(layered, layered.lamina.base, "Roughness").default_value = 1.5
+    with pytest.raises(LaminaError, match="material layered: base: roughness is 1.5; choose 0 to 1"):
+        material.stack_of(layered)
+
+
+def test_a_parameter_added_to_the_schema_appears_everywhere(blender):
+    haze = Parameter("surface_haze", FLOAT, 0.25, "Haze", "Made up for this test", maximum=2.0)
+    finish = Parameter("finish", CHOICE, "matte", "Finish", "Made up for this test", choices=("matte", "satin"))
+    kind_groups.group_of(DIELECTRIC)  # an older file's group gets the new socket at its end
+    kind = replace(DIELECTRIC, parameters=(*DIELECTRIC.parameters, haze, finish))
+    schema = replace(SCHEMA, layers=MappingProxyType({**SCHEMA.layers, kind.name: kind}))
+
+    stack = Stack.from_dict({"layers": [{"kind": "dielectric"}], "base": {"kind": "lambert"}}, schema=schema)
+    assert (stack.layers[0]["surface_haze"], stack.layers[0]["finish"]) == (0.25, "matte")
+    assert stack.to_dict()["layers"][0]["surface_haze"] == 0.25
+    with pytest.raises(LaminaError, match="surface_haze is 3; choose 0 to 2"):
+        Stack.from_dict({"layers": [{"kind": "dielectric", "surface_haze": 3.0}], "base": {"kind": "lambert"}}, schema=schema)
+
+    added = set(properties.structure_annotations(schema)) - set(properties.structure_annotations(SCHEMA))
+    assert added == {"finish"}
+
+    interface = kind_groups.group_of(kind).interface.items_tree
+    assert [item.name for item in interface if item.in_out == "INPUT"][-1] == "Haze"
+    item = next(item for item in interface if item.name == "Haze" and item.in_out == "INPUT")
+    assert (item.default_value, item.max_value, item.description) == (0.25, 2.0, haze.help)
+
+    assert {"Haze", "Finish"} <= {p.label for p in elements.shown_parameters(kind, "")}
+
+    node = node_tree(blender.data.materials.new("new")).nodes.new("ShaderNodeScript")
+    shader = generate(stack, DEFAULT_TIER, schema=schema)
+    script_node.set_script(node, shader)
+    assert node.inputs["Layer1SurfaceHaze"].default_value == 0.25
+
+
+def test_register_twice_leaves_nothing_behind(registered_lamina, blender):
+    registered_lamina.unregister()
+    try:
+        assert not hasattr(blender.types.Material, "lamina")
+        assert not [name for name in dir(blender.types) if name.lower().startswith("lamina")]
+        assert "lamina" not in {name.split(".")[0] for name in dir(blender.ops)} or not dir(blender.ops.lamina)
+        registered_lamina.register()
+        registered_lamina.unregister()
+        assert not [name for name in dir(blender.types) if name.lower().startswith("lamina")]
+    finally:
+        registered_lamina.register()
+
+
+def test_structure_survives_a_session_without_lamina(layered, registered_lamina):
+    stack = material.stack_of(layered)
+    registered_lamina.unregister()
+    registered_lamina.register()
+    assert material.stack_of(layered) == stack

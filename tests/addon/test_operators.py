@@ -1,0 +1,328 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators: one undo step each, errors in words, nothing half-made; and the panel draws in every state."""
+
+import json
+from types import SimpleNamespace
+
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from lamina.addon import material as materials  # noqa: E402
+from lamina.addon import operators, panel, script_node  # noqa: E402
+from lamina.addon.elements import node_of  # noqa: E402
+from lamina.addon.rendering import environment  # noqa: E402
+from lamina.reference_py import presets  # noqa: E402
+from lamina.reference_py.schema import SCHEMA  # noqa: E402
+from lamina.reference_py.stack import Stack  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+STACK = Stack.from_dict({
+    "name": "Two",
+    "layers": [{"kind": "dielectric", "name": "Coat"}, {"kind": "dielectric", "name": "Paint", "tint": [0.9, 0.2, 0.1]}],
+    "base": {"kind": "conductor", "metal": "gold", "roughness": 0.3},
+})
+MISSING = (False, "this Blender was built without OSL")
+
+
+@pytest.fixture
+def bare(blender):
+    """The active object, without a material."""
+    item = blender.data.objects.new("object", blender.data.meshes.new("mesh"))
+    blender.context.collection.objects.link(item)
+    blender.context.view_layer.objects.active = item
+    return item
+
+
+@pytest.fixture
+def layered(bare):
+    """The active object, with two layers over gold; the first one is selected."""
+    bare.data.materials.append(bpy.data.materials.new("layered"))
+    materials.apply_stack(bare.active_material, STACK)
+    return bare
+
+
+def state() -> dict:
+    """Everything that an operator may change, read from the file anew: references are dead after an undo."""
+    scene = bpy.context.scene
+    found = {"engine": scene.render.engine, "osl": scene.cycles.shading_system, "texts": sorted(t.name for t in bpy.data.texts)}
+    for material in bpy.data.materials:
+        tree, lamina = material.node_tree, material.lamina
+        script = tree.nodes.get(lamina.shader_node) if tree else None
+        found[material.name] = {
+            "stack": materials.stack_of(material, hidden=True).to_dict() if lamina.is_layered else None,
+            "layers": [(e.name, e.node, e.visible) for e in lamina.layers],
+            "active": lamina.active_layer,
+            "nodes": sorted((n.name, n.mute) for n in tree.nodes) if tree else [],
+            "links": sorted((k.from_node.name, k.from_socket.name, k.to_node.name, k.to_socket.identifier)
+                            for k in tree.links) if tree else [],
+            "shader": (script.script.name, script.bytecode_hash) if script else None,
+        }
+    return found
+
+
+STRUCTURE_OPERATORS = {
+    "apply_preset": lambda: bpy.ops.lamina.apply_preset("EXEC_DEFAULT", True, preset=presets.names()[-1]),
+    "layer_add": lambda: bpy.ops.lamina.layer_add("EXEC_DEFAULT", True, kind="dielectric"),
+    "layer_remove": lambda: bpy.ops.lamina.layer_remove("EXEC_DEFAULT", True),
+    "layer_move": lambda: bpy.ops.lamina.layer_move("EXEC_DEFAULT", True, direction="DOWN"),
+    "set_base": lambda: bpy.ops.lamina.set_base("EXEC_DEFAULT", True, kind="lambert"),
+}
+
+
+@pytest.mark.parametrize("call", STRUCTURE_OPERATORS.values(), ids=STRUCTURE_OPERATORS)
+def test_undo_and_redo_restore_everything(layered, call):
+    node_of(layered.active_material.lamina.layers[1]).inputs["Roughness"].default_value = 0.4
+    bpy.ops.ed.undo_push(message="before")
+    before = state()
+    assert call() == {"FINISHED"}
+    after = state()
+    assert after != before
+    bpy.ops.ed.undo()
+    assert state() == before
+    bpy.ops.ed.redo()
+    assert state() == after
+
+
+def test_a_choice_in_the_panel_is_one_undo_step(layered):
+    bpy.ops.ed.undo_push(message="before")
+    before = state()
+    layered.active_material.lamina.layers[0].visible = False
+    bpy.ops.ed.undo_push(message="hide")  # as the panel's button does
+    after = state()
+    bpy.ops.ed.undo()
+    assert state() == before
+    bpy.ops.ed.redo()
+    assert state() == after
+
+
+def test_undo_of_a_first_preset_leaves_no_material(bare):
+    bpy.ops.ed.undo_push(message="before")
+    before = state()
+    assert bpy.ops.lamina.apply_preset("EXEC_DEFAULT", True, preset=presets.names()[0]) == {"FINISHED"}
+    assert bpy.context.object.active_material.name == presets.load(presets.names()[0]).name
+    bpy.ops.ed.undo()
+    assert state() == before
+    assert len(bpy.data.materials) == 0 and bpy.context.object.active_material is None
+
+
+def test_preset_switches_cycles_and_osl_on_and_says_so(bare):
+    said = []
+    assert bpy.context.scene.render.engine != "CYCLES"
+    operator = SimpleNamespace(stack=lambda: STACK, report=lambda kind, text: said.append((kind, text)))
+    operators.StackOperator.run(operator, bpy.context)
+    assert bpy.context.scene.render.engine == "CYCLES" and bpy.context.scene.cycles.shading_system
+    assert [kind for kind, _ in said] == [{"INFO"}, {"INFO"}]
+    assert "set to Cycles" in said[0][1] and "Open Shading Language switched on" in said[1][1]
+    said.clear()
+    operators.StackOperator.run(operator, bpy.context)
+    assert said == []
+
+
+def test_buttons_do_what_they_say(layered):
+    lamina = layered.active_material.lamina
+    bpy.ops.lamina.layer_move(direction="DOWN")
+    assert ([e.name for e in lamina.layers], lamina.active_layer) == (["Paint", "Coat"], 1)
+    with pytest.raises(RuntimeError, match="Coat is the lowest layer already"):
+        bpy.ops.lamina.layer_move(direction="DOWN")
+    bpy.ops.lamina.layer_add()
+    assert ([e.name for e in lamina.layers], lamina.active_layer) == (["Paint", "Dielectric", "Coat"], 1)
+    for _ in range(3):
+        bpy.ops.lamina.layer_remove()
+    assert len(lamina.layers) == 0 and not bpy.ops.lamina.layer_remove.poll()
+    bpy.ops.lamina.layer_add()
+    for kind in SCHEMA.bases:
+        bpy.ops.lamina.set_base(kind=kind)
+        assert materials.stack_of(layered.active_material).base.kind == kind
+
+
+def test_poll_needs_a_stack_or_an_object(blender):
+    assert not bpy.ops.lamina.apply_preset.poll()
+    assert not bpy.ops.lamina.layer_add.poll()
+    item = bpy.data.objects.new("plain", bpy.data.meshes.new("mesh"))
+    bpy.context.collection.objects.link(item)
+    bpy.context.view_layer.objects.active = item
+    assert bpy.ops.lamina.apply_preset.poll()
+    assert not bpy.ops.lamina.export_stack.poll()
+    light = bpy.data.objects.new("light", bpy.data.lights.new("light", "POINT"))
+    bpy.context.collection.objects.link(light)
+    bpy.context.view_layer.objects.active = light
+    assert not bpy.ops.lamina.apply_preset.poll()
+
+
+@pytest.mark.parametrize("call", STRUCTURE_OPERATORS.values(), ids=STRUCTURE_OPERATORS)
+def test_without_osl_a_message_and_nothing_changed(layered, monkeypatch, call):
+    before = state()
+    monkeypatch.setattr(environment, "osl_available", lambda: MISSING)
+    with pytest.raises(RuntimeError, match="Lamina needs Cycles with OSL, and this Blender was built without OSL"):
+        call()
+    assert state() == before
+
+
+def test_without_osl_no_material_is_made(bare, monkeypatch):
+    before = state()
+    monkeypatch.setattr(environment, "osl_available", lambda: MISSING)
+    for call in (STRUCTURE_OPERATORS["apply_preset"], bpy.ops.lamina.enable_osl):
+        with pytest.raises(RuntimeError, match="built without OSL"):
+            call()
+    assert state() == before and bare.active_material is None
+
+
+def test_linked_material_has_a_message(layered, tmp_path):
+    path = str(tmp_path / "library.blend")
+    bpy.data.libraries.write(path, {layered}, fake_user=True)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(path, link=True) as (_, wanted):
+        wanted.objects = ["object"]
+    item = bpy.data.objects["object"]
+    bpy.context.collection.objects.link(item)
+    bpy.context.view_layer.objects.active = item
+    before = state()
+    for call in STRUCTURE_OPERATORS.values():
+        with pytest.raises(RuntimeError, match="is linked from .*; make it local"):
+            call()
+    assert state() == before
+    assert any("is linked from" in text for text in drawn("label"))
+
+
+def test_export_and_import(layered, tmp_path):
+    path = tmp_path / "two.json"
+    layered.active_material.lamina.layers[0].visible = False
+    bpy.ops.lamina.export_stack(filepath=str(path))
+    written = Stack.load(path)
+    assert [layer.unknown["name"] for layer in written.layers] == ["Paint"]
+    layered.active_material.lamina.layers[0].visible = True
+    bpy.ops.lamina.import_stack("EXEC_DEFAULT", True, filepath=str(path))
+    assert materials.stack_of(layered.active_material) == written
+
+
+def test_files_that_cannot_be_read_or_written(layered, tmp_path):
+    before = state()
+    broken = tmp_path / "broken.json"
+    broken.write_text(json.dumps({"base": {"kind": "conductor", "metal": "gld"}}))
+    with pytest.raises(RuntimeError, match=r"broken\.json: base: unknown metal 'gld'; choose aluminium"):
+        bpy.ops.lamina.import_stack(filepath=str(broken))
+    with pytest.raises(RuntimeError, match=r"none\.json: cannot read stack file"):
+        bpy.ops.lamina.import_stack(filepath=str(tmp_path / "none.json"))
+    with pytest.raises(RuntimeError, match="cannot write into folder"):
+        bpy.ops.lamina.export_stack(filepath=str(tmp_path / "no" / "folder.json"))
+    node_of(layered.active_material.lamina.base).inputs["Roughness"].default_value = 1.5
+    with pytest.raises(RuntimeError, match="roughness is 1.5; choose 0 to 1"):
+        bpy.ops.lamina.export_stack(filepath=str(tmp_path / "wrong.json"))
+    assert not (tmp_path / "wrong.json").exists()
+    node_of(layered.active_material.lamina.base).inputs["Roughness"].default_value = 0.3
+    assert state() == before
+
+
+def test_every_button_has_a_description():
+    for cls in operators.CLASSES:
+        assert cls.bl_description and cls.bl_label
+    description = operators.LAMINA_OT_apply_preset.description(None, SimpleNamespace(preset="patina_copper"))
+    assert description == presets.load("patina_copper").source
+
+
+class Layout:
+    """Stands in for Blender's layout, which exists in a window only: notes what is drawn, and that it exists."""
+
+    def __init__(self, noted):
+        self.noted = noted
+
+    def panel(self, _name, default_closed=False):
+        return self, self
+
+    def label(self, text="", icon="NONE"):
+        self.noted.append(("label", text))
+
+    def prop(self, owner, name, **_options):
+        assert name in owner.bl_rna.properties
+        self.noted.append(("prop", name))
+
+    def operator(self, name, **_options):
+        group, function = name.split(".")
+        assert function in dir(getattr(bpy.ops, group))
+        self.noted.append(("operator", name))
+        return SimpleNamespace()
+
+    def operator_enum(self, name, prop):
+        self.operator(name)
+
+    def operator_menu_enum(self, name, prop, text=""):
+        self.operator(name)
+
+    def menu(self, name, **_options):
+        assert hasattr(bpy.types, name)
+        getattr(panel, name).draw(SimpleNamespace(layout=Layout([])), bpy.context)
+        self.noted.append(("menu", name))
+
+    def template_list(self, name, _identity, owner, prop, active_owner, active, **_options):
+        for element in getattr(owner, prop):
+            getattr(panel, name).draw_item(None, None, Layout([]), owner, element, 0, active_owner, active)
+
+    def template_node_view(self, tree, node, socket):
+        assert tree.nodes[node.name] == node and socket.node == node
+        self.noted.append(("socket", socket.name))
+
+    def separator(self):
+        pass
+
+    def row(self, align=False):
+        return self
+
+    column = split = box = lambda self, **_options: self
+
+
+def drawn(what: str) -> list[str]:
+    """What the panel draws for the active object, of one sort."""
+    window = SimpleNamespace(
+        scene=bpy.context.scene,
+        object=bpy.context.object,
+        region=SimpleNamespace(width=2000),
+        preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), addons=bpy.context.preferences.addons),
+    )
+    assert panel.LAMINA_PT_material.poll(window)
+    noted = []
+    panel.LAMINA_PT_material.draw(SimpleNamespace(layout=Layout(noted), bl_label="Lamina"), window)
+    return [value for sort, value in noted if sort == what]
+
+
+def test_panel_offers_presets_before_there_is_a_stack(bare):
+    assert drawn("menu") == ["LAMINA_MT_presets"]
+    bare.data.materials.append(bpy.data.materials.new("plain"))
+    assert drawn("menu") == ["LAMINA_MT_presets"]
+
+
+def test_panel_draws_every_value_of_the_schema(layered):
+    sockets = drawn("socket")
+    for parameter in SCHEMA.layers["dielectric"].sockets:
+        assert parameter.label in sockets
+    assert "Extinction" not in sockets and "metal" in drawn("prop")
+    layered.active_material.lamina.base.given = "eta+k"
+    assert {"IOR", "Extinction"} <= set(drawn("socket")[4:]) and "metal" not in drawn("prop")
+    assert "Mean slope 8.0\N{DEGREE SIGN}" in drawn("label")  # tan(8.0 deg) = .3^2 pi/2
+    assert {"3", layered.active_material.node_tree.nodes["Lamina Shader"].script.name} <= set(drawn("label"))
+
+
+def test_a_device_without_osl_is_named():
+    def problem(device, kind):
+        scene = SimpleNamespace(cycles=SimpleNamespace(device=device))
+        cycles = SimpleNamespace(preferences=SimpleNamespace(compute_device_type=kind))
+        return script_node.device_problem(scene, SimpleNamespace(addons={"cycles": cycles}))
+
+    assert problem("GPU", "HIP").startswith("HIP devices cannot run Open Shading Language")
+    assert problem("GPU", "OPTIX") == problem("CPU", "HIP") == problem("GPU", "NONE") == ""
+
+
+def test_panel_says_what_keeps_it_from_working(layered, monkeypatch):
+    assert "The render engine is not Cycles" in drawn("label") and "lamina.enable_osl" in drawn("operator")
+    bpy.ops.lamina.enable_osl()
+    assert "lamina.enable_osl" not in drawn("operator")
+    monkeypatch.setattr(panel, "device_problem", lambda *_: "HIP devices cannot")
+    assert "HIP devices cannot" in drawn("label") and "lamina.enable_osl" not in drawn("operator")
+    layered.active_material.lamina.problem = "something went wrong"
+    assert "Something went wrong" in drawn("label")
+    monkeypatch.setattr(environment, "osl_available", lambda: MISSING)
+    assert "Lamina needs Cycles with OSL" in " ".join(drawn("label"))
+    assert "Tint" in drawn("socket")
+    layered.active_material.node_tree.nodes.remove(node_of(layered.active_material.lamina.base))
+    assert any("was deleted" in text for text in drawn("label"))

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The render equals the numpy evaluation of the same network: every preset, pixel by pixel and in energy."""
+
+import numpy as np
+import pytest
+
+from lamina.reference_py import presets
+from lamina.reference_py.frame import spherical
+from lamina.reference_py.models import make_model
+from lamina.reference_py.stack import Stack
+from support.goniometer import SUN_THETA_DEG, beckmann_sampling_bias, highlight_window, parity, tolerance
+
+pytestmark = pytest.mark.blender
+
+FURNACE_THETA_DEG = (0.0, 45.0, 75.0)
+QUADRATURE_ERROR = 3e-4  # see tests/reference_py/test_quadrature.py
+
+
+def _material(stack: Stack):
+    import bpy
+
+    from lamina.addon.material import apply_stack, stack_of
+
+    material = bpy.data.materials.new("Parity")
+    apply_stack(material, stack)
+    # what the sockets hold, rounded to float32, is what was rendered
+    return material, stack_of(material)
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_render_equals_mirror(blender, name):
+    material, stack = _material(presets.load(name))
+    mirror = make_model("mirror", stack)
+    for theta in SUN_THETA_DEG:
+        for window in filter(None, ((0.0, 0.0, 1.0), highlight_window(stack, theta))):
+            result = parity(material, mirror.f, theta, window=window)
+            print(
+                f"{name} sun {theta:g} deg, window {window[2]:.3g}: 99th percentile {result.percentile_99:.1e}"
+                f" of {result.errors.size} values, allowed {tolerance(stack):.1e}"
+            )
+            assert result.finite
+            assert result.errors.size > 30  # the foil's highlight covers 19 pixels of the whole sphere
+            assert result.percentile_99 <= tolerance(stack)
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_furnace_equals_mirror(blender, name):
+    from lamina.addon.rendering.measure import render_furnace
+
+    material, stack = _material(presets.load(name))
+    measured, stderr = render_furnace(material, FURNACE_THETA_DEG, samples=64, size=32)
+    wo = spherical(np.radians(FURNACE_THETA_DEG), 0.0)
+    expected = make_model("mirror", stack).albedo(wo)
+    print(f"{name}: Cycles {np.round(measured[:, 1], 5)}, mirror {np.round(expected[:, 1], 5)}, stderr {np.round(stderr[:, 1], 6)}")
+    # A smooth metal at normal view renders without noise; what is left is the quadrature behind `expected`.
+    allowed = 4.0 * stderr + QUADRATURE_ERROR * expected + beckmann_sampling_bias(stack, wo[:, 2])[:, None] * expected
+    assert np.all(np.abs(measured - expected) <= allowed)
+
+
+def test_a_wrong_index_is_caught(blender):
+    """A deliberate fault: the reference believes in an ior 1 % off."""
+    material, stack = _material(presets.load("frosted_paint"))
+    wrong = Stack.from_dict({**stack.to_dict(), "layers": [{**stack.layers[0].to_dict(), "ior": 1.01 * stack.layers[0]["ior"]}]})
+    result = parity(material, make_model("mirror", wrong).f, 45.0)
+    assert result.percentile_99 > 10.0 * tolerance(stack)

@@ -1,0 +1,275 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The deterministic truth: energy, reciprocity, closed forms, and agreement with the walk of `position_free`."""
+
+import numpy as np
+import pytest
+
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.frame import spherical
+from lamina.reference_py.models import make_model
+from lamina.reference_py.models.adding import Adding, facets, operators
+from lamina.reference_py.models.adding.assembly import Layers, add
+from lamina.reference_py.models.adding.grid import Grid
+from lamina.reference_py.models.adding.operators import Resolution, interface_operators
+from lamina.reference_py.models.position_free import PositionFree
+from lamina.reference_py.optics.fresnel import cos_theta_t, fresnel_dielectric
+from lamina.reference_py.stack import Stack
+from lamina.reference_py.suite import suite, suite_stack
+
+VIEWS = spherical(np.radians([0.0, 25.0, 45.0, 60.0, 75.0, 85.0, 89.5]), 0.3)
+
+
+def stack(base, *layers):
+    return Stack.from_dict({"layers": [{"kind": "dielectric", **layer} for layer in layers], "base": base})
+
+
+def coat(ior, alpha=0.0, **values):
+    return {"ior": ior, "roughness": alpha**0.5, **values}
+
+
+def lambert(value):
+    return {"kind": "lambert", "color": [value] * 3}
+
+
+def smooth_over_lambert(cos_o, n, rho, tau=0.0):
+    """R(o) + T(o) rho T_d / (1 - rho R_d), with the diffuse integrals by a fine sum, independent of the grid."""
+    u = (np.arange(400_000) + 0.5) / 400_000
+    cos_inside = np.sqrt(u)  # u = cos^2 is uniform in projected solid angle
+    r_inside = fresnel_dielectric(cos_inside, 1.0 / n)
+    through = np.exp(-tau / cos_inside)
+    t_d, r_d = np.mean((1.0 - r_inside) * through), np.mean(r_inside * through**2)
+    r = fresnel_dielectric(cos_o, n)
+    return r + (1.0 - r) * np.exp(-tau / cos_theta_t(cos_o, n)) * rho * t_d / (1.0 - rho * r_d)
+
+
+@pytest.mark.parametrize("tau", [0.0, 0.5])
+def test_smooth_coat_over_lambert_is_the_closed_form(tau):
+    result = Adding(stack(lambert(0.5), coat(1.5, tint=[np.exp(-tau)] * 3))).albedo(VIEWS)
+    expected = smooth_over_lambert(VIEWS[:, 2], 1.5, 0.5, tau)
+    np.testing.assert_allclose(result, np.tile(expected[:, None], 3), rtol=1e-5)
+
+
+def test_known_albedos():
+    normal = spherical(0.0, 0.0)
+    assert Adding(stack(lambert(0.5), coat(1.5))).albedo(normal)[0] == pytest.approx(0.316, abs=5e-4)
+    rough = Adding(stack(lambert(0.8), coat(1.5, 0.4)), surface="single")
+    assert rough.albedo(normal)[0] == pytest.approx(0.450, abs=1e-3)
+
+
+@pytest.mark.parametrize("surface", ["multiple", "single"])
+def test_base_lobe_below_a_smooth_coat(surface):
+    """A white GGX metal; what the coat does not reflect directly is in the base lobe."""
+    white = {"kind": "conductor", "eta": [0.01] * 3, "k": [20.0] * 3, "roughness": 0.1**0.5}
+    wo = spherical(np.radians([0.0, 40.0, 60.0, 80.0]), 0.0)
+    lobe = Adding(stack(white, coat(1.5)), surface=surface).albedo(wo)[:, 0] - fresnel_dielectric(wo[:, 2], 1.5)
+    exact = np.array([0.960, 0.954, 0.911, 0.612])
+    if surface == "multiple":
+        np.testing.assert_allclose(lobe, exact, atol=1.5e-3)  # the metal is 99.96 % white
+    else:  # each event on the metal loses some, and trapped light has many
+        assert np.all((lobe < exact) & (lobe > 0.85 * exact))
+
+
+WHITE = [
+    (coat(1.5),),
+    (coat(1.5, 0.003),),
+    (coat(1.5, 1.0),),
+    (coat(1.5, 0.3, distribution="beckmann"), coat(1.2, 0.05), coat(1.9)),
+    (coat(1.5, 0.2), coat(1.0)),
+    tuple(coat((1.5, 1.3)[i % 2], (0.0, 0.2)[i % 2]) for i in range(20)),
+]
+
+
+@pytest.mark.parametrize("layers", WHITE)
+def test_a_white_lossless_stack_returns_everything(layers):
+    assert np.abs(Adding(stack(lambert(1.0), *layers)).albedo(VIEWS) - 1.0).max() < 1e-6
+
+
+def test_single_events_lose_energy_and_never_gain():
+    for layers in WHITE:
+        assert np.all(Adding(stack(lambert(1.0), *layers), surface="single").albedo(VIEWS) < 1.0 + 1e-3)
+
+
+@pytest.mark.parametrize("alpha", [0.0, 0.3])
+def test_an_interface_between_equal_indices_vanishes(alpha):
+    plain = Adding(stack(lambert(0.6), coat(1.5, 0.1)))
+    inside = Adding(stack(lambert(0.6), coat(1.5, 0.1), coat(1.5, alpha)))
+    above = Adding(stack(lambert(0.6), coat(1.0, alpha), coat(1.5, 0.1)))
+    for model in (inside, above):
+        np.testing.assert_allclose(model.albedo(VIEWS), plain.albedo(VIEWS), rtol=1e-12)
+    np.testing.assert_allclose(Adding(stack(lambert(0.6), coat(1.0, alpha))).albedo(VIEWS), 0.6, rtol=1e-12)
+
+
+def test_an_index_close_to_that_above_nearly_vanishes():
+    near = Adding(stack(lambert(0.6), coat(1.001, 0.1))).albedo(VIEWS[:4])
+    np.testing.assert_allclose(near, 0.6, rtol=2e-3)
+
+
+def test_thickness_zero_and_huge():
+    tinted = {"tint": [0.2, 0.5, 1.0]}
+    clear = Adding(stack(lambert(0.8), coat(1.5, 0.2))).albedo(VIEWS)
+    np.testing.assert_allclose(Adding(stack(lambert(0.8), coat(1.5, 0.2, thickness=0.0, **tinted))).albedo(VIEWS), clear)
+    huge = Adding(stack(lambert(0.8), coat(1.5, 0.2, thickness=1000.0, **tinted))).albedo(VIEWS)
+    black = Adding(stack(lambert(0.0), coat(1.5, 0.2))).albedo(VIEWS)
+    np.testing.assert_allclose(huge[:, :2], black[:, :2], rtol=1e-9)
+    np.testing.assert_allclose(huge[:, 2], clear[:, 2], rtol=1e-9)
+
+
+def _parts():
+    grid, resolution = Grid((1.0, 1.3, 1.5, 1.8), 24), Resolution(2, 12, 24)
+    return [
+        interface_operators(above, below, alpha, "ggx", "multiple", grid, resolution).over_medium(
+            operators.transmittance(grid, below, 0.1)
+        )
+        for above, below, alpha in ((1.0, 1.5, 0.2), (1.5, 1.3, 0.0), (1.3, 1.8, 0.5))
+    ]
+
+
+def test_adding_is_associative():
+    a, b, c = _parts()
+    left, right = add(add(a, b), c), add(a, add(b, c))
+    for name in ("r_up", "t_down", "r_down", "t_up"):
+        np.testing.assert_allclose(getattr(left, name), getattr(right, name), atol=1e-12)
+
+
+def test_smooth_slab_is_the_sum_of_its_bounces():
+    grid, resolution = Grid((1.0, 1.5), 16), Resolution(1, 8, 8)
+    front = interface_operators(1.0, 1.5, 0.0, "ggx", "multiple", grid, resolution)
+    back = interface_operators(1.5, 1.0, 0.0, "ggx", "multiple", grid, resolution)
+    slab: Layers = add(front, back)
+    r = fresnel_dielectric(grid.cosines(1.0), 1.5)
+    np.testing.assert_allclose(np.diagonal(slab.r_up[0]), 2.0 * r / (1.0 + r), rtol=1e-9)
+    np.testing.assert_allclose(np.diagonal(slab.t_down[0]), (1.0 - r) / (1.0 + r), rtol=1e-9)
+
+
+LAYER_CASES = [(coat(1.5),), (coat(1.5, 0.1),), (coat(1.5, 0.4), coat(1.8, 0.2)), (coat(1.7), coat(1.3, 0.6))]
+
+
+@pytest.mark.parametrize("layers", LAYER_CASES)
+@pytest.mark.parametrize("surface", ["multiple", "single"])
+def test_layers_pass_the_same_diffuse_light_both_ways(layers, surface):
+    """n^2 T_d from below equals T_d from above."""
+    energies = Adding(stack(lambert(0.5), *layers), surface=surface).layer_energies()
+    up, down = energies.diffuse_below[1], energies.diffuse_above[1]
+    np.testing.assert_allclose(up * energies.n_below**2, down, rtol=2e-3)
+    if surface == "multiple":
+        np.testing.assert_allclose(sum(energies.diffuse_above), 1.0, rtol=1e-9)
+        np.testing.assert_allclose(sum(energies.diffuse_below), 1.0, rtol=1e-9)
+
+
+def test_layer_energies_give_the_albedo_over_lambert():
+    layers = (coat(1.5, 0.3, tint=[0.9, 0.6, 0.2]), coat(1.7, 0.1))
+    energies = Adding(stack(lambert(0.5), *layers)).layer_energies()
+    r, t = energies.above(VIEWS[:, 2])
+    r_d, t_d = energies.diffuse_below
+    expected = r + t * 0.5 * t_d / (1.0 - 0.5 * r_d)
+    np.testing.assert_allclose(Adding(stack(lambert(0.5), *layers)).albedo(VIEWS), expected, rtol=2e-3)
+
+
+def test_a_dropped_n_squared_is_noticed(monkeypatch):
+    """A deliberate fault: a Lambert base that forgets the index of the medium above it."""
+    real = operators.lambert_rows
+    monkeypatch.setattr(
+        "lamina.reference_py.models.adding.recipe.lambert_rows",
+        lambda color, n, count, grid, modes: real(color, n, count, grid, modes) * n * n,
+    )
+    wrong = Adding(stack(lambert(0.5), coat(1.5))).albedo(VIEWS)[:, 0]
+    assert np.all(np.abs(wrong / smooth_over_lambert(VIEWS[:, 2], 1.5, 0.5) - 1.0) > 0.02)
+
+
+FINE_CASES = ["narrow_over_narrow", "gold_coat_0_3_metal_0_05", "falling_index"]
+
+
+@pytest.mark.parametrize("name", FINE_CASES)
+def test_doubling_the_grid_changes_albedo_by_less_than_a_thousandth(name):
+    coarse, fine = Adding(suite_stack(name)), Adding(suite_stack(name), nodes=64)
+    np.testing.assert_allclose(coarse.albedo(VIEWS), fine.albedo(VIEWS), rtol=1e-3)
+
+
+METAL = {"kind": "conductor", "eta": [0.3, 1.3, 1.6], "k": [5.9, 3.6, 3.1]}
+QUADRATURE_CASES = [
+    *(stack(lambert(0.5), coat(1.5, alpha)) for alpha in (0.02, 0.3, 1.0)),
+    # a rough surface faces the root that radiance has at the critical angle of the mirror above
+    *(stack({**METAL, "roughness": alpha**0.5}, coat(1.5)) for alpha in (0.04, 0.3, 1.0)),
+    stack(lambert(0.0), coat(1.5), coat(3.0, 0.5)),
+]
+
+
+@pytest.mark.parametrize("material", QUADRATURE_CASES)
+@pytest.mark.parametrize("surface", ["multiple", "single"])
+def test_doubling_grid_and_facets_together_changes_little(material, surface, monkeypatch):
+    coarse = Adding(material, surface=surface).albedo(VIEWS)
+    monkeypatch.setattr("lamina.reference_py.models.adding.model._ENERGY", Resolution(1, 32, 72))
+    np.testing.assert_allclose(coarse, Adding(material, surface=surface, nodes=64).albedo(VIEWS), rtol=1e-3)
+
+
+SHAPES = ["oren_nayar_clay", "gold_rough", "plastic_grey_0_4", "gold_coat_0_metal_0_1", "lambert_1_5_0_3_over_1_8_0"]
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_f_is_reciprocal(name):
+    rng = np.random.default_rng(5)
+    wo, wi = (spherical(np.arccos(rng.uniform(0.1, 1.0, 60)), rng.uniform(0.0, 6.3, 60)) for _ in range(2))
+    model = Adding(suite_stack(name))
+    np.testing.assert_allclose(model.f(wo, wi), model.f(wi, wo), rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["gold_rough", "plastic_grey_0_4", "beckmann_over_ggx", "frosted_metal"])
+def test_f_integrates_to_the_albedo(name):
+    """Stacks with a rough top: no mirror-like part."""
+    wo = spherical(np.radians(40.0), 0.0)
+    x, w = np.polynomial.legendre.leggauss(64)
+    theta, phi = 0.25 * np.pi * (x + 1.0), np.pi * (np.arange(96) + 0.5) / 96
+    weights = (w * 0.25 * np.pi * np.sin(theta) * np.cos(theta) * 2.0 * np.pi / 96)[:, None, None]
+    model = Adding(suite_stack(name))
+    integral = np.sum(model.f(wo, spherical(theta[:, None], phi)) * weights, axis=(0, 1))
+    np.testing.assert_allclose(integral, model.albedo(wo), rtol=5e-3)
+
+
+def test_f_of_bases_and_below_the_horizon():
+    wo, wi = spherical(0.5, 0.2), spherical([0.3, 1.0, 2.0], 2.0)
+    f = Adding(stack(lambert(0.4))).f(wo, wi)
+    np.testing.assert_allclose(f[:2], 0.4 / np.pi, rtol=1e-9)
+    assert np.all(f[2] == 0.0) and np.all(Adding(stack(lambert(0.4))).albedo(wi[2]) == 0.0)
+
+
+@pytest.mark.parametrize("name", ["plastic_grey_0_4", "copper_1_5_0_5_over_1_33_0_1", "lacquer_gold", "eight_layers"])
+@pytest.mark.parametrize("surface", ["multiple", "single"])
+def test_albedo_agrees_with_the_walk(name, surface):
+    wo = spherical(np.radians([20.0, 70.0]), 0.0)
+    walk, stderr = PositionFree(suite_stack(name), surface=surface, walks=30_000).albedo_stderr(wo)
+    assert np.all(np.abs(Adding(suite_stack(name), surface=surface).albedo(wo) - walk) < 4.0 * stderr + 1e-4)
+
+
+def test_f_agrees_with_the_walk():
+    name = "gold_coat_0_metal_0_1"
+    wo, wi = spherical(0.7, 0.0), spherical(np.radians([[10.0], [40.0], [65.0]]), np.radians([60.0, 180.0]))
+    wo = np.broadcast_to(wo, wi.shape)
+    walk, stderr = PositionFree(suite_stack(name), walks=4000).f_stderr(wo, wi)
+    assert np.all(np.abs(Adding(suite_stack(name)).f(wo, wi) - walk) < 4.0 * stderr + 0.03 * walk + 1e-3 * walk.max())
+
+
+def test_the_suite_is_large_and_valid():
+    assert len(suite()) >= 60
+    assert any(len(s.layers) == 20 for s in suite().values()) and any(not s.layers for s in suite().values())
+    with pytest.raises(LaminaError, match="unknown suite stack 'no'; choose lambert_grey"):
+        suite_stack("no")
+
+
+def test_log_gamma_is_that_of_the_standard_library():
+    from math import lgamma
+
+    x = np.array([1.0, 1.5, 2.0, 3.7, 50.0, 1e4])
+    np.testing.assert_allclose(facets.log_gamma(x), [lgamma(v) for v in x], rtol=1e-12, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ({"surface": "rough"}, "unknown surface 'rough'; choose multiple, single"),
+        ({"modes": 0}, "modes is 0; choose a whole number from 1 to 512"),
+        ({"walks": 3}, "unknown option 'walks'; choose surface, nodes, modes"),
+    ],
+)
+def test_bad_options_name_the_choices(options, message):
+    with pytest.raises(LaminaError, match=message):
+        make_model("adding", stack(lambert(0.5)), **options)
