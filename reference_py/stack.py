@@ -106,8 +106,10 @@ class Stack:
             raise LaminaError(f"{where}: {error}") from None
         except UnicodeEncodeError as error:
             raise LaminaError(f"{where}: text holds half a character, {ascii(error.object[error.start])}") from None
-        except (RecursionError, ValueError) as error:
-            raise LaminaError(f"{where}: not readable as JSON: {error or 'nested too deeply'}") from None
+        except RecursionError:
+            raise LaminaError(f"{where}: not readable as JSON: nested too deeply") from None
+        except ValueError as error:  # an integer of thousands of digits
+            raise LaminaError(f"{where}: not readable as JSON: {error}") from None
         return cls.from_dict(data, where)
 
     def to_json(self) -> str:

@@ -10,6 +10,7 @@ import bpy
 
 from ...reference_py.errors import LaminaError
 from .environment import osl_available
+from .interrupt import interruptible
 
 
 def node_tree(owner: bpy.types.ID) -> bpy.types.NodeTree:
@@ -78,11 +79,10 @@ def measurement_settings(scene: bpy.types.Scene, samples: int, size: int | tuple
     image.color_depth, image.exr_codec = "32", "ZIP"
 
 
-def studio_settings(scene: bpy.types.Scene, samples: int, size: int | tuple[int, int], *, look: str = "None",
-                    seed: int = 0) -> None:
-    """Set up `scene` for a pretty picture: AgX, a soft pixel filter, OpenImageDenoise where there is one, 8-bit PNG.
+def studio_settings(scene: bpy.types.Scene, samples: int, size: int | tuple[int, int], *, seed: int = 0) -> None:
+    """Set up `scene` for a pretty picture: a soft pixel filter, OpenImageDenoise where there is one, 8-bit PNG.
 
-    `look` is a look of AgX as Blender names it, such as "AgX - Punchy".
+    The view transform is Khronos PBR Neutral, made to show a material's own color; AgX turns copper into pewter.
     Raises LaminaError for samples or sizes below 1.
     """
     import _cycles
@@ -99,8 +99,7 @@ def studio_settings(scene: bpy.types.Scene, samples: int, size: int | tuple[int,
     cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 1.5
     cycles.blur_glossy = 0.0
     cycles.max_bounces, cycles.diffuse_bounces, cycles.glossy_bounces = 4, 1, 3
-    scene.view_settings.view_transform = "AgX"
-    scene.view_settings.look = look
+    scene.view_settings.view_transform, scene.view_settings.look = "Khronos PBR Neutral", "None"
     image = scene.render.image_settings
     if hasattr(image, "media_type"):
         image.media_type = "IMAGE"
@@ -116,7 +115,8 @@ def render_to(scene: bpy.types.Scene, path: str | os.PathLike) -> None:
     scene.render.filepath = str(path)
     scene.render.use_file_extension = False
     try:
-        bpy.ops.render.render(write_still=True, scene=scene.name)
+        with interruptible():
+            bpy.ops.render.render(write_still=True, scene=scene.name)
     except RuntimeError as error:
         raise LaminaError(f"rendering {scene.name}: {str(error).strip()}") from None
     if not path.is_file() or path.stat().st_size == 0:

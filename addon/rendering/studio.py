@@ -9,7 +9,6 @@ from mathutils import Vector
 from .geometry import STAND_FLOOR, backdrop_mesh, ball_mesh, stand_mesh
 from .settings import add_object, node_tree, remove_scene, studio_settings
 
-LOOK = "AgX - Medium High Contrast"
 BALL_CENTRE = Vector((0.0, 0.0, -STAND_FLOOR))
 
 
@@ -38,7 +37,7 @@ def build_ball_scene(material: bpy.types.Material | None = None, tile_px: int = 
     Raises LaminaError for samples or sizes below 1.
     """
     scene = bpy.data.scenes.new(name)
-    studio_settings(scene, samples, tile_px, look=LOOK)
+    studio_settings(scene, samples, tile_px)
     dark, paper = _dark_rubber(), _backdrop_material()
     ball = add_object(scene, "Ball", ball_mesh("Ball"))
     ball.location = BALL_CENTRE

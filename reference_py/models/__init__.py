@@ -11,11 +11,12 @@ from ..stack import Stack
 
 from .adding import Adding
 from .mirror import Mirror
+from .peers import PEERS
 from .position_free import PositionFree
 from .weidlich_wilkie import WeidlichWilkie
 from .weidlich_wilkie_repaired import WeidlichWilkieRepaired
 
-MODELS = {model.name: model for model in (WeidlichWilkie, WeidlichWilkieRepaired, Adding, PositionFree, Mirror)}
+MODELS = {model.name: model for model in (WeidlichWilkie, WeidlichWilkieRepaired, Adding, PositionFree, Mirror, *PEERS)}
 
 
 def make_model(name: str, stack: Stack, **options: str):

@@ -4,8 +4,9 @@
 - Jacobian: directions refract about the surface normal and a component below carries the solid angle's
   compression, f2* = f2 T(i) T(o) a (n0 / n1)^2 and p2* = p2 (n0 / n1)^2 cos(i) / cos(i').
 - Weights: components are picked by the energy that each of them sends back at this view.
-- No culling: samples that cannot leave are kept. Their wi points below the horizon, where f is 0, and `pdf` covers
-  them, so its integral over the whole sphere is 1.
+- No culling: facet samples that cannot leave are kept. Their wi points below the horizon, where f is 0, and `pdf`
+  covers them, so its integral over the whole sphere is 1. A diffuse base is sampled in the cone that leaves alone:
+  its p2 is n^2 cos(i') / pi there, its p2* cos(i) / pi. Trapped samples would be 1 - 1 / n^2 of all.
 
 Still one bounce per interface, without the paper's compensation, which guessed the rest: light that an interface
 turns back is lost, so a coated white base is too dark. `adding` sums all bounces.
@@ -19,7 +20,7 @@ import numpy as np
 from ..errors import LaminaError
 from ..stack import Stack
 from . import weidlich_wilkie_sampling as sampling
-from .quadrature import points
+from .quadrature import cosine_directions, points
 from .weidlich_wilkie import Level, WeidlichWilkie
 
 WEIGHTS = ("energy", "constant")
@@ -79,6 +80,8 @@ class WeidlichWilkieRepaired(WeidlichWilkie):
         return sampling.finite_components(self)
 
     def _sample_component(self, k: int, wo, u1, u2) -> np.ndarray:
+        if self.lobes[k] is None:
+            return cosine_directions(u1, u2)
         n = sampling.index_above(self, k)
         inside = sampling.sample_component(self.lobes[k], sampling.enter(wo, n), u1, u2)
         outside, leaves = sampling.leave(inside, n)
@@ -88,6 +91,8 @@ class WeidlichWilkieRepaired(WeidlichWilkie):
     def _component_pdf(self, k: int, wo, wi) -> np.ndarray:
         """Density of `_sample_component`: two kinds of trapped directions share the lower hemisphere."""
         lobe, n = self.lobes[k], sampling.index_above(self, k)
+        if lobe is None:
+            return np.maximum(wi[..., 2], 0.0) / np.pi
         wo_inside, wi_inside = sampling.enter(wo, n), sampling.enter(wi, n)
         jacobian = wi[..., 2] / (n * n * np.maximum(wi_inside[..., 2], 1e-30))
         above = sampling.component_density(lobe, wo_inside, wi_inside) * jacobian

@@ -89,6 +89,27 @@ def test_single_events_lose_energy_and_never_gain():
         assert np.all(Adding(stack(lambert(1.0), *layers), surface="single").albedo(VIEWS) < 1.0 + 1e-3)
 
 
+@pytest.mark.parametrize("name", ["gold_rough", "plastic_grey_0_4", "plastic_beckmann_1", "air_gap_rough", "three_rough"])
+@pytest.mark.parametrize("surface", ["multiple", "single"])
+def test_albedo_stays_physical_up_to_the_horizon(name, surface):
+    """Grazing views to 90 degrees, whose rounded cosine is just above 0."""
+    wo = spherical(np.radians([80.0, 89.0, 89.9, 89.999, 90.0]), 0.0)
+    albedo = Adding(suite_stack(name), surface=surface).albedo(wo)
+    assert np.all((albedo >= 0.0) & (albedo <= 1.0 + 1e-4))
+    # the limit is slow: Heitz's masking of refraction falls as a small power of the cosine
+    np.testing.assert_allclose(albedo[-1], albedo[-2], rtol=2e-2)
+
+
+@pytest.mark.parametrize("alpha", [0.07, 0.3, 1.0])
+@pytest.mark.parametrize("surface", ["multiple", "single"])
+def test_a_lobe_has_the_energy_of_its_facets(alpha, surface):
+    """Two quadratures of one event, over outgoing directions and over facet normals, up to grazing."""
+    cos = np.cos(np.radians([0.0, 45.0, 80.0, 88.0, 89.5, 89.99]))
+    lobe = operators._resolved_lobe(np.ones_like, cos, 1.0, alpha, "ggx", surface, Grid((1.0, 1.5), 32), 1)
+    seen = facets.visible_facets(cos, alpha, "ggx", surface, 64, 128).reflected()[1]
+    np.testing.assert_allclose(lobe[0].sum(axis=1), seen.sum(axis=1), rtol=4e-4)
+
+
 @pytest.mark.parametrize("alpha", [0.0, 0.3])
 def test_an_interface_between_equal_indices_vanishes(alpha):
     plain = Adding(stack(lambert(0.6), coat(1.5, 0.1)))
@@ -176,7 +197,7 @@ def test_a_dropped_n_squared_is_noticed(monkeypatch):
     assert np.all(np.abs(wrong / smooth_over_lambert(VIEWS[:, 2], 1.5, 0.5) - 1.0) > 0.02)
 
 
-FINE_CASES = ["narrow_over_narrow", "gold_coat_0_3_metal_0_05", "falling_index"]
+FINE_CASES = ["gold_coat_0_3_metal_0_05", "lambert_1_5_0_3_over_1_8_0"]
 
 
 @pytest.mark.parametrize("name", FINE_CASES)
@@ -213,7 +234,7 @@ def test_f_is_reciprocal(name):
     np.testing.assert_allclose(model.f(wo, wi), model.f(wi, wo), rtol=1e-6)
 
 
-@pytest.mark.parametrize("name", ["gold_rough", "plastic_grey_0_4", "beckmann_over_ggx", "frosted_metal"])
+@pytest.mark.parametrize("name", ["gold_rough", "plastic_grey_0_4", "beckmann_over_ggx"])
 def test_f_integrates_to_the_albedo(name):
     """Stacks with a rough top: no mirror-like part."""
     wo = spherical(np.radians(40.0), 0.0)

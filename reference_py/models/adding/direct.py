@@ -54,7 +54,8 @@ def _event(recipe: Recipe, k: int, surface: str, wo, wi) -> np.ndarray:
     if k < len(recipe.interfaces):
         interface = recipe.interfaces[k]
         fresnel = fresnel_dielectric(cos_h, interface.eta)[:, None] * np.ones(3)
-        return fresnel * reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], interface.alpha, interface.distribution, surface)[:, None]
+        lobe = reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], interface.alpha, interface.distribution, surface)
+        return fresnel * lobe[:, None]
     base = recipe.base
     if base.kind == "lambert":
         return np.array(base.color) / np.pi * np.ones((len(wo), 1))
@@ -63,4 +64,5 @@ def _event(recipe: Recipe, k: int, surface: str, wo, wi) -> np.ndarray:
     if base.is_mirror:
         return np.zeros(wo.shape)
     eta, k = np.array(base.index).T
-    return fresnel_conductor(cos_h[:, None], eta, k) * reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], base.alpha, base.distribution, surface)[:, None]
+    lobe = reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], base.alpha, base.distribution, surface)
+    return fresnel_conductor(cos_h[:, None], eta, k) * lobe[:, None]

@@ -18,6 +18,8 @@ from .grid import gauss_legendre
 
 SINGLE, MULTIPLE = "single", "multiple"
 SURFACES = (MULTIPLE, SINGLE)
+# Lambda is infinite at the horizon; cosines below this count as this.
+GRAZING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -113,9 +115,10 @@ def visible_facets(
 
 def reflection_lobe(cos_o, cos_i, cos_m, alpha: float, kind: str, surface: str) -> np.ndarray:
     """D G / (4 cos_i cos_o) of one event, f without Fresnel; cos_m is that of the facet normal. Broadcasts."""
+    cos_o, cos_i = np.maximum(cos_o, GRAZING), np.maximum(cos_i, GRAZING)
     lambda_o, lambda_i = smith_lambda(cos_o, alpha, kind), smith_lambda(cos_i, alpha, kind)
     one_over_g = (1.0 + lambda_o) * (1.0 + lambda_i) if surface == SINGLE else 1.0 + lambda_o + lambda_i
-    return distribution(cos_m, alpha, kind) / (4.0 * np.maximum(cos_o * cos_i, 1e-30) * one_over_g)
+    return distribution(cos_m, alpha, kind) / (4.0 * cos_o * cos_i * one_over_g)
 
 
 def smith_lambda(cos_theta: np.ndarray, alpha: float, kind: str) -> np.ndarray:
@@ -123,7 +126,7 @@ def smith_lambda(cos_theta: np.ndarray, alpha: float, kind: str) -> np.ndarray:
 
     `microfacet.smith_lambda` approximates Beckmann's, which would not balance to the last digit.
     """
-    cos = np.maximum(np.ravel(cos_theta), 1e-9)
+    cos = np.maximum(np.ravel(cos_theta), GRAZING)
     w = np.stack([np.sqrt(np.maximum(1.0 - cos * cos, 0.0)), np.zeros_like(cos), cos], axis=-1)
     return np.maximum(projected_area(w, alpha, kind) / cos - 1.0, 0.0).reshape(np.shape(cos_theta))
 

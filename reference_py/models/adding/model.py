@@ -2,8 +2,10 @@
 """The model `adding`: energies from the azimuthal mean alone, f from a Fourier series in azimuth.
 
 f is split. What meets one facet of the topmost rough surface, seen through smooth interfaces, is a formula
-(`direct`); the rest is smoother and comes from the grid. Limits: where a rough surface below a rough one is
-narrower than the grid (about 1.6 / nodes or 4 / modes in alpha), the rest of f is blurred or rings; energies stay exact.
+(`direct`); the rest is smoother and comes from the grid, made reciprocal. Doubling the resolution changes albedo by
+less than 0.1 % (`tests/reference_py/test_adding.py`); f differs from the walk of `position_free` by 1 % in the median
+and 3.5 % at most, its noise included, relative to f + 2 % of the peak, for alpha >= 0.05. Limit: where a rough
+surface below a rough one is narrower than about 2 / modes, the rest of f is blurred or rings; energies stay right.
 """
 
 from dataclasses import dataclass

@@ -19,12 +19,12 @@ from ...optics.microfacet import is_specular
 from .assembly import Layers
 from .bounces import AZIMUTHS, SHAPE, Microsurface
 from .facets import MULTIPLE, dielectric_events, reflection_lobe, visible_facets
-from .grid import Grid, legendre
+from .grid import Grid, gauss_legendre, legendre
 
 # Azimuths of the quadrature of an Oren-Nayar base over the half circle.
 _OREN_NAYAR_AZIMUTHS = 128
 # A reflected lobe of alpha * nodes above this is resolved by the grid; it is integrated over so many azimuths + modes.
-_RESOLVED, _LOBE_AZIMUTHS = 2.0, 40
+_RESOLVED, _LOBE_AZIMUTHS = 2.0, 24
 # Directions handled at once, which bounds memory.
 _CHUNK = 64
 
@@ -181,12 +181,13 @@ def _resolved_lobe(fresnel: Callable, cos_theta, n: float, alpha, kind, surface,
     Scattered facets would miss the root that radiance has at a critical angle; the grid's panels do not.
     """
     cos_o, cos_i = cos_theta[:, None, None], grid.cosines(n)[:, None]
-    # midpoints in u, where the turn is 2 atan(width tan(u / 2)): dense about the mirror direction, most at grazing
-    count = _LOBE_AZIMUTHS + modes
-    u = np.pi * (np.arange(count) + 0.5) / count
+    # turn = 2 atan(width tan(u / 2)) is dense about the mirror direction; u crowds towards pi for the lobe's far tail
+    x, gauss = gauss_legendre(_LOBE_AZIMUTHS + modes)
+    rest = 0.5 * (1.0 - x)
+    u, step = np.pi * (1.0 - rest**4), 2.0 * gauss * rest**3
     width = np.minimum(1.0, alpha * (cos_o + cos_i))
     tangent2 = np.square(width * np.tan(0.5 * u))
-    measure = width / (np.square(np.cos(0.5 * u)) * (1.0 + tangent2)) / count
+    measure = step * width / (np.square(np.cos(0.5 * u)) * (1.0 + tangent2))
     cos_turn = (1.0 - tangent2) / (1.0 + tangent2)
     sines = np.sqrt((1.0 - np.square(cos_o)) * (1.0 - np.square(cos_i)))
     # 1 + cos of the angle between wo and wi, whose azimuths differ by pi for a turn of 0

@@ -5,8 +5,8 @@ Specular lobe (eq. 4 with n_u = n_v), Schlick's Fresnel curve, and a diffuse par
 the lobe brightens. The exponent is that of Blinn's distribution which matches the stack's alpha for small angles.
 Metal base: its lobe alone, tinted by the round trip through all media. Diffuse base: the top interface's lobe over
 the tinted base color; without layers the diffuse part of a lobe of no reflectance. Oren-Nayar counts as Lambert.
-Limits: interfaces between are ignored, nothing is broadened; the diffuse part loses up to a fifth of a white
-base (its 28/23 normalises the mean, not every view).
+Limits: interfaces between are ignored, nothing is broadened; the diffuse part fades towards grazing views even
+where no lobe takes its place (rough or absent), so a bare white base has albedo .97, .89, .50 at 0, 45, 75 degrees.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from ...frame import dot, half_vector
 from ...optics.material import interfaces
 from ...optics.microfacet import BECKMANN, alpha_from_roughness, blinn_exponent, is_specular
 from ...stack import Stack
-from .parts import Peer, dielectric_f0, metal_index_f0, round_trip, schlick
+from .parts import Peer, dielectric_f0, metal_f0, round_trip, schlick
 
 
 class AshikhminShirley(Peer):
@@ -30,7 +30,7 @@ class AshikhminShirley(Peer):
         surface = stack.base if is_metal or not stack.layers else stack.layers[0]
         self._alpha = float(alpha_from_roughness(surface["roughness"])) if "roughness" in surface else 1.0
         if is_metal:
-            self._f0, self._tint, self._color = metal_index_f0(stack), tint, np.zeros(3)
+            self._f0, self._tint, self._color = metal_f0(stack), tint, np.zeros(3)
         else:
             self._f0 = np.full(3, dielectric_f0(interfaces(stack)[0].eta) if stack.layers else 0.0)
             self._tint, self._color = np.full(3, 1.0 if stack.layers else 0.0), tint * np.array(stack.base["color"])

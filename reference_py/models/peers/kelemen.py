@@ -16,7 +16,8 @@ from ...frame import dot, half_vector
 from ...optics import microfacet
 from ...optics.microfacet import is_specular
 from ...stack import Stack
-from .parts import Peer, albedo_curve, interface_lobe, metal_lobe, round_trip
+from .energy import albedo_curve
+from .parts import Peer, interface_lobe, metal_lobe, round_trip
 
 
 class Kelemen(Peer):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the peers share: signature, microfacet lobes, and one way to read a stack.
+"""What the peers share: their signature, microfacet lobes, and one way to read a stack.
 
 How a stack is read: every interface and metal has its index relative to the medium above it, absorption is the
 color `round_trip` that two perpendicular crossings of all media leave. That is the best a user of these models can set.
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import LaminaError
-from ...frame import dot, half_vector, spherical
+from ...frame import dot, half_vector
 from ...optics import microfacet
 from ...optics.diffuse import oren_nayar
 from ...optics.fresnel import fresnel_conductor, fresnel_dielectric
@@ -21,6 +21,9 @@ from ...stack import Element, Stack
 from ..quadrature import directional_albedo
 
 _UP = np.array([0.0, 0.0, 1.0])
+# The cosine at which an F82 curve takes its second value, and Schlick's rise there.
+COS_82 = 1.0 / 7.0
+_RISE_82 = (1.0 - COS_82) ** 5
 
 Fresnel = Callable[[np.ndarray], np.ndarray]
 """Reflectance (..., 1) or (..., 3) at cosines (...) to the facet."""
@@ -88,14 +91,12 @@ class Lobe:
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """(..., 1) or (..., 3) for directions above the surface; 0 for a mirror."""
         wh = half_vector(wi, wo)
-        return self.fresnel(np.clip(dot(wi, wh), 0.0, 1.0)) * self._value(wo, wi, wh)[..., None]
-
-    def _value(self, wo, wi, wh) -> np.ndarray:
         if is_specular(self.alpha):
-            return np.zeros(wh.shape[:-1])
+            return np.zeros(wh.shape[:-1] + (1,))
         d = microfacet.distribution(wh[..., 2], self.alpha, self.kind)
         g = microfacet.masking_g2(wi[..., 2], wo[..., 2], self.alpha, self.kind)
-        return d * g / (4.0 * np.maximum(wi[..., 2] * wo[..., 2], 1e-30))
+        value = d * g / (4.0 * np.maximum(wi[..., 2] * wo[..., 2], 1e-30))
+        return self.fresnel(np.clip(dot(wi, wh), 0.0, 1.0)) * value[..., None]
 
     def mirrored(self, cos_o: np.ndarray) -> np.ndarray:
         """Energy (..., 1) or (..., 3) of a mirror; 0 for a rough lobe."""
@@ -117,6 +118,17 @@ def schlick(f0: np.ndarray) -> Fresnel:
     return lambda cos: f0 + (1.0 - f0) * ((1.0 - cos) ** 5)[..., None]
 
 
+def f82(f0: np.ndarray, reflectance_82: np.ndarray) -> Fresnel:
+    """Schlick's curve with a dip that makes it reflectance_82 at 82 degrees (Kutz21); both (3,)."""
+    drop = (f0 + (1.0 - f0) * _RISE_82 - reflectance_82) / (COS_82 * (1.0 - COS_82) * _RISE_82)
+
+    def fresnel(cos):
+        rise = ((1.0 - cos) ** 5)[..., None]
+        return np.clip(f0 + (1.0 - f0) * rise - drop * (cos * (1.0 - cos))[..., None] * rise, 0.0, 1.0)
+
+    return fresnel
+
+
 def interface_lobe(stack: Stack, index: int) -> Lobe:
     """Lobe of interface `index` of a stack."""
     surface = interfaces(stack)[index]
@@ -132,9 +144,22 @@ def metal_lobe(stack: Stack) -> Lobe | None:
     return Lobe(float(alpha_from_roughness(stack.base["roughness"])), stack.base["distribution"], conductor(eta / n, k / n))
 
 
-def metal_index_f0(stack: Stack) -> np.ndarray:
+def metal_f0(stack: Stack) -> np.ndarray:
     """Reflectance (3,) of a conductor base at normal incidence, under its medium."""
     return metal_lobe(stack).fresnel(np.ones(()))
+
+
+def metal_colors(stack: Stack) -> tuple[np.ndarray, np.ndarray]:
+    """`metal_f0`, and the share, at most 1, of Schlick's curve that the metal reflects at 82 degrees; each (3,)."""
+    fresnel = metal_lobe(stack).fresnel
+    f0 = fresnel(np.ones(()))
+    return f0, np.minimum(fresnel(np.full((), COS_82)) / (f0 + (1.0 - f0) * _RISE_82), 1.0)
+
+
+def metal_f82(stack: Stack) -> Fresnel:
+    """The F82 curve of `metal_colors`."""
+    f0, tint = metal_colors(stack)
+    return f82(f0, tint * (f0 + (1.0 - f0) * _RISE_82))
 
 
 def dielectric_f0(eta: float) -> float:
@@ -152,41 +177,3 @@ def diffuse_f(base: Element, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
     if base.kind == "oren_nayar":
         return oren_nayar(wi, wo, base["color"], base["sigma_deg"])
     return np.array(base["color"]) / np.pi * np.ones(wi.shape)
-
-
-class Curve:
-    """A function of the view's cosine, (N,) to (N, channels), tabulated once and read linearly.
-
-    Nodes are dense towards grazing; views below the lowest, 89.994 degrees, read that one.
-    """
-
-    COSINES = np.linspace(0.01, 1.0, 128) ** 2
-
-    def __init__(self, function: Callable[[np.ndarray], np.ndarray]):
-        self._values = function(self.COSINES)
-
-    def __call__(self, cos_o: np.ndarray) -> np.ndarray:
-        return np.stack([np.interp(cos_o, self.COSINES, column) for column in self._values.T], axis=-1)
-
-    @property
-    def mean(self) -> np.ndarray:
-        """Cosine-weighted mean over the hemisphere, (channels,)."""
-        cos = self.COSINES
-        weighted = 2.0 * self._values * cos[:, None]
-        return np.sum(0.5 * (weighted[1:] + weighted[:-1]) * np.diff(cos)[:, None], axis=0)
-
-
-def albedo_curve(f: Callable, widths: Sequence[tuple[str, float]], mirrored: Callable) -> Curve:
-    """Directional albedo (3 channels) of f(wo, wi) and of its mirror-like part over the view's cosine."""
-
-    def albedo(cos_o):
-        return directional_albedo(f, spherical(np.arccos(cos_o), 0.0), widths, count=2048) + mirrored(cos_o)
-
-    return Curve(albedo)
-
-
-def facet_points(count: int = 4096) -> tuple[np.ndarray, np.ndarray]:
-    """`count` quasi-random points of the unit square (Roberts' R2 sequence)."""
-    golden = 1.32471795724474602596
-    index = np.arange(1, count + 1, dtype=float)
-    return (0.5 + index / golden) % 1.0, (0.5 + index / golden**2) % 1.0

@@ -8,7 +8,7 @@ The base's color S'(0) is its own times the round trip through all media; Oren-N
 Left out: his re-emission of masked light, (1 - G G') / (4 pi v v'), which is unbounded at grazing views, and the
 weights that add a mirror to a rough lobe (they would not show the alpha that a stack names).
 Limits: interfaces between are ignored, nothing is broadened, internal reflection does not darken; over a light
-diffuse base the sum exceeds 1 towards grazing views.
+diffuse base the sum exceeds 1 towards grazing views, and so does a metal, whose G stays near 1 until cos < alpha^2.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ from ...optics import microfacet
 from ...optics.material import interfaces
 from ...optics.microfacet import GGX, alpha_from_roughness, is_specular
 from ...stack import Stack
-from .parts import Peer, dielectric_f0, metal_index_f0, round_trip, schlick
+from .parts import Peer, dielectric_f0, metal_f0, round_trip, schlick
 
 
 class Schlick(Peer):
@@ -32,7 +32,7 @@ class Schlick(Peer):
         self._top_fresnel = schlick(np.array([dielectric_f0(interfaces(stack)[0].eta)])) if stack.layers else None
         is_metal = stack.base.kind == "conductor"
         self._base_alpha = float(alpha_from_roughness(stack.base["roughness"])) if is_metal else None
-        color = metal_index_f0(stack) if is_metal else np.array(stack.base["color"])
+        color = metal_f0(stack) if is_metal else np.array(stack.base["color"])
         self._tint = round_trip(stack)
         self._base_fresnel = schlick(color)
 

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ctrl-C during a render. Blender swallows the KeyboardInterrupt, prints its traceback and goes on as if all were well."""
+
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Raises KeyboardInterrupt after the block if SIGINT came within it; what Blender says of it is not shown.
+
+    Other threads than the main one, and Blender's window, where Esc cancels, are left alone.
+    """
+    import bpy
+
+    if threading.current_thread() is not threading.main_thread() or not bpy.app.background:
+        yield
+        return
+    interrupted = False
+    stderr, sink = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+
+    def stop(_number, _frame) -> None:
+        nonlocal interrupted
+        interrupted = True
+        os.dup2(sink, 2)
+        raise KeyboardInterrupt  # ends the render, and Blender catches it
+
+    before = signal.signal(signal.SIGINT, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        os.dup2(stderr, 2)
+        os.close(stderr)
+        os.close(sink)
+    if interrupted:
+        raise KeyboardInterrupt

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Peers: other people's models of a coated material, so that charts compare like with like.
+
+Each takes a stack and sets what a user of that model would; each module's head gives source, mapping and limits.
+"""
+
+from .ashikhmin_shirley import AshikhminShirley
+from .belcour import Belcour
+from .cycles_layer import CyclesLayer
+from .kelemen import Kelemen
+from .lafortune import Lafortune
+from .openpbr_coat import OpenPbrCoat
+from .principled_coat import PrincipledCoat
+from .schlick import Schlick
+from .torrance_sparrow import TorranceSparrow
+
+PEERS = (
+    TorranceSparrow, CyclesLayer, PrincipledCoat, Belcour, OpenPbrCoat, Kelemen, AshikhminShirley, Schlick, Lafortune,
+)
+
+__all__ = ["PEERS", *(peer.__name__ for peer in PEERS)]

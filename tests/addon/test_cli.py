@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line as its user meets it: a process of its own, its output, its exit code, nothing half-written."""
+
+import json
+import os
+import stat
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from lamina.reference_py import presets
+from lamina.reference_py.frame import spherical
+from lamina.reference_py.models import MODELS, make_model
+
+RUN = [sys.executable, "-c", "from lamina.addon.cli.main import main; main()"]
+
+
+def lamina(*arguments, code=0, **options):
+    """Run the command; returns (stdout, stderr) after checking the exit code."""
+    result = subprocess.run([*RUN, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options)
+    assert result.returncode == code, result.stdout + result.stderr
+    assert "Traceback" not in result.stderr
+    return result.stdout, result.stderr
+
+
+def test_albedo_prints_the_documented_json():
+    out, _ = lamina("albedo", "glazed_mug", "--model", "weidlich_wilkie", "--theta", 0, 30, 60, "--json")
+    data = json.loads(out)
+    assert data["model"] == "weidlich_wilkie" and data["theta_deg"] == [0, 30, 60]
+    expected = make_model("weidlich_wilkie", presets.load("glazed_mug")).albedo(spherical(np.radians([0, 30, 60]), 0.0))
+    assert np.array(data["albedo"]) == pytest.approx(expected)
+    assert "stderr" not in data
+
+
+def test_stochastic_models_print_their_standard_error():
+    out, _ = lamina("albedo", "glazed_mug", "--model", "position_free", "--option", "walks=2000", "--theta", 20, "--json")
+    data = json.loads(out)
+    assert np.shape(data["stderr"]) == np.shape(data["albedo"]) == (1, 3)
+    assert np.all(np.array(data["stderr"]) > 0.0)
+
+
+def test_eval_prints_f_for_every_light_direction():
+    out, _ = lamina("eval", "frosted_paint", "--model", "mirror", "--wo", "30,0", "--wi", "30,180", "50,90", "--json")
+    data = json.loads(out)
+    wi = spherical(np.radians([30, 50]), np.radians([180, 90]))
+    wo = np.broadcast_to(spherical(np.radians(30), 0.0), wi.shape)
+    assert np.array(data["f"]) == pytest.approx(make_model("mirror", presets.load("frosted_paint")).f(wo, wi))
+
+
+def test_lists():
+    assert set(json.loads(lamina("models", "--json")[0])["models"][0]) == {"name", "stochastic"}
+    assert [m["name"] for m in json.loads(lamina("models", "--json")[0])["models"]] == list(MODELS)
+    assert [p["name"] for p in json.loads(lamina("presets", "--json")[0])["presets"]] == presets.names()
+
+
+def test_a_stack_file_with_spaces_and_unicode(tmp_path):
+    path = tmp_path / "mein Lack für Ödön.json"
+    presets.load("crayon_paint").save(path)
+    assert lamina("albedo", path)[0] == lamina("albedo", "crayon_paint")[0]
+
+
+def test_shader_is_printed_without_bpy():
+    out, _ = lamina("shader", "metallic_car_paint")
+    assert out.startswith("// Lamina shader") and "Layer1Ior" in out and "BaseEta" in out
+
+
+def test_commands_without_blender_start_within_half_a_second():
+    """CPU time, best of three: the machine's other work does not count."""
+    def seconds():
+        before = os.times()
+        lamina("albedo", "--help")
+        after = os.times()
+        return after.children_user + after.children_system - before.children_user - before.children_system
+
+    assert min(seconds() for _ in range(3)) < 0.5
+
+
+BAD = [
+    (["albedo", "nope"], ["unknown preset 'nope'", "crayon_paint"]),
+    (["albedo", "missing.json"], ["missing.json", "No such file"]),
+    (["albedo", "crayon_paint", "--model", "phong"], ["unknown model 'phong'", "weidlich_wilkie"]),
+    (["albedo", "crayon_paint", "--theta", "90"], ["--theta 90", "0 to below 90"]),
+    (["albedo", "crayon_paint", "--theta", "nan"], ["--theta nan"]),
+    (["albedo", "crayon_paint", "--option", "refraction=up"], ["refraction 'up'", "half_vector, macro_normal"]),
+    (["albedo", "crayon_paint", "--option", "refraction"], ["NAME=VALUE"]),
+    (["eval", "crayon_paint", "--wo", "10", "--wi", "1,2"], ["direction '10'", "THETA,PHI"]),
+    (["render", "crayon_paint"], ["-o FILE"]),
+    (["render", "crayon_paint", "-o", "x.jpg"], ["'.jpg'", ".exr or .png"]),
+    (["render", "crayon_paint", "-o", "none/x.png"], ["none", "No such file"]),
+    (["render", "crayon_paint", "-o", "x.png", "--samples", "0"], ["--samples 0"]),
+    (["render", "crayon_paint", "-o", "x.png", "--tier", "magic"], ["tier 'magic'", "weidlich_wilkie"]),
+    (["apply", "--stack", "crayon_paint", "--object", "Cube", "none.blend", "-o", "x.blend"], ["none.blend", "no such"]),
+    (["frobnicate"], ["frobnicate", "albedo"]),
+    ([], ["COMMAND"]),
+]
+
+
+@pytest.mark.parametrize("arguments, words", BAD)
+def test_bad_input_is_one_line_and_code_2(arguments, words, tmp_path):
+    out, error = lamina(*arguments, code=2, cwd=tmp_path)
+    assert out == "" and len(error.strip().splitlines()) == 1
+    for word in words:
+        assert word in error
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        ('{"base": ', ["line 1 column"]),
+        ("{}", ["empty"]),
+        ('{"base": {"kind": "lambert"}, "layers": [{"kind": "dielectric", "ior": NaN}]}', ["NaN"]),
+        ('{"base": {"kind": "lambert"}, "layers": [{"kind": "dielectric", "ior": 9}]}', ["ior is 9", "1 to 4"]),
+        ('{"base": {"kind": "lambert"}, "layers": [{"kind": "slime"}]}', ["'slime'", "dielectric"]),
+    ],
+)
+def test_bad_stack_files(text, words, tmp_path):
+    (tmp_path / "bad.json").write_text(text)
+    _, error = lamina("albedo", "bad.json", code=2, cwd=tmp_path)
+    assert len(error.strip().splitlines()) == 1
+    for word in ["bad.json", *words]:
+        assert word in error
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_without_permission(tmp_path):
+    tmp_path.chmod(stat.S_IRUSR | stat.S_IXUSR)
+    _, error = lamina("render", "crayon_paint", "-o", tmp_path / "x.png", code=2)
+    assert "Permission denied" in error
+
+
+@pytest.mark.blender
+def test_render_writes_both_formats_and_furnace_prints_json(tmp_path, blender):
+    from lamina.addon.rendering.images import read_exr, read_png
+
+    lamina("render", "metal_foil", "--scene", "sphere", "-o", "a.exr", "--size", 24, "--samples", 4, cwd=tmp_path)
+    red = read_exr(tmp_path / "a.exr").channels["R"]
+    assert red.shape == (24, 24) and np.isfinite(red).all()
+    out, error = lamina("render", "clean_copper", "-o", "b.png", "--size", 32, "--samples", 1, cwd=tmp_path)
+    assert out == "" and "wrote b.png" in error
+    assert read_png(tmp_path / "b.png")[0].shape[:2] == (32, 32)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.exr", "b.png"]
+    out, _ = lamina("render", "clean_copper", "--scene", "furnace", "--theta", 0, 60, "--samples", 16, "--size", 8, "--json")
+    data = json.loads(out)
+    expected = make_model("mirror", presets.load("clean_copper")).albedo(spherical(np.radians([0, 60]), 0.0))
+    assert np.shape(data["stderr"]) == (2, 3)
+    assert np.array(data["albedo"]) == pytest.approx(expected, abs=5e-3)
+
+
+@pytest.mark.blender
+def test_cancel_is_code_130_and_leaves_nothing(tmp_path, blender):
+    process = subprocess.Popen(
+        [*RUN, "render", "crayon_paint", "-o", str(tmp_path / "x.png"), "--samples", "100000", "--size", "48"],
+        stderr=subprocess.PIPE, text=True,
+    )
+    process.stderr.readline()
+    time.sleep(3.0)
+    process.send_signal(2)
+    _, error = process.communicate(timeout=120)
+    assert process.returncode == 130, error
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.blender
+def test_apply_gives_an_object_the_material(tmp_path, blender):
+    import bpy
+
+    mesh = bpy.data.meshes.new("Thing")
+    bpy.context.collection.objects.link(bpy.data.objects.new("Thing", mesh))
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "in.blend"))
+    lamina("apply", "--stack", "glazed_mug", "--object", "Thing", "in.blend", "-o", "out.blend", cwd=tmp_path)
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "out.blend"))
+    from lamina.addon.material import stack_of
+
+    (material,) = bpy.data.objects["Thing"].data.materials
+    assert stack_of(material).to_dict() == presets.load("glazed_mug").to_dict()
+    _, error = lamina("apply", "--stack", "glazed_mug", "--object", "Other", "in.blend", "-o", "o2.blend", code=2, cwd=tmp_path)
+    assert "'Other'" in error and "Thing" in error
+    (tmp_path / "broken.blend").write_bytes(b"not a blend")
+    _, error = lamina("apply", "--stack", "glazed_mug", "--object", "Thing", "broken.blend", "-o", "o2.blend", code=2, cwd=tmp_path)
+    assert "broken.blend" in error
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["broken.blend", "in.blend", "out.blend"]

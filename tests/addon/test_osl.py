@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The generated shader text: structure only, self-contained, nothing that the stack does not need."""
+
+import re
+
+import pytest
+
+from lamina.addon.network.osl import generate
+from lamina.reference_py import presets
+from lamina.reference_py.network import DEFAULT_TIER
+from lamina.reference_py.stack import Stack
+
+COAT = {"kind": "dielectric", "ior": 1.4, "roughness": 0.2}
+LAMBERT = {"kind": "lambert"}
+
+
+def text_of(layers, base):
+    return generate(Stack.from_dict({"layers": layers, "base": base}), DEFAULT_TIER).text
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_text_is_complete_small_and_self_contained(name):
+    shader = generate(presets.load(name), DEFAULT_TIER)
+    assert "@" not in shader.text, "a placeholder was left"
+    assert "#include" not in shader.text
+    assert len(shader.text) < 100_000
+    assert f"shader {shader.name}(" in shader.text
+    for shader_input in shader.inputs:
+        assert re.search(rf"^    (float|color|vector) {shader_input.osl_name} = ", shader.text, re.MULTILINE)
+
+
+def test_values_do_not_change_the_text_and_structure_does():
+    one = text_of([COAT], LAMBERT)
+    assert one == text_of([{**COAT, "ior": 2.0, "tint": [0.1, 0.2, 0.3]}], {**LAMBERT, "color": [1, 0, 0]})
+    assert one != text_of([{**COAT, "distribution": "beckmann"}], LAMBERT)
+    assert one != text_of([COAT, COAT], LAMBERT)
+
+
+def test_what_a_stack_lacks_is_not_generated():
+    bare = text_of([], LAMBERT)
+    assert "fresnel" not in bare and "weight_" not in bare and "masking" not in bare
+    assert "fresnel_conductor" not in text_of([COAT], LAMBERT)
+    assert "weight_glossy" not in text_of([COAT], LAMBERT)
+    assert "artist_index" not in text_of([COAT], {"kind": "conductor"})
+    assert "artist_index" in text_of([COAT], {"kind": "conductor", "reflectance": [0.9, 0.5, 0.3], "edge_color": [1, 1, 1]})
+
+
+def test_sums_nest_to_the_right():
+    assert "BSDF = lobe_0 + (lobe_1 + (lobe_2 + lobe_3));" in text_of([COAT] * 3, LAMBERT)
+
+
+@pytest.mark.blender
+@pytest.mark.parametrize("layers", [0, 1, 2, 8, 20])
+def test_any_number_of_layers_compiles(blender, layers):
+    import bpy
+
+    from lamina.addon.material import apply_stack
+
+    for base in (LAMBERT, {"kind": "oren_nayar"}, {"kind": "conductor", "reflectance": [0.9, 0.5, 0.3], "edge_color": [1, 1, 1]}):
+        material = bpy.data.materials.new("compiled")
+        apply_stack(material, Stack.from_dict({"layers": [COAT] * layers, "base": base}))
+        script = material.node_tree.nodes[material.lamina.shader_node]
+        assert script.bytecode

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The albedo quadrature: known integrals, and its stated error against 16 times the points."""
+
+import numpy as np
+import pytest
+
+from lamina.reference_py import presets
+from lamina.reference_py.compare import lobe_widths
+from lamina.reference_py.frame import spherical
+from lamina.reference_py.models import make_model
+from lamina.reference_py.models.quadrature import directional_albedo
+
+WO = spherical(np.radians([0.0, 45.0, 75.0]), 0.0)
+STATED_ERROR = 5e-4
+
+
+def test_lambert_is_its_color():
+    albedo = directional_albedo(lambda wo, wi: np.full(wi.shape, 0.7 / np.pi), WO, [("ggx", 0.3)])
+    assert albedo == pytest.approx(np.full((3, 3), 0.7), rel=STATED_ERROR)
+
+
+@pytest.mark.parametrize("name", ["metal_foil", "clean_copper", "blue_wall_paint"])
+def test_stated_error_holds(name):
+    stack = presets.load(name)
+    mirror = make_model("mirror", stack)
+    coarse = directional_albedo(mirror.f, WO, lobe_widths(stack))
+    fine = directional_albedo(mirror.f, WO, lobe_widths(stack), 16 * 8192)
+    assert np.max(np.abs(coarse / fine - 1.0)) < STATED_ERROR
