@@ -8,13 +8,15 @@ READY := $(VENV)/ready
 RUN := $(VENV)/bin/python
 SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py' -o -name '*.osl' -o -name '*.h' -o -name '*.json' \))
 
-.PHONY: help demo test zip validate clean
+.PHONY: help demo test zip validate blends charts clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
 	@echo "make test      run all tests, then build and validate the extension"
 	@echo "make zip       build the extension into dist/"
 	@echo "make validate  build it and check it with Blender's own tool"
+	@echo "make blends    build the .blend files of demo_blend/ anew"
+	@echo "make charts    measure the tables of figures/ anew and draw them"
 	@echo "make clean     remove what was built (not $(VENV))"
 
 $(READY): tools/setup.sh tools/check_bpy.py pyproject.toml setup.py $(wildcard requirements/*.txt)
@@ -39,6 +41,13 @@ zip: $(READY)
 
 validate: zip
 	$(RUN) tools/extension.py validate dist/*.zip
+
+blends: $(READY)
+	$(RUN) -m lamina.demo_blend.presets
+
+charts: $(READY)
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[figures]'
+	$(VENV)/bin/lamina chart network -o figures
 
 clean:
 	rm -rf build dist .pytest_cache .hypothesis

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.blender
 THETA_DEG = (0.0, 60.0, 85.0)
 SUN_DEG = 50.0
 # Our integrals against Cycles' tables, which are Monte Carlo estimates of six decimals.
-TABLE_ERROR = 1e-3
+TABLE_ERROR = 5e-4
 
 
 def _layer(ior=1.5, alpha=0.0, **values):
@@ -123,16 +123,20 @@ def assert_goniometer(material, model, name, error=TABLE_ERROR):
     assert result.percentile_99 <= error + tolerance(model.stack)
 
 
-def conductor_error(bpy) -> float:
-    """Cycles before 5.0 approximates Fresnel's equations in conductor_bsdf."""
-    return TABLE_ERROR if bpy.app.version >= (5, 0, 0) else 3e-3
+def layer_error(bpy, name: str) -> float:
+    """Relative error allowed beside noise and float32."""
+    if name == "over gold" and bpy.app.version < (5, 0, 0):
+        return 3e-3  # conductor_bsdf approximated Fresnel's equations
+    if name == "thinner under denser":
+        return 2e-3  # below an index of 1 Cycles' fit to the mean Fresnel curve is .001 off
+    return TABLE_ERROR
 
 
 @pytest.mark.parametrize("name", LAYERED)
 def test_layer_renders_as_cycles_layer(blender, name):
     model = make_model("cycles_layer", LAYERED[name])
     material = layer_material(blender, LAYERED[name])
-    error = conductor_error(blender) if name == "over gold" else TABLE_ERROR
+    error = layer_error(blender, name)
     assert_furnace(material, model, name, error)
     assert_goniometer(material, model, name, error)
 

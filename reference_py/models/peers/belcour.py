@@ -26,6 +26,7 @@ from .parts import Fresnel, Peer, dielectric, metal_lobe
 
 _LIMIT = 0.9999  # of alpha: at 1 the variance is infinite
 _MIN_COS = 1e-4
+_FACETS = 1024
 
 
 class Belcour(Peer):
@@ -75,8 +76,9 @@ class Belcour(Peer):
         return total
 
     def _widths(self):
-        alphas = [alpha for _, alpha in self.lobes(np.array([0.05, 0.4, 1.0]))]
-        return [(GGX, float(a)) for per_lobe in alphas for a in per_lobe]
+        alphas = np.concatenate([[1.0], *(alpha for _, alpha in self.lobes(np.array([0.05, 0.4, 1.0])))])
+        # lobes within a factor of two share samples
+        return [(GGX, float(a)) for a in np.unique(2.0 ** np.round(np.log2(alphas[alphas > SPECULAR_ALPHA])))]
 
     def _mirrored(self, cos_o):
         mirrors = [weight * is_specular(alpha)[..., None] for weight, alpha in self.lobes(cos_o)]
@@ -94,7 +96,7 @@ def _alpha(variance):
 
 def _reflectance(cos, alpha, fresnel: Fresnel) -> np.ndarray:
     """(N, channels) directional albedo of a single-scattering GGX lobe."""
-    cos_om, cos_i = facets_seen(cos, alpha)
+    cos_om, cos_i = facets_seen(cos, alpha, _FACETS)
     return np.mean(fresnel(cos_om) * reflected_share(cos_i, cos, alpha)[..., None], axis=1)
 
 

@@ -19,6 +19,7 @@ MULTI_GGX = "multi_ggx"
 _FLOOR = 1e-4  # of the tables' first nodes
 _ENERGY_NODES, _RISE_NODES = 32, 16
 _ORDER = 24
+_FACETS = 4096
 
 
 def _nodes(count: int) -> np.ndarray:
@@ -35,7 +36,7 @@ def _between(x: float, count: int) -> tuple[int, int, float]:
 def _ggx_energy(cos_o: np.ndarray, alpha: float) -> np.ndarray:
     """(N,) albedo of a lossless single-scattering GGX lobe."""
     alphas = np.full(len(cos_o), alpha)
-    _, cos_i = facets_seen(cos_o, alphas)
+    _, cos_i = facets_seen(cos_o, alphas, _FACETS)
     return np.mean(reflected_share(cos_i, cos_o, alphas), axis=1)
 
 
@@ -61,7 +62,7 @@ def _rise_column(rough: int, depth: int) -> np.ndarray:
     cos_o = _nodes(_RISE_NODES)
     z2 = np.clip(_nodes(_RISE_NODES)[depth], _FLOOR, 0.99) ** 2
     eta = (1.0 + z2) / (1.0 - z2)
-    cos_om, cos_i = facets_seen(cos_o, np.full(len(cos_o), _nodes(_RISE_NODES)[rough] ** 2))
+    cos_om, cos_i = facets_seen(cos_o, np.full(len(cos_o), _nodes(_RISE_NODES)[rough] ** 2), _FACETS)
     f0 = dielectric_f0(eta)
     rise = np.clip((fresnel_dielectric(cos_om, eta) - f0) / (1.0 - f0), 0.0, 1.0)
     return np.mean(np.where(cos_i > 0.0, rise, 0.0), axis=1)

@@ -11,7 +11,8 @@ from ...optics.sampling import ggx_visible_normals
 from ..quadrature import directional_albedo
 from .parts import Fresnel
 
-_FACETS_ACROSS = 96
+# The generalised golden ratio of two dimensions.
+_GOLDEN_2 = 1.32471795724474602596
 
 
 class Curve:
@@ -45,14 +46,15 @@ def albedo_curve(f: Callable, widths: Sequence[tuple[str, float]], mirrored: Cal
     return Curve(albedo)
 
 
-def facets_seen(cos_o: np.ndarray, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def facets_seen(cos_o: np.ndarray, alpha: np.ndarray, each: int) -> tuple[np.ndarray, np.ndarray]:
     """GGX facets that views at cosines (N,) see, alpha (N,): their cosine to the view and that of the mirrored light.
 
-    Both (N, M); all M facets count alike. A mirrored light below the horizon has a negative cosine.
+    Both (N, each); all facets count alike. A mirrored light below the horizon has a negative cosine.
     """
-    side = (np.arange(_FACETS_ACROSS) + 0.5) / _FACETS_ACROSS
-    u1, u2 = (u.ravel() for u in np.meshgrid(side, side, indexing="ij"))
-    count, each = len(cos_o), len(u1)
+    # Roberts' R2 sequence: a grid would meet the horizon in steps. The far half of the azimuth mirrors the near one.
+    index = np.arange(1, each + 1)
+    u1, u2 = (0.5 + index / _GOLDEN_2) % 1.0, 0.5 * ((0.5 + index / _GOLDEN_2**2) % 1.0)
+    count = len(cos_o)
     view = spherical(np.arccos(np.repeat(cos_o, each)), 0.0)
     wm = ggx_visible_normals(view, np.repeat(alpha, each), np.tile(u1, count), np.tile(u2, count))
     cos_om = dot(view, wm)

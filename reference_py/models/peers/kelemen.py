@@ -6,8 +6,8 @@ k (1 - a(wi)) (1 - a(wo)) / (pi (1 - a_mean)) with a the specular albedo, so tha
 specular one up to 1 at every view. a is found by quadrature, F is exact, D the stack's distribution.
 Metal base: its lobe alone, tinted by the round trip through all media. Diffuse base: the top interface's lobe,
 k the tinted base color; Oren-Nayar counts as Lambert.
-Limits: interfaces between are ignored, nothing is broadened, internal reflection does not darken; a rough metal's
-lobe exceeds 1 towards grazing views.
+Limits: interfaces between are ignored, nothing is broadened, internal reflection does not darken; a rough metal
+loses more than single scattering must.
 """
 
 import numpy as np
