@@ -12,7 +12,6 @@ from ..reference_py.errors import LaminaError
 from ..reference_py.schema import COLOR, FLOAT, SCHEMA, Kind, Parameter
 from ..reference_py.stack import Element
 from .kind_groups import group_of
-from .properties import given_choices
 
 _FLOAT32_DIGITS = 7
 
@@ -42,7 +41,7 @@ def show_name(element) -> None:
 
 def shown_parameters(kind: Kind, given: str) -> tuple[Parameter, ...]:
     """The parameters that describe an element: those of the alternative `given` first, then the ones of every element."""
-    chosen = [kind.parameter(name) for group, choice in zip(kind.alternatives, given_choices(kind)) if choice == given
+    chosen = [kind.parameter(name) for group, choice in zip(kind.alternatives, kind.given_choices) if choice == given
               for name in group]
     alternative = {name for group in kind.alternatives for name in group}
     return (*chosen, *(p for p in kind.parameters if p.name not in alternative))
@@ -66,7 +65,7 @@ def fill_element(tree: bpy.types.NodeTree, element, source: Element, kind: Kind)
     name = source.unknown.get("name")
     element.name = name if isinstance(name, str) else kind.label
     element.visible, element.unknown = True, json.dumps(dict(source.unknown))
-    for group, choice in zip(kind.alternatives, given_choices(kind)):
+    for group, choice in zip(kind.alternatives, kind.given_choices):
         if group[0] in source:
             element.given = choice
     for parameter in kind.parameters:

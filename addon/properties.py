@@ -50,11 +50,6 @@ def _renamed(element, _context) -> None:
         elements.show_name(element)
 
 
-def given_choices(kind: Kind) -> list[str]:
-    """Names of a kind's alternatives, such as "metal" and "eta+k"."""
-    return ["+".join(group) for group in kind.alternatives]
-
-
 def choice_label(choice: str) -> str:
     """How a choice of the schema reads in a menu."""
     return _ACRONYMS.get(choice, choice.replace("_", " ").title())
@@ -82,7 +77,7 @@ def structure_annotations(schema: Schema) -> dict:
     given = [
         (choice, " and ".join(kind.parameter(name).label for name in group))
         for kind in kinds
-        for choice, group in zip(given_choices(kind), kind.alternatives)
+        for choice, group in zip(kind.given_choices, kind.alternatives)
     ]
     if given:
         annotations["given"] = _enum("given", given, "Given By", "What describes this material", given[0][0])

@@ -93,6 +93,11 @@ class Kind:
         return tuple(p for p in self.parameters if not p.is_structural)
 
     @property
+    def given_choices(self) -> tuple[str, ...]:
+        """Names of the alternatives, such as "metal" and "eta+k"."""
+        return tuple("+".join(group) for group in self.alternatives)
+
+    @property
     def structure(self) -> tuple[Parameter, ...]:
         """The parameters that change the generated shader's text."""
         return tuple(p for p in self.parameters if p.is_structural)

@@ -167,7 +167,7 @@ def _given_names(kind: Kind, data: Mapping, where: str) -> set[str]:
         return names
     given = [group for group in kind.alternatives if any(name in data for name in group)]
     if len(given) > 1:
-        options = " or ".join("+".join(group) for group in kind.alternatives)
+        options = " or ".join(kind.given_choices)
         both = " and ".join("+".join(group) for group in given)
         raise LaminaError(f"{where}: {both} exclude each other; choose {options}")
     chosen = given[0] if given else kind.alternatives[0]

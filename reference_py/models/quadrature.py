@@ -62,7 +62,7 @@ def directional_albedo(
 
 def _albedo_of_view(f, wo, lobes, u1, u2) -> np.ndarray:
     samples = [cosine_directions(u1, u2)] + [reflect(wo, facet_normals(u1, u2, alpha, kind)) for kind, alpha in lobes]
-    total = np.zeros(3)
+    total = 0.0
     for wi in samples:
         wi = wi[wi[:, 2] > 0.0]
         value = f(np.broadcast_to(wo, wi.shape), wi) * wi[:, 2:]

@@ -17,7 +17,7 @@ from ..frame import dot, half_vector
 from ..optics import microfacet
 from ..optics.diffuse import oren_nayar, oren_nayar_1994
 from ..optics.fresnel import fresnel_conductor, fresnel_dielectric
-from ..optics.material import conductor_index, interfaces, n_above_base
+from ..optics.material import channels, conductor_index, interfaces, n_above_base
 from ..optics.microfacet import alpha_from_roughness, is_specular
 from ..stack import Stack
 from . import weidlich_wilkie_sampling as sampling
@@ -80,6 +80,8 @@ class Level:
 class WeidlichWilkie:
     """The model of 2007 as printed; `options` as in `OPTIONS`.
 
+    The colour axis, written (..., 3) below, has `channels` entries: one per wavelength for a stack of `spectral`.
+
     Raises LaminaError on an unknown option or choice.
     """
 
@@ -94,6 +96,7 @@ class WeidlichWilkie:
                 raise LaminaError(f"model {self.name}: unknown {key} {value!r}; choose {', '.join(OPTIONS[key])}")
         self.options = {key: options.get(key, choices[0]) for key, choices in OPTIONS.items()}
         self.stack = stack
+        self.channels = channels(stack)
         self.interfaces = interfaces(stack)
         self._facets = tuple(self._make_facets(s.alpha, s.distribution) for s in self.interfaces)
         self._base_facets = None
@@ -126,7 +129,7 @@ class WeidlichWilkie:
         """The levels from the top interface to the base."""
         wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
         visible = (wo[..., 2] > 0.0) & (wi[..., 2] > 0.0)
-        level = Level(wo, wi, visible, np.where(visible, 1.0, 0.0)[..., None] * np.ones(3))
+        level = Level(wo, wi, visible, np.where(visible, 1.0, 0.0)[..., None] * np.ones(self.channels))
         yield level
         for surface, facets in zip(self.interfaces, self._facets):
             level = self._cross(surface, facets, level)
@@ -188,11 +191,11 @@ class WeidlichWilkie:
         """Directional albedo (..., 3), mirror-like components included."""
         wo = np.asarray(wo, float)
         widths = [(kind, alpha) for alpha, kind in filter(None, self.lobes)]
-        return directional_albedo(self.f, wo, widths) + self._mirror_albedo(wo)
+        return directional_albedo(self.f, wo, widths) + self.mirror_albedo(wo)
 
-    def _mirror_albedo(self, wo) -> np.ndarray:
-        """Energy of the mirror-like components: their delta sits at h = n, where D integrates to 1."""
-        top_cos, total = wo[..., 2], np.zeros(wo.shape)
+    def mirror_albedo(self, wo: np.ndarray) -> np.ndarray:
+        """Energy (..., 3) of the mirror-like components, which have no finite f: their delta sits at h = n, where D integrates to 1."""
+        top_cos, total = wo[..., 2], np.zeros(wo.shape[:-1] + (self.channels,))
         *above, bottom = self.levels(wo, wo * np.array([-1.0, -1.0, 1.0]))
         for surface, facets, level in zip(self.interfaces, self._facets, above):
             if is_specular(facets.alpha):

@@ -111,7 +111,8 @@ def assert_furnace(material, model, name, error=TABLE_ERROR):
     measured, stderr = render_furnace(material, THETA_DEG, samples=64, size=16)
     wo = spherical(np.radians(THETA_DEG), 0.0)
     expected = model.albedo(wo)
-    print(f"{model.name} {name}: Cycles {np.round(measured[:, 1], 4)}, model {np.round(expected[:, 1], 4)}, stderr {stderr.max():.1e}")
+    shown = f"Cycles {np.round(measured[:, 1], 4)}, model {np.round(expected[:, 1], 4)}, stderr {stderr.max():.1e}"
+    print(f"{model.name} {name}: {shown}")
     allowed = 4.0 * stderr + (error + beckmann_sampling_bias(model.stack, wo[:, 2])[:, None]) * expected
     assert np.all(np.abs(measured - expected) <= allowed)
 

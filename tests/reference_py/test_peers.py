@@ -10,7 +10,7 @@ from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.frame import spherical
 from lamina.reference_py.models import MODELS, make_model
 from lamina.reference_py.models.peers import PEERS
-from lamina.reference_py.models.peers.cycles import dielectric_closure
+from lamina.reference_py.models.peers.cycles import Closure
 from lamina.reference_py.models.peers.energy import mean_fresnel
 from lamina.reference_py.models.peers.parts import dielectric, f82
 from lamina.reference_py.optics.fresnel import fresnel_conductor, fresnel_dielectric
@@ -18,7 +18,7 @@ from lamina.reference_py.stack import Stack
 
 NAMES = [peer.name for peer in PEERS]
 NORMAL = spherical(0.0, 0.0)
-VIEWS = spherical(np.radians([0.0, 50.0, 75.0, 85.0, 89.9]), 0.0)
+VIEWS = spherical(np.radians([0.0, 60.0, 85.0, 89.9]), 0.0)
 RECIPROCAL = {"torrance_sparrow", "ashikhmin_shirley", "kelemen", "schlick", "lafortune"}
 
 
@@ -42,12 +42,10 @@ STRESS = {
     "bare white": stack(lambert(1.0)),
     "coated white": stack(lambert(1.0), layer()),
     "rough coat": stack(lambert(1.0), layer(1.5, 0.4)),
-    "alpha 1": stack(lambert(1.0), layer(1.5, 1.0)),
-    "high index": stack(lambert(0.9), layer(4.0, 0.01)),
+    "rough, high index": stack(lambert(0.9), layer(4.0, 1.0)),
     "equal indices": stack(lambert(0.5), layer(1.0), layer(1.5), layer(1.5, 0.3)),
     "thinner under denser": stack(silver(0.2), layer(1.8, 0.1), layer(1.2, 0.3)),
     "opaque medium": stack(silver(0.1), layer(1.5, 0.1, tint=[0.0, 1.0, 0.5], thickness=1000.0)),
-    "rough metal": stack(silver(0.4)),
     "mirror": stack(silver(0.0), layer()),
     "narrow beckmann": stack({**silver(0.05), "distribution": "beckmann"}, layer(1.3, 0.05, distribution="beckmann")),
     "chalk": stack({"kind": "oren_nayar", "color": [1.0, 0.5, 0.0], "sigma_deg": 40.0}, layer(1.5, 0.2)),
@@ -215,7 +213,7 @@ def test_formulas_at_normal_incidence():
         "torrance_sparrow": f0 * peak + (1.0 - f0) * 0.5 / np.pi,
         "schlick": f0 * peak + (1.0 - f0) * 0.5 / np.pi,
         "ashikhmin_shirley": f0 * (n + 1.0) / (8.0 * np.pi) + 28.0 * 0.5 / (23.0 * np.pi) * (1.0 - f0) * (31.0 / 32.0) ** 2,
-        "lafortune": np.array([0.3094, 0.39667, 0.70837]) / np.pi + np.array([0.008478, 0.008582, 0.018601]) + np.array([3e-5, 3e-5, 0.00430]),
+        "lafortune": np.array([0.3094, 0.39667, 0.70837]) / np.pi + np.array([0.008508, 0.008612, 0.022901]),
     }
     for name, value in expected.items():
         np.testing.assert_allclose(make_model(name, coated).f(NORMAL, NORMAL), value, rtol=2e-3, err_msg=name)
@@ -234,22 +232,34 @@ def test_an_interface_between_equal_indices_vanishes(name):
     np.testing.assert_allclose(make_model(name, coated).albedo(VIEWS), make_model(name, bare).albedo(VIEWS), atol=2e-4)
 
 
-def test_absorption_is_a_round_trip_of_the_tint():
+@pytest.mark.parametrize("name", ["torrance_sparrow", "cycles_layer", "ashikhmin_shirley", "kelemen", "schlick"])
+def test_absorption_is_a_round_trip_of_the_tint(name):
     tint = [0.9, 0.5, 0.2]
-    clear, tinted = (stack(lambert(0.5), layer(1.5, 0.0, tint=t)) for t in ([1.0] * 3, tint))
-    for name in ("torrance_sparrow", "cycles_layer", "principled_coat", "openpbr_coat", "ashikhmin_shirley", "schlick"):
-        base = [make_model(name, s).f(NORMAL, NORMAL) for s in (clear, tinted)]
-        expected = np.square(tint)
-        if name == "openpbr_coat":  # cosines inside: exact at normal view and light only
-            assert np.all(base[1] <= base[0])
-        np.testing.assert_allclose(base[1] / base[0], expected, rtol=1e-6, err_msg=name)
+    clear, tinted = (make_model(name, stack(lambert(0.5), layer(1.5, 0.0, tint=t))) for t in ([1.0] * 3, tint))
+    wo, wi = spherical(0.7, 0.0), spherical(0.4, 2.0)
+    np.testing.assert_allclose(tinted.f(wo, wi) / clear.f(wo, wi), np.square(tint), rtol=1e-6)
+
+
+def test_absorption_of_coats_grows_with_the_path_inside():
+    tint = np.array([0.9, 0.5, 0.2])
+    path_o, path_i = (1.0 / np.sqrt(1.0 - np.sin(theta) ** 2 / 1.5**2) for theta in (0.7, 0.4))
+    paths = {"principled_coat": 2.0 * path_o, "openpbr_coat": path_o + path_i, "belcour": None}
+    wo, wi = spherical(0.7, 0.0), spherical(0.4, 2.0)
+    for name, path in paths.items():
+        values = [
+            make_model(name, stack(lambert(0.5), layer(1.5, 0.0, tint=list(t)))).f(wo, wi) for t in (np.ones(3), tint)
+        ]
+        if path is None:  # its internal reflections pass the medium again: darker than the direct path
+            assert np.all(values[1] < values[0] * tint ** (path_o + path_i))
+        else:
+            np.testing.assert_allclose(values[1] / values[0], tint**path, rtol=1e-6, err_msg=name)
 
 
 def test_energy_compensation_is_that_of_the_lost_light():
     """A lossless GGX lobe keeps .877, .592 and .307 at normal view for alpha .3, .6 and 1 (rendered in Blender 5.0)."""
     for alpha, kept in ((0.3, 0.877), (0.6, 0.592), (1.0, 0.307)):
-        scale, _ = dielectric_closure(alpha, "multi_ggx", 1.5)._compensation(np.ones(1))
-        assert 1.0 / scale[0, 0] == pytest.approx(kept, abs=2e-3)
+        lossless = Closure(alpha, "multi_ggx", dielectric(1.5), np.ones(1))
+        assert 1.0 / lossless.gain(np.ones(1))[0, 0] == pytest.approx(kept, abs=2e-3)
 
 
 def test_mean_fresnel_and_f82_have_their_closed_forms():

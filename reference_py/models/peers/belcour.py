@@ -76,7 +76,7 @@ class Belcour(Peer):
         return total
 
     def _widths(self):
-        alphas = np.concatenate([[1.0], *(alpha for _, alpha in self.lobes(np.array([0.05, 0.4, 1.0])))])
+        alphas = np.concatenate([[], *(alpha for _, alpha in self.lobes(np.array([0.05, 0.4, 1.0])))])
         # lobes within a factor of two share samples
         return [(GGX, float(a)) for a in np.unique(2.0 ** np.round(np.log2(alphas[alphas > SPECULAR_ALPHA])))]
 

@@ -3,7 +3,8 @@
 
 Read from Cycles 4.5 to 5.2 (kernel/closure/bsdf_microfacet.h, app/cycles_precompute.cpp). Cycles reads both from
 tables; here their entries are computed anew as the integrals that the tables hold, on the tables' grids and with
-their linear interpolation, so that its error is ours too; mean Fresnel curves are integrals where Cycles has fits. GGX tables serve every distribution, as in Cycles.
+their linear interpolation, so that its error is ours too. Mean Fresnel curves are integrals where Cycles has fits
+(.001 apart below an index of 1). GGX tables serve every distribution, as in Cycles.
 """
 
 from functools import lru_cache
@@ -85,24 +86,30 @@ class Closure:
     curve at the table's cosines, or is None: then the curve itself.
     """
 
-    def __init__(self, alpha: float, distribution: str, fresnel: Fresnel, mean: np.ndarray, estimate: np.ndarray | None = None):
+    def __init__(
+        self, alpha: float, distribution: str, fresnel: Fresnel, mean: np.ndarray, estimate: np.ndarray | None = None
+    ):
         self.lobe = Lobe(alpha, BECKMANN if distribution == BECKMANN else GGX, fresnel)
         self._estimate = estimate
         self._column, energy = _energy(alpha) if distribution == MULTI_GGX else (np.ones(_ENERGY_NODES), 1.0)
         self._again = mean * energy / (1.0 - mean * (1.0 - energy))
 
-    def _compensation(self, cos_o) -> tuple[np.ndarray, np.ndarray]:
-        """Energy scale (..., 1) and colored dimming (..., channels) of light reflected again."""
-        energy = np.interp(cos_o, np.linspace(0.0, 1.0, _ENERGY_NODES), self._column)[..., None]
-        return 1.0 / energy, energy * (1.0 + self._again * (1.0 - energy) / energy)
+    def _kept(self, cos_o) -> np.ndarray:
+        """Energy (..., 1) that single scattering keeps of a lossless lobe; 1 for what is not compensated."""
+        return np.interp(cos_o, np.linspace(0.0, 1.0, _ENERGY_NODES), self._column)[..., None]
+
+    def gain(self, cos_o: np.ndarray) -> np.ndarray:
+        """Factor (..., channels) on the lobe that puts back the light which is reflected again."""
+        kept = self._kept(cos_o)
+        return 1.0 + self._again * (1.0 - kept) / kept
 
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
-        scale, dimming = self._compensation(wo[..., 2])
-        return scale * dimming * self.lobe.f(wo, wi)
+        """(..., channels) for directions above the surface; 0 for a mirror."""
+        return self.gain(wo[..., 2]) * self.lobe.f(wo, wi)
 
     def mirrored(self, cos_o: np.ndarray) -> np.ndarray:
-        scale, dimming = self._compensation(cos_o)
-        return scale * dimming * self.lobe.mirrored(cos_o)
+        """Energy (..., channels) of a mirror; 0 for a rough lobe."""
+        return self.gain(cos_o) * self.lobe.mirrored(cos_o)
 
     def left(self, cos_o: np.ndarray) -> np.ndarray:
         """What Cycles leaves for the closures below, (..., 1): 1 - the largest channel of the estimated albedo."""
@@ -110,8 +117,9 @@ class Closure:
             estimate = self.lobe.fresnel(cos_o)
         else:
             estimate = np.interp(cos_o, np.linspace(0.0, 1.0, _RISE_NODES), self._estimate)[..., None]
-        _, dimming = self._compensation(cos_o)
-        return np.clip(1.0 - np.max(dimming * estimate, axis=-1, keepdims=True), 0.0, 1.0)
+        kept = self._kept(cos_o)
+        albedo = (kept + self._again * (1.0 - kept)) * estimate
+        return np.clip(1.0 - np.max(albedo, axis=-1, keepdims=True), 0.0, 1.0)
 
 
 def dielectric_closure(alpha: float, distribution: str, eta: float) -> Closure:

@@ -36,7 +36,8 @@ class PrincipledCoat(Peer):
         self._metal = self._specular = None
         if stack.base.kind == "conductor":
             fresnel = metal_f82(stack)
-            self._metal = Closure(float(alpha_from_roughness(stack.base["roughness"])), MULTI_GGX, fresnel, mean_fresnel(fresnel))
+            alpha = float(alpha_from_roughness(stack.base["roughness"]))
+            self._metal = Closure(alpha, MULTI_GGX, fresnel, mean_fresnel(fresnel))
         elif len(surfaces) > 1 and surfaces[1].eta != 1.0:
             self._specular = principled_specular(surfaces[1].alpha, surfaces[1].eta)
 
@@ -49,7 +50,8 @@ class PrincipledCoat(Peer):
         base = self.stack.base
         if self._metal:
             f0, f82_tint = metal_colors(self.stack)
-            return values | {"Metallic": 1.0, "Base Color": tuple(f0), "Specular Tint": tuple(f82_tint), "Roughness": base["roughness"]}
+            values |= {"Metallic": 1.0, "Base Color": tuple(f0), "Specular Tint": tuple(f82_tint)}
+            return values | {"Roughness": base["roughness"]}
         values["Base Color"] = base["color"]
         if base.kind == "oren_nayar":
             values["Diffuse Roughness"] = float(fujii_roughness(base["sigma_deg"]))

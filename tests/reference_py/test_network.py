@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Networks in numpy: exact where a closure can be, energy kept where it cannot, errors as the README states them."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lamina
+from lamina.reference_py import presets
+from lamina.reference_py.compare import distance
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.frame import spherical
+from lamina.reference_py.models import make_model
+from lamina.reference_py.network import make_network
+from lamina.reference_py.stack import Stack
+
+BLACK = {"kind": "lambert", "color": [0, 0, 0]}
+CHART = Path(lamina.__file__).parent / "figures" / "network_error.csv"
+
+
+def pairs(count=200, seed=5):
+    """Random directions above the surface, grazing ones among them."""
+    rng = np.random.default_rng(seed)
+    return (spherical(np.arccos(rng.uniform(1e-3, 1.0, count)), rng.uniform(0.0, 2.0 * np.pi, count)) for _ in range(2))
+
+
+@pytest.mark.parametrize("layer", [{"ior": 1.5, "roughness": 0.5}, {"ior": 2.4, "roughness": 0.9, "distribution": "beckmann"}])
+def test_the_top_interface_is_exact(layer):
+    stack = Stack.from_dict({"layers": [{"kind": "dielectric", **layer}], "base": BLACK})
+    wo, wi = pairs()
+    exact = make_model("weidlich_wilkie", stack).f(wo, wi)
+    assert make_model("mirror", stack).f(wo, wi) == pytest.approx(exact, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("base", [{"kind": "lambert"}, {"kind": "oren_nayar", "sigma_deg": 35}])
+def test_a_bare_diffuse_base_is_exact(base):
+    stack = Stack.from_dict({"base": base})
+    wo, wi = pairs()
+    assert make_model("mirror", stack).f(wo, wi) == pytest.approx(make_model("weidlich_wilkie", stack).f(wo, wi), rel=1e-9)
+
+
+def test_equal_indices_change_nothing():
+    clear = {"kind": "dielectric", "ior": 1.0, "roughness": 0.4}
+    bare = {"base": {"kind": "conductor", "metal": "gold", "roughness": 0.5}}
+    wo, wi = pairs()
+    coated = make_model("mirror", Stack.from_dict({**bare, "layers": [clear, clear]})).f(wo, wi)
+    assert coated == pytest.approx(make_model("mirror", Stack.from_dict(bare)).f(wo, wi), rel=2e-2, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_committed_errors_are_those_of_this_network(name):
+    """The chart in figures/ and the README's table come from the code as it is."""
+    rows = [row for row in csv.reader(CHART.read_text().splitlines()) if row[0] == name]
+    header = next(row for row in csv.reader(CHART.read_text().splitlines()) if row[0] == "preset")
+    columns = [header.index("30deg"), header.index("75deg")]
+    stack = presets.load(name)
+    gap = distance(stack, make_model("mirror", stack), make_model("weidlich_wilkie", stack), np.radians([30.0, 75.0]))
+    for row, measured in zip(rows, (gap.albedo, gap.shape)):
+        assert measured == pytest.approx([float(row[c]) for c in columns], abs=2e-4)
+    assert gap.albedo.max() <= 0.01
+    assert gap.shape.max() <= 0.19
+
+
+def test_weights_are_finite_and_never_negative_from_normal_to_grazing():
+    layers = [{"kind": "dielectric", "ior": 1.0 + 0.4 * (i % 4), "roughness": 0.1 * i, "tint": [0, 0.5, 1]} for i in range(8)]
+    for base in (BLACK, {"kind": "oren_nayar"}, {"kind": "conductor", "metal": "silver", "roughness": 1.0}):
+        network = make_network(Stack.from_dict({"layers": layers, "base": base}))
+        lobes = network.lobes(np.cos(np.radians([0.0, 45.0, 85.0, 89.9, 90.0])))
+        assert len(lobes) == network.lobe_count == 9
+        for lobe in lobes:
+            assert np.all(np.isfinite(lobe.weight)) and np.all(lobe.weight >= 0.0)
+
+
+def test_unknown_tier_lists_the_tiers():
+    with pytest.raises(LaminaError, match="unknown tier 'magic'; choose weidlich_wilkie"):
+        make_network(presets.load("crayon_paint"), "magic")
