@@ -97,6 +97,14 @@ def set_script(node: bpy.types.ShaderNodeScript, shader: Shader) -> None:
     if missing:
         said = " ".join(log) or "the compiler said nothing"
         raise LaminaError(f"the shader {shader.name} did not compile, sockets missing: {', '.join(missing)}; {said}")
+    _anonymise(node)
+
+
+def _anonymise(node) -> None:
+    """Drop the compiler's remarks from the compiled shader: they hold folders of this machine, and the file may travel."""
+    code = re.sub(r"^#.*\n", "", node.bytecode, flags=re.MULTILINE)
+    node.bytecode = re.sub(r"[ \t]*%(?:filename|line)\{[^}]*\}", "", code)
+    node.bytecode_hash = hashlib.md5(node.bytecode.encode(), usedforsecurity=False).hexdigest()
 
 
 def _missing(node, shader: Shader) -> list[str]:

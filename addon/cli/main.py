@@ -66,6 +66,12 @@ def build_parser() -> argparse.ArgumentParser:
     network.add_argument("chart", choices=("network",), help="network: each preset's network against the exact model, by angle")
     network.add_argument("-o", "--output", default=".", metavar="FOLDER", help="folder for table and picture (default: %(default)s)")
 
+    figures = _command(commands, "figures", "figures", "compute the paper's figures and check its sentences about them")
+    figures.add_argument("-o", "--out", dest="output", default="figures", metavar="FOLDER",
+                         help="folder for tables and pictures (default: %(default)s)")
+    figures.add_argument("--only", nargs="+", metavar="FIGURE", help="some of figure3, figure5 ... figure9, spectral (default: all)")
+    figures.add_argument("--size", type=int, default=112, metavar="PIXELS", help="width of a sphere (default: %(default)s)")
+
     for command in (presets, models, albedo, evaluate, render):
         command.add_argument("--json", action="store_true", help="print JSON")
     return parser

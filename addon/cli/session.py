@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from ...reference_py.errors import LaminaError
+from ..rendering.environment import ensure_osl_query_on_path
+from ..rendering.interrupt import deferred
 
 REPORT_SECONDS = 2.0
 
@@ -18,13 +20,12 @@ def blender(report: Callable[[str], None]) -> Iterator[None]:
 
     Raises LaminaError where bpy is not installed.
     """
-    try:
-        import bpy
-    except ImportError as error:
-        raise LaminaError(f"this command needs Blender: pip install bpy, or blender --command lamina ... ({error})") from None
-    from ..rendering.environment import ensure_osl_query_on_path
-
-    ensure_osl_query_on_path()
+    with deferred():
+        try:
+            import bpy
+        except ImportError as error:
+            raise LaminaError(f"this command needs Blender: pip install bpy, or blender --command lamina ... ({error})") from None
+        ensure_osl_query_on_path()
     # persistent: commands load files, which drops other handlers
     listener = bpy.app.handlers.persistent(_render_listener(report))
     with _silent_stdout():

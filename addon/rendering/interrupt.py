@@ -9,6 +9,22 @@ from contextlib import contextmanager
 
 
 @contextmanager
+def deferred() -> Iterator[None]:
+    """Holds a SIGINT back to the end of the block: a Blender that is interrupted while it starts is left half-made."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    seen = []
+    before = signal.signal(signal.SIGINT, lambda *_: seen.append(True))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if seen:
+        raise KeyboardInterrupt
+
+
+@contextmanager
 def interruptible() -> Iterator[None]:
     """Raises KeyboardInterrupt after the block if SIGINT came within it; what Blender says of it is not shown.
 

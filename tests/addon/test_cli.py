@@ -3,10 +3,10 @@
 
 import json
 import os
+import signal
 import stat
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -156,11 +156,13 @@ def test_cancel_is_code_130_and_leaves_nothing(tmp_path, blender):
         [*RUN, "render", "crayon_paint", "-o", str(tmp_path / "x.png"), "--samples", "100000", "--size", "48"],
         stderr=subprocess.PIPE, text=True,
     )
-    process.stderr.readline()
-    time.sleep(3.0)
-    process.send_signal(2)
+    for line in process.stderr:
+        if "Sample" in line:
+            break
+    process.send_signal(signal.SIGINT)
     _, error = process.communicate(timeout=120)
     assert process.returncode == 130, error
+    assert error.strip().splitlines()[-1] == "lamina: cancelled" and "Traceback" not in error
     assert list(tmp_path.iterdir()) == []
 
 
