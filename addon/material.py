@@ -113,11 +113,11 @@ def set_base(material: bpy.types.Material, kind: str) -> None:
     require_layered(material)
     lamina = material.lamina
     new_kind, old_kind = SCHEMA.base(kind, f"material {material.name}"), kind_of(lamina.base)
-    old_values = read_element(lamina.base, old_kind)
+    old = material.node_tree.nodes.get(lamina.base.node)  # gone if somebody deleted it; then this is the way back
+    old_values = read_element(lamina.base, old_kind) if old else {}
     kept = [p for p in shown_parameters(new_kind, "") if p.name in old_values]
     base = Stack.from_dict({"base": {"kind": kind, **{p.name: old_values[p.name] for p in kept}}}).base
     with _changing(material) as tree:
-        old = node_of(lamina.base)
         fill_element(tree, lamina.base, base, new_kind)
         for parameter in kept:
             if not parameter.is_structural and old.inputs[parameter.label].is_linked:

@@ -124,8 +124,11 @@ class LAMINA_OT_export_stack(LayeredOperator, ExportHelper, bpy.types.Operator):
         return super().invoke(context, event)
 
     def run(self, context):
-        materials.stack_of(material_of(context)).save(self.filepath)
-        self.report({"INFO"}, f"Lamina: stack written to {self.filepath}")
+        material = material_of(context)
+        materials.stack_of(material).save(self.filepath)
+        hidden = sum(not layer.visible for layer in material.lamina.layers)
+        left_out = f"; {hidden} hidden layer{'s' * (hidden > 1)} left out" if hidden else ""
+        self.report({"INFO"}, f"Lamina: stack written to {self.filepath}{left_out}")
 
 
 class LAMINA_OT_layer_add(LayeredOperator, bpy.types.Operator):

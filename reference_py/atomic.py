@@ -46,6 +46,17 @@ def require_writable(path: str | os.PathLike) -> None:
         raise LaminaError(f"{path}: cannot write into folder {folder}: {error.strerror}") from None
 
 
+def output_folder(path: str | os.PathLike) -> Path:
+    """The folder, made if need be. Raises LaminaError when it cannot be made or written to."""
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise LaminaError(f"{folder}: cannot make this folder: {error.strerror}") from None
+    require_writable(folder / "any")
+    return folder
+
+
 def write_text(path: str | os.PathLike, text: str) -> None:
     """Write UTF-8 text, whole or not at all. Raises LaminaError."""
     with replacing(path) as temporary:

@@ -41,6 +41,14 @@ class Parameter:
         """CamelCase name, as OSL shader parameters are written."""
         return "".join(part.capitalize() for part in self.name.split("_"))
 
+    @property
+    def allowed(self) -> str:
+        """The values that it takes, in words."""
+        if self.type == CHOICE:
+            return ", ".join(self.choices)
+        bounds = f"{self.minimum:g} to {self.maximum:g}{' ' + self.unit if self.unit else ''}"
+        return bounds if self.type == FLOAT else f"[r, g, b], each {bounds}"
+
     def check(self, value, where: str):
         """Return the value in canonical form (float, tuple of three floats, or str).
 
@@ -48,7 +56,7 @@ class Parameter:
         """
         if self.type == CHOICE:
             if not isinstance(value, str) or value not in self.choices:
-                raise LaminaError(f"{where}: unknown {self.name} {value!r}; choose {', '.join(self.choices)}")
+                raise LaminaError(f"{where}: unknown {self.name} {value!r}; choose {self.allowed}")
             return value
         if self.type == FLOAT:
             return self._check_number(value, where, self.name)

@@ -5,6 +5,7 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
 
@@ -95,6 +96,18 @@ class Stack:
             **self.unknown,
         }
 
+    def unknown_keys(self) -> list[str]:
+        """One sentence per key of the layers and the base that is kept but has no effect. Their `name` is a label."""
+        messages = []
+        named = [(f"layer {i}", e, SCHEMA.layers[e.kind]) for i, e in enumerate(self.layers)]
+        for where, element, kind in [*named, ("base", self.base, SCHEMA.bases[self.base.kind])]:
+            for key in element.unknown:
+                if key != "name":
+                    close = get_close_matches(key.lower(), [p.name for p in kind.parameters], 1)
+                    hint = f"; did you mean {close[0]!r}?" if close else ""
+                    messages.append(f"{where}: unknown key {key!r} is kept and has no effect{hint}")
+        return messages
+
     @classmethod
     def from_json(cls, text: str, where: str = "stack") -> "Stack":
         try:
@@ -123,7 +136,7 @@ class Stack:
             size = path.stat().st_size
             if size > MAX_FILE_BYTES:
                 raise LaminaError(f"{path}: {size} bytes is too large for a stack file; at most {MAX_FILE_BYTES}")
-            text = path.read_text(encoding="utf-8")
+            text = path.read_text(encoding="utf-8-sig")
         except UnicodeDecodeError as error:
             raise LaminaError(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from None
         except OSError as error:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ...reference_py import presets
-from ...reference_py.atomic import require_writable, write_text
+from ...reference_py.atomic import output_folder, write_text
 from ...reference_py.compare import distance
 from ...reference_py.models import make_model
 from ...reference_py.network import DEFAULT_TIER, make_network
@@ -19,10 +19,8 @@ COLUMNS = 5
 
 def demo(options) -> None:
     """Render the contact sheet and print and save the table."""
-    folder = Path(options.output)
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = output_folder(options.output)
     sheet, table = folder / "presets.png", folder / "presets.txt"
-    require_writable(sheet)
     report = say("demo")
     stacks = {name: presets.load(name) for name in presets.names()}
     with blender(report):

@@ -7,7 +7,7 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
-from ...reference_py.atomic import replacing, require_writable, write_text
+from ...reference_py.atomic import output_folder, replacing, write_text
 from ...reference_py.errors import LaminaError
 from ...reference_py.figures import FIGURES, FigureData, module
 from .session import say
@@ -19,12 +19,7 @@ def figures(options) -> None:
         raise LaminaError(f"--size {options.size}: a sphere's width in pixels; choose 16 to 1024")
     names = options.only or FIGURES
     modules = [module(name) for name in names]
-    folder = Path(options.output)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise LaminaError(f"{folder}: cannot make this folder: {error.strerror}") from None
-    require_writable(folder / "figure.csv")
+    folder = output_folder(options.output)
     report = say("figures")
     pictures = _has_matplotlib(report)
     for i, (name, figure) in enumerate(zip(names, modules)):

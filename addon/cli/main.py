@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Arguments, exit codes and messages of every command. Imports neither bpy nor numpy until a command needs them.
 
-Exit codes: 0 done, 1 something failed, 2 bad input, 130 cancelled.
+Exit codes: 0 done, 1 something failed, 2 bad input or a missing means such as OSL, 130 cancelled.
 """
 
 import argparse
@@ -13,6 +13,25 @@ from ...reference_py.errors import LaminaError
 
 DONE, FAILED, BAD_INPUT, CANCELLED = 0, 1, 2, 130
 STACK_HELP = "name of a preset (see `lamina presets`) or a JSON file"
+
+
+def _between(low: int, high: int):
+    """An argparse type: a whole number within bounds."""
+
+    def convert(text: str) -> int:
+        try:
+            number = int(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number; choose {low} to {high}") from None
+        if not low <= number <= high:
+            raise argparse.ArgumentTypeError(f"{text[:24]} is out of range; choose {low} to {high}")
+        return number
+
+    return convert
+
+
+_samples = _between(1, 1_000_000)
+_pixels = _between(2, 16_384)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -27,10 +46,11 @@ def build_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
     presets = _command(commands, "presets", "numbers", "list the presets")
+    schema = _command(commands, "schema", "numbers", "list every key of a stack file, with its range and default")
     models = _command(commands, "models", "numbers", "list the models that `albedo` and `eval` know")
     albedo = _command(commands, "albedo", "numbers", "share of light that a stack reflects, by view angle")
     albedo.add_argument("stack", metavar="STACK", help=STACK_HELP)
-    albedo.add_argument("--theta", type=float, nargs="+", default=[0.0, 30.0, 60.0], metavar="DEG", help="view angles in degrees")
+    albedo.add_argument("--theta", type=float, nargs="+", default=[0.0, 30.0, 60.0], metavar="DEG", help="view angles in degrees (default: 0 30 60)")
     evaluate = _command(commands, "eval", "numbers", "BRDF value in 1/sr, without the cosine")
     evaluate.add_argument("stack", metavar="STACK", help=STACK_HELP)
     evaluate.add_argument("--wo", required=True, metavar="THETA,PHI", help="direction to the viewer, degrees")
@@ -45,10 +65,9 @@ def build_parser() -> argparse.ArgumentParser:
     render.add_argument("--scene", choices=("sphere", "ball", "furnace"), default="ball",
                         help="a sphere in the sun, a ball in a studio, or a plane under a white world (default: %(default)s)")
     render.add_argument("-o", "--output", metavar="FILE", help="picture to write: .exr (linear) or .png")
-    render.add_argument("--theta", type=float, nargs="+", default=[0.0, 30.0, 60.0], metavar="DEG",
-                        help="view angles of the furnace, degrees")
-    render.add_argument("--samples", type=int, default=64, metavar="N", help="samples per pixel (default: %(default)s)")
-    render.add_argument("--size", type=int, default=256, metavar="PIXELS", help="width and height (default: %(default)s)")
+    render.add_argument("--theta", type=float, nargs="+", metavar="DEG", help="view angles of the furnace, degrees (default: 0 30 60)")
+    render.add_argument("--samples", type=_samples, default=64, metavar="N", help="samples per pixel (default: %(default)s)")
+    render.add_argument("--size", type=_pixels, metavar="PIXELS", help="width and height (default: 256; the furnace 32)")
     apply = _command(commands, "apply", "render", "give an object of a .blend file a stack as its material")
     apply.add_argument("--stack", required=True, metavar="STACK", help=STACK_HELP)
     apply.add_argument("--object", required=True, metavar="NAME", help="object that gets the material")
@@ -60,8 +79,8 @@ def build_parser() -> argparse.ArgumentParser:
         command.add_argument("--tier", default=None, help="how the stack is told to Cycles (default: the extension's)")
     demo = _command(commands, "demo", "demo", "render a contact sheet of all presets and print their errors")
     demo.add_argument("-o", "--output", default="demo", metavar="FOLDER", help="folder for the pictures (default: %(default)s)")
-    demo.add_argument("--samples", type=int, default=48, metavar="N", help="samples per pixel (default: %(default)s)")
-    demo.add_argument("--size", type=int, default=288, metavar="PIXELS", help="width of a tile (default: %(default)s)")
+    demo.add_argument("--samples", type=_samples, default=48, metavar="N", help="samples per pixel (default: %(default)s)")
+    demo.add_argument("--size", type=_pixels, default=288, metavar="PIXELS", help="width of a tile (default: %(default)s)")
     network = _command(commands, "chart", "chart", "measure a chart's numbers and draw it")
     network.add_argument("chart", choices=("network",), help="network: each preset's network against the exact model, by angle")
     network.add_argument("-o", "--output", default=".", metavar="FOLDER", help="folder for table and picture (default: %(default)s)")
@@ -70,9 +89,9 @@ def build_parser() -> argparse.ArgumentParser:
     figures.add_argument("-o", "--out", dest="output", default="figures", metavar="FOLDER",
                          help="folder for tables and pictures (default: %(default)s)")
     figures.add_argument("--only", nargs="+", metavar="FIGURE", help="some of figure3, figure5 ... figure9, spectral (default: all)")
-    figures.add_argument("--size", type=int, default=112, metavar="PIXELS", help="width of a sphere (default: %(default)s)")
+    figures.add_argument("--size", type=_pixels, default=112, metavar="PIXELS", help="width of a sphere (default: %(default)s)")
 
-    for command in (presets, models, albedo, evaluate, render):
+    for command in (presets, schema, models, albedo, evaluate, render):
         command.add_argument("--json", action="store_true", help="print JSON")
     return parser
 

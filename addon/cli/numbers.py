@@ -11,6 +11,7 @@ from ...reference_py import presets as preset_files
 from ...reference_py.errors import LaminaError
 from ...reference_py.frame import spherical
 from ...reference_py.models import MODELS, make_model
+from ...reference_py.schema import SCHEMA, SCHEMA_VERSION
 from .session import say
 
 
@@ -25,13 +26,34 @@ def presets(options) -> None:
         print(f"{name:20} {layers}")
 
 
+def schema(options) -> None:
+    """Every kind and parameter of the schema."""
+    groups = {"layers": SCHEMA.layers, "base": SCHEMA.bases}
+    if options.json:
+        rows = {group: {k.name: {p.name: _row(p) for p in k.parameters} for k in kinds.values()} for group, kinds in groups.items()}
+        print(json.dumps({"schema_version": SCHEMA_VERSION, **rows}))
+        return
+    for group, kinds in groups.items():
+        for kind in kinds.values():
+            print(f'{group}: "kind": "{kind.name}"   {kind.help}')
+            if kind.alternatives:
+                print(f"  given by one of: {', '.join(kind.given_choices)}")
+            for p in kind.parameters:
+                default = list(p.default) if isinstance(p.default, tuple) else p.default
+                print(f"  {p.name:13} {p.allowed:32} default {json.dumps(default):18} {p.help}")
+
+
+def _row(parameter) -> dict:
+    return {"type": parameter.type, "default": parameter.default, "allowed": parameter.allowed, "help": parameter.help}
+
+
 def models(options) -> None:
     """The registry of models."""
     if options.json:
         print(json.dumps({"models": [{"name": n, "stochastic": m.stochastic} for n, m in MODELS.items()]}))
         return
     for name, model in MODELS.items():
-        print(f"{name:20} {(model.__doc__ or '').strip().splitlines()[0]}")
+        print(f"{name:25} {(model.__doc__ or '').strip().splitlines()[0]}")
 
 
 def albedo(options) -> None:
@@ -82,9 +104,17 @@ def shader(options) -> None:
     from ...reference_py.network import DEFAULT_TIER, make_network
     from ..network.osl import generate
 
-    stack = preset_files.load(options.stack)
+    stack = load_stack(options.stack)
     tier = make_network(stack, options.tier or DEFAULT_TIER).tier
     sys.stdout.write(generate(stack, tier).text)
+
+
+def load_stack(name_or_path: str):
+    """A stack for a command; keys that it has and we do not know are named on stderr."""
+    stack = preset_files.load(name_or_path)
+    for message in stack.unknown_keys():
+        print(f"lamina: {name_or_path}: {message}", file=sys.stderr)
+    return stack
 
 
 def view_angles(theta: Sequence[float]) -> list[float]:
@@ -131,4 +161,4 @@ def _model(options):
         if not separator:
             raise LaminaError(f"--option {text!r}: give NAME=VALUE")
         pairs[key] = value
-    return make_model(options.model, preset_files.load(options.stack), **pairs)
+    return make_model(options.model, load_stack(options.stack), **pairs)

@@ -1,24 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Commands that render a stack or put it into a .blend file."""
 
+import shutil
+import tempfile
 from pathlib import Path
 
-from ...reference_py import presets as preset_files
 from ...reference_py.atomic import replacing, require_writable
 from ...reference_py.errors import LaminaError
 from ...reference_py.network import DEFAULT_TIER, make_network
-from .numbers import print_albedo, view_angles
+from .numbers import load_stack, print_albedo, view_angles
 from .session import blender, say
 
 SUN_THETA_DEG = 45.0
+SIZE = {"sphere": 256, "ball": 256, "furnace": 32}
 
 
 def render(options) -> None:
     """One stack in one scene, to a picture or, for the furnace, to numbers."""
-    stack, tier = preset_files.load(options.stack), _tier(options)
+    stack, tier = load_stack(options.stack), _tier(options)
     make_network(stack, tier)
-    if options.samples < 1 or options.size < 2:
-        raise LaminaError(f"--samples {options.samples} --size {options.size}: choose at least 1 sample and 2 pixels")
+    _refuse_what_has_no_effect(options)
+    options.size = options.size or SIZE[options.scene]
     if options.scene == "furnace":
         _furnace(options, stack, tier)
         return
@@ -36,6 +38,14 @@ def render(options) -> None:
     report(f"wrote {output}")
 
 
+def _refuse_what_has_no_effect(options) -> None:
+    if options.scene == "furnace" and options.output:
+        raise LaminaError(f"--scene furnace prints numbers and writes no picture: leave out -o {options.output}, or choose sphere or ball")
+    if options.scene != "furnace" and (options.json or options.theta):
+        given = "--json" if options.json else "--theta"
+        raise LaminaError(f"{given} goes with --scene furnace, not with {options.scene}")
+
+
 def _tier(options) -> str:
     return options.tier or DEFAULT_TIER
 
@@ -51,7 +61,7 @@ def _material(stack, tier):
 
 
 def _furnace(options, stack, tier) -> None:
-    theta = view_angles(options.theta)
+    theta = view_angles(options.theta or [0.0, 30.0, 60.0])
     report = say("render")
     report(f"{stack.name or options.stack} in a white furnace, {len(theta)} angles")
     with blender(report):
@@ -89,19 +99,25 @@ def _ball(material, output: Path, options) -> None:
         if output.suffix.lower() == ".exr":
             image = studio.scene.render.image_settings
             image.file_format, image.color_depth = "OPEN_EXR", "32"
-        with replacing(output) as temporary:
-            render_to(studio.scene, temporary)
+        # only a finished picture goes beside the user's files
+        with tempfile.TemporaryDirectory() as folder:
+            picture = Path(folder, output.name)
+            render_to(studio.scene, picture)
+            with replacing(output) as temporary:
+                shutil.copyfile(picture, temporary)
     finally:
         studio.remove()
 
 
 def apply(options) -> None:
     """Open IN.blend, give the object a new material with the stack, and write OUT.blend."""
-    stack, tier = preset_files.load(options.stack), _tier(options)
+    stack, tier = load_stack(options.stack), _tier(options)
     make_network(stack, tier)
     source, output = Path(options.input), Path(options.output)
     if not source.is_file():
         raise LaminaError(f"{source}: there is no such .blend file")
+    if output.suffix.lower() != ".blend":
+        raise LaminaError(f"{output}: apply writes a Blender file; choose a name that ends in .blend")
     require_writable(output)
     report = say("apply")
     report(f"open {source}")

@@ -2,7 +2,11 @@
 """Blender for the commands that need it: the wheel's module or the running application."""
 
 import os
+import shutil
+import signal
 import sys
+import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,6 +16,7 @@ from ..rendering.environment import ensure_osl_query_on_path
 from ..rendering.interrupt import deferred
 
 REPORT_SECONDS = 2.0
+GRACE_SECONDS = 1.5
 
 
 @contextmanager
@@ -28,7 +33,7 @@ def blender(report: Callable[[str], None]) -> Iterator[None]:
         ensure_osl_query_on_path()
     # persistent: commands load files, which drops other handlers
     listener = bpy.app.handlers.persistent(_render_listener(report))
-    with _silent_stdout():
+    with _leaving_promptly(), _silent_stdout():
         if not hasattr(bpy.types.Material, "lamina"):
             from .. import registration
 
@@ -38,6 +43,40 @@ def blender(report: Callable[[str], None]) -> Iterator[None]:
             yield
         finally:
             bpy.app.handlers.render_stats.remove(listener)
+
+
+@contextmanager
+def _leaving_promptly() -> Iterator[None]:
+    """Ends the process soon after Ctrl-C, whatever Blender is doing.
+
+    Python handles a signal only when Blender next calls back, which may take minutes. So a thread waits for it, gives
+    the orderly way `GRACE_SECONDS`, and then leaves. Unfinished pictures are in a temporary folder, which goes too.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    folder = tempfile.mkdtemp(prefix="lamina.")
+    source, sink = os.pipe()
+    os.set_blocking(sink, False)
+    stderr = os.dup(2)
+
+    def wait() -> None:
+        while os.read(source, 1) != bytes([signal.SIGINT]):
+            pass
+        time.sleep(GRACE_SECONDS)
+        os.write(stderr, b"lamina: cancelled\n")
+        shutil.rmtree(folder, ignore_errors=True)
+        os._exit(130)
+
+    threading.Thread(target=wait, daemon=True).start()
+    before = signal.set_wakeup_fd(sink, warn_on_full_buffer=False)
+    tempfile.tempdir = folder
+    try:
+        yield
+    finally:
+        tempfile.tempdir = None
+        signal.set_wakeup_fd(before)
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _render_listener(report):

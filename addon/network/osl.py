@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from ...reference_py.errors import LaminaError
 from ...reference_py.network import TIERS
 from ...reference_py.network.weidlich_wilkie import MIN_COS_O, NODE_COUNT, nodes
 from ...reference_py.optics.material import TINT_FLOOR
@@ -20,6 +21,8 @@ PARTS = Path(__file__).resolve().parents[2] / "osl"
 BASE = "Base"
 # Below this alpha a lobe takes Cycles' anisotropic path (osl/narrow.h); above it the isotropic one is within 1e-4.
 NARROW_ALPHA = 0.06
+# Blender 5.2 aborts on a shader of more than 128 parameters, the output among them.
+MAX_INPUTS = 127
 
 
 @dataclass(frozen=True)
@@ -62,9 +65,16 @@ def shader_inputs(stack: Stack, schema: Schema = SCHEMA) -> tuple[ShaderInput, .
 
 
 def generate(stack: Stack, tier: str, schema: Schema = SCHEMA) -> Shader:
-    """The shader of a stack's structure in the given tier (a key of `TIERS`)."""
+    """The shader of a stack's structure in the given tier (a key of `TIERS`).
+
+    Raises LaminaError for more layers than Cycles can take.
+    """
     assert tier in TIERS, tier
     inputs = shader_inputs(stack, schema)
+    if len(inputs) > MAX_INPUTS:
+        raise LaminaError(
+            f"{len(stack.layers)} layers need {len(inputs)} shader parameters, and Cycles takes {MAX_INPUTS}; choose fewer layers"
+        )
     count = len(stack.layers)
     surfaces = range(count)
     # OSL has no empty arrays: an uncoated base carries one unused surface

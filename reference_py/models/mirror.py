@@ -2,7 +2,8 @@
 """Model `mirror`: a network evaluated as Cycles evaluates its closures.
 
 Equal to the render up to float32 rounding (`make test`, goniometer tests). It is not a model of the stack:
-its distance from one is the network's error.
+its distance from one is the network's error. Limits: weights of lobes know the view alone, so f is not reciprocal;
+energy is that of the tier, which exceeds 1 where the tier's own model does.
 """
 
 import numpy as np
@@ -23,7 +24,7 @@ _LEAST_SHARE = 1e-3
 
 
 class Mirror:
-    """The network of `tier`."""
+    """What Cycles renders: the closures of a tier, evaluated."""
 
     name = "mirror"
     stochastic = False

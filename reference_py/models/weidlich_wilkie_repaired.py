@@ -29,7 +29,7 @@ _VIEWS, _POINTS = 24, 64
 
 
 class WeidlichWilkieRepaired(WeidlichWilkie):
-    """The model of 2007 with the Jacobian of crossing, in f and in the density of samples.
+    """Weidlich and Wilkie 2007 with the solid angle of crossing accounted for.
 
     `weights` picks components by "energy" or, as Weidlich07 does, by "constant" weights.
     Raises LaminaError on an unknown option or choice.

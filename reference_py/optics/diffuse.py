@@ -39,7 +39,7 @@ def oren_nayar(wi: np.ndarray, wo: np.ndarray, color: np.ndarray, sigma_deg: flo
     sigma = fujii_roughness(sigma_deg)
     cos_i, cos_o = np.maximum(wi[..., 2], 0.0), np.maximum(wo[..., 2], 0.0)
     if sigma == 0.0:
-        return np.broadcast_to(color / np.pi, np.broadcast_shapes(cos_i.shape, cos_o.shape) + (3,)).copy()
+        return np.broadcast_to(color / np.pi, np.broadcast_shapes(cos_i.shape, cos_o.shape) + color.shape).copy()
     a = 1.0 / (np.pi + sigma * _G0)
     b = sigma * a
     t = dot(wi, wo) - cos_i * cos_o

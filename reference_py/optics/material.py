@@ -57,6 +57,11 @@ def n_above_base(stack: Stack) -> float:
     return stack.layers[-1]["ior"] if stack.layers else 1.0
 
 
+def channels(stack: Stack) -> int:
+    """Length of the colour axis: 3 for RGB, the number of wavelengths for a stack of `spectral`."""
+    return len(stack.base["color"] if "color" in stack.base else conductor_index(stack.base)[0])
+
+
 def conductor_index(base: Element) -> tuple[np.ndarray, np.ndarray]:
     """Absolute complex index (eta, k), each (3,), of a conductor base."""
     if "metal" in base:

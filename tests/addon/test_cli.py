@@ -90,7 +90,12 @@ BAD = [
     (["render", "crayon_paint"], ["-o FILE"]),
     (["render", "crayon_paint", "-o", "x.jpg"], ["'.jpg'", ".exr or .png"]),
     (["render", "crayon_paint", "-o", "none/x.png"], ["none", "No such file"]),
-    (["render", "crayon_paint", "-o", "x.png", "--samples", "0"], ["--samples 0"]),
+    (["render", "crayon_paint", "-o", "x.png", "--samples", "0"], ["--samples", "0 is out of range", "1 to 1000000"]),
+    (["render", "crayon_paint", "-o", "x.png", "--size", "9" * 12], ["--size", "out of range", "2 to 16384"]),
+    (["render", "crayon_paint", "-o", "x.png", "--json"], ["--json goes with --scene furnace"]),
+    (["render", "crayon_paint", "-o", "x.png", "--scene", "furnace"], ["leave out -o x.png"]),
+    (["demo", "-o", "/proc/none"], ["/proc/none", "cannot make this folder"]),
+    (["apply", "--stack", "crayon_paint", "--object", "Cube", "none.blend", "-o", "x.txt"], ["x.txt", ".blend"]),
     (["render", "crayon_paint", "-o", "x.png", "--tier", "magic"], ["tier 'magic'", "weidlich_wilkie"]),
     (["apply", "--stack", "crayon_paint", "--object", "Cube", "none.blend", "-o", "x.blend"], ["none.blend", "no such"]),
     (["frobnicate"], ["frobnicate", "albedo"]),
@@ -123,6 +128,21 @@ def test_bad_stack_files(text, words, tmp_path):
     assert len(error.strip().splitlines()) == 1
     for word in ["bad.json", *words]:
         assert word in error
+
+
+def test_a_misspelt_key_is_named_and_the_work_goes_on(tmp_path):
+    (tmp_path / "typo.json").write_text('{"base": {"kind": "lambert"}, "layers": [{"kind": "dielectric", "rougness": 0.5}]}')
+    out, error = lamina("albedo", "typo.json", cwd=tmp_path)
+    assert out and "layer 0" in error and "'rougness'" in error and "'roughness'" in error
+
+
+def test_schema_lists_every_key():
+    out, _ = lamina("schema")
+    data = json.loads(lamina("schema", "--json")[0])
+    for kind in data["layers"] | data["base"]:
+        assert kind in out
+        for name, row in (data["layers"] | data["base"])[kind].items():
+            assert name in out and row["allowed"] in out
 
 
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root may write everywhere")

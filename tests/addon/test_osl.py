@@ -7,6 +7,7 @@ import pytest
 
 from lamina.addon.network.osl import generate
 from lamina.reference_py import presets
+from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.network import DEFAULT_TIER
 from lamina.reference_py.stack import Stack
 
@@ -49,8 +50,13 @@ def test_sums_nest_to_the_right():
     assert "BSDF = lobe_0 + (lobe_1 + (lobe_2 + lobe_3));" in text_of([COAT] * 3, LAMBERT)
 
 
+def test_more_parameters_than_cycles_takes_are_refused():
+    with pytest.raises(LaminaError, match="32 layers need 12. shader parameters, and Cycles takes 127"):
+        text_of([COAT] * 32, LAMBERT)
+
+
 @pytest.mark.blender
-@pytest.mark.parametrize("layers", [0, 1, 2, 8, 20])
+@pytest.mark.parametrize("layers", [0, 1, 2, 8, 30])
 def test_any_number_of_layers_compiles(blender, layers):
     import bpy
 

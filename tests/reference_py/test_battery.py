@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One battery for every model of the registry: what each must obey, and what some are known to break."""
 
+import csv
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from lamina.addon.cli.charts import error
+from lamina.reference_py import presets
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.frame import spherical
 from lamina.reference_py.models import MODELS, make_model
@@ -32,6 +36,8 @@ STACKS = {
 VIEWS = spherical(np.radians([0.0, 45.0, 75.0, 85.0]), 0.4)
 GRAZING = spherical(np.arccos([1e-2, 1e-4, 1e-7]), [0.0, 1.0, 2.0])
 UP_SIDE_DOWN = np.array([1.0, 1.0, -1.0])
+
+ERRORS = Path(__file__).parents[2] / "figures" / "error_by_angle.csv"
 
 # Weights of their lobes know the view, not the light.
 NOT_RECIPROCAL = {"mirror", "cycles_layer", "principled_coat", "openpbr_coat", "belcour"}
@@ -125,3 +131,13 @@ def test_unknown_models_name_the_choices():
 
 def test_names_in_the_registry_are_the_models_own():
     assert all(model.name == name for name, model in MODELS.items())
+
+
+@pytest.mark.parametrize("name", error.COMPARED)
+def test_the_committed_albedo_error_is_that_of_this_code(name):
+    rows = {(row[0], row[1]): row[2:] for row in csv.reader(ERRORS.read_text().splitlines())}
+    assert {key for key in rows if key[0] in presets.names()} == {(p, m) for p in presets.names() for m in error.COMPARED}
+    preset, chosen = "metallic_car_paint", np.array([0, 6, 10])
+    stack, wo = presets.load(preset), spherical(np.radians(error.THETA_DEG[chosen]), 0.0)
+    measured = error.worst_channel(make_model(name, stack).albedo(wo), make_model("adding", stack).albedo(wo))
+    assert measured == pytest.approx(np.array(rows[preset, name], float)[chosen], abs=2e-4)

@@ -64,7 +64,7 @@ class LayerEnergies:
 
 
 class Adding:
-    """f and energies of a stack.
+    """The truth, deterministic: adding of interface operators, all orders.
 
     `surface`: "multiple" (lossless microsurfaces, Heitz16) or "single" (one event per surface, separable Smith
     masking, what is left over is lost). `nodes`: directions from the normal to grazing in the thinnest medium;

@@ -19,7 +19,7 @@ from .parts import Peer, dielectric_f0, metal_f0, round_trip, schlick
 
 
 class AshikhminShirley(Peer):
-    """f and albedo; no options."""
+    """Ashikhmin and Shirley 2000: Fresnel-weighted specular and diffuse."""
 
     name = "ashikhmin_shirley"
 

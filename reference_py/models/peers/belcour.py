@@ -30,7 +30,7 @@ _FACETS = 1024
 
 
 class Belcour(Peer):
-    """f and albedo; no options."""
+    """Belcour 2018: one equivalent GGX lobe per interface."""
 
     name = "belcour"
 

@@ -7,7 +7,8 @@ The tint is what two perpendicular crossings of the medium leave, one color for 
 Option `ggx`: "multi_ggx" (Blender's default, compensated for lost energy) or "ggx" where the stack says ggx; beckmann
 stays beckmann, dimmed by the estimate for GGX.
 Limits, all Cycles': no internal reflection, so a diffuse base under n = 1.5 is up to 65 % too bright; no refraction
-and no broadening of what is below; grey dimming; weights depend on the view alone, so f is not reciprocal.
+and no broadening of what is below; grey dimming; weights depend on the view alone, so f is not reciprocal;
+below an interface to a thinner medium the albedo exceeds 1, by up to .15 (figures/stress.csv).
 """
 
 import numpy as np
@@ -20,7 +21,7 @@ from .parts import Peer, diffuse_f
 
 
 class CyclesLayer(Peer):
-    """f and albedo; `OPTIONS` as in the module's head."""
+    """Closures stacked with Cycles' layer(), as Cycles computes it."""
 
     name = "cycles_layer"
     OPTIONS = {"ggx": (MULTI_GGX, GGX)}

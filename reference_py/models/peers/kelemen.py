@@ -21,7 +21,7 @@ from .parts import Peer, interface_lobe, metal_lobe, round_trip
 
 
 class Kelemen(Peer):
-    """f and albedo; no options."""
+    """Kelemen and Szirmay-Kalos 2001: coupled specular and matte."""
 
     name = "kelemen"
 

@@ -27,7 +27,7 @@ _FITS = {
 
 
 class Lafortune(Peer):
-    """f and albedo of a fit; the stack is ignored."""
+    """Lafortune 1997: the fit of a blue paint; it ignores the stack."""
 
     name = "lafortune"
     OPTIONS = {"fit": tuple(_FITS)}

@@ -25,7 +25,7 @@ from .parts import Lobe, Peer, dielectric, dielectric_f0, diffuse_f, metal_f0, m
 
 
 class OpenPbrCoat(Peer):
-    """f and albedo; `OPTIONS` as in the module's head."""
+    """OpenPBR 1: coat with darkening over its base."""
 
     name = "openpbr_coat"
     OPTIONS = {"darkening": ("on", "off")}

@@ -22,7 +22,7 @@ from .parts import Peer, dielectric_f0, metal_f0, round_trip, schlick
 
 
 class Schlick(Peer):
-    """f and albedo; no options."""
+    """Schlick 1993: a clear layer over a base."""
 
     name = "schlick"
 

@@ -16,7 +16,7 @@ from .parts import Peer, dielectric_f0, diffuse_f, interface_lobe, metal_lobe, r
 
 
 class TorranceSparrow(Peer):
-    """f and albedo; no options."""
+    """A plain glossy shader, with a diffuse base if there is one."""
 
     name = "torrance_sparrow"
 

@@ -42,7 +42,7 @@ class Histogram:
 
 
 class PositionFree:
-    """f and albedo of a stack by `walks` walks per figure.
+    """The truth by Monte Carlo walks, each figure with its standard error.
 
     surface: `multiple`, the lossless microsurfaces of Heitz16, or `single`, which loses what a facet sends to the
     wrong side (`optics.microsurface`). Methods take `rng` in place of the seed, `progress`, called with the
