@@ -114,10 +114,10 @@ def apply(options) -> None:
     stack, tier = load_stack(options.stack), _tier(options)
     make_network(stack, tier)
     source, output = Path(options.input), Path(options.output)
-    if not source.is_file():
-        raise LaminaError(f"{source}: there is no such .blend file")
     if output.suffix.lower() != ".blend":
         raise LaminaError(f"{output}: apply writes a Blender file; choose a name that ends in .blend")
+    if not source.is_file():
+        raise LaminaError(f"{source}: there is no such .blend file")
     require_writable(output)
     report = say("apply")
     report(f"open {source}")
