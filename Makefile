@@ -47,7 +47,8 @@ blends: $(READY)
 
 charts: $(READY)
 	$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[figures]'
-	$(VENV)/bin/lamina chart network -o figures
+	for chart in network error stress suite; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
+	$(VENV)/bin/lamina figures --out figures/paper
 
 clean:
 	rm -rf build dist .pytest_cache .hypothesis

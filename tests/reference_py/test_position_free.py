@@ -10,29 +10,9 @@ from lamina.reference_py.models.position_free.surfaces import Surfaces
 from lamina.reference_py.models.position_free.walk import connected_f
 from lamina.reference_py.optics import microsurface
 from lamina.reference_py.optics.fresnel import cos_theta_t, fresnel_dielectric
-from lamina.reference_py.stack import Stack
+from support.stacks import coat, conductor, lambert, stack, view
 
 SURFACES = ("multiple", "single")
-
-
-def lambert(value):
-    return {"kind": "lambert", "color": [value] * 3}
-
-
-def conductor(eta, k, alpha, distribution="ggx"):
-    return {"kind": "conductor", "eta": [eta] * 3, "k": [k] * 3, "roughness": alpha**0.5, "distribution": distribution}
-
-
-def coat(alpha, ior=1.5, distribution="ggx", **values):
-    return {"kind": "dielectric", "ior": ior, "roughness": alpha**0.5, "distribution": distribution, **values}
-
-
-def stack(*layers, base):
-    return Stack.from_dict({"layers": list(layers), "base": base})
-
-
-def view(theta_deg, phi=0.0):
-    return spherical(np.radians(theta_deg), phi)
 
 
 def within(value, stderr, expected, floor=1e-9):

@@ -12,29 +12,10 @@ from lamina.reference_py.optics.fresnel import fresnel_conductor, fresnel_dielec
 from lamina.reference_py.optics.microfacet import blinn_exponent, distribution, masking_g2
 from lamina.reference_py.stack import Stack
 from lamina.reference_py.suite import suite
+from support.stacks import coat, conductor, lambert, stack, view
 
 MODELS = (WeidlichWilkie, WeidlichWilkieRepaired)
 BLACK = {"kind": "lambert", "color": [0.0] * 3}
-
-
-def lambert(value):
-    return {"kind": "lambert", "color": [value] * 3}
-
-
-def conductor(eta, k, alpha, distribution="ggx"):
-    return {"kind": "conductor", "eta": [eta] * 3, "k": [k] * 3, "roughness": alpha**0.5, "distribution": distribution}
-
-
-def coat(alpha, ior=1.5, distribution="ggx", **values):
-    return {"kind": "dielectric", "ior": ior, "roughness": alpha**0.5, "distribution": distribution, **values}
-
-
-def stack(*layers, base):
-    return Stack.from_dict({"layers": list(layers), "base": base})
-
-
-def view(theta_deg, phi=0.0):
-    return spherical(np.radians(theta_deg), phi)
 
 
 def directions(n, seed):

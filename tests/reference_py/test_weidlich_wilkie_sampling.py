@@ -3,13 +3,13 @@
 
 import numpy as np
 import pytest
-from support.chi_square import chi_square_p_value
 
 from lamina.reference_py.frame import spherical
 from lamina.reference_py.models import make_model
 from lamina.reference_py.models.quadrature import directional_albedo
 from lamina.reference_py.optics.fresnel import cos_theta_t
-from lamina.reference_py.stack import Stack
+from support.chi_square import chi_square_p_value
+from support.stacks import coat, conductor, lambert, stack
 
 # Rejects a right sampler once in 10 000 runs per case; seeds are fixed.
 SIGNIFICANCE = 1e-4
@@ -20,32 +20,20 @@ MACRO = {"refraction": "macro_normal"}
 HONEST = ((REPAIRED, {}), (REPAIRED, {"weights": "constant"}), (MIRROR, {}))
 
 
-def lambert(value):
-    return {"kind": "lambert", "color": [value] * 3}
-
-
-def conductor(alpha, distribution="ggx"):
-    return {"kind": "conductor", "eta": [0.2] * 3, "k": [3.9] * 3, "roughness": alpha**0.5, "distribution": distribution}
-
-
-def coat(alpha, ior=1.5, distribution="ggx", **values):
-    return {"kind": "dielectric", "ior": ior, "roughness": alpha**0.5, "distribution": distribution, **values}
-
-
-def stack(*layers, base):
-    return Stack.from_dict({"layers": list(layers), "base": base})
+def metal(alpha, distribution="ggx"):
+    return conductor(0.2, 3.9, alpha, distribution)
 
 
 STACKS = {
-    "bare metal": stack(base=conductor(0.3)),
+    "bare metal": stack(base=metal(0.3)),
     "smooth on lambert": stack(coat(0.0), base=lambert(0.8)),
     "rough on lambert": stack(coat(0.3), base=lambert(0.8)),
     "beckmann on oren-nayar": stack(
         coat(0.2, distribution="beckmann"), base={"kind": "oren_nayar", "color": [0.9, 0.5, 0.1], "sigma_deg": 30.0}
     ),
-    "smooth on metal": stack(coat(0.0), base=conductor(0.3)),
-    "rough on mirror": stack(coat(0.3), base=conductor(0.0)),
-    "dense on metal": stack(coat(0.2, ior=2.5, tint=[0.7, 0.5, 0.3]), base=conductor(0.2, "beckmann")),
+    "smooth on metal": stack(coat(0.0), base=metal(0.3)),
+    "rough on mirror": stack(coat(0.3), base=metal(0.0)),
+    "dense on metal": stack(coat(0.2, ior=2.5, tint=[0.7, 0.5, 0.3]), base=metal(0.2, "beckmann")),
     "dense on thin": stack(coat(0.2, ior=1.9), coat(0.4, ior=1.2), base=lambert(0.8)),
 }
 
@@ -90,7 +78,7 @@ def test_samples_have_their_density(model, options, name, theta):
 @pytest.mark.parametrize("options", ({}, MACRO, {"distribution": "blinn"}))
 @pytest.mark.parametrize(
     "material",
-    (STACKS["bare metal"], stack(coat(0.3, ior=1.0), base=conductor(0.3)), stack(coat(0.3, ior=1.0), base=lambert(0.8))),
+    (STACKS["bare metal"], stack(coat(0.3, ior=1.0), base=metal(0.3)), stack(coat(0.3, ior=1.0), base=lambert(0.8))),
 )
 def test_literal_samples_have_their_density_where_nothing_bends(options, material):
     """The machinery is right; what fails below is the missing Jacobian alone."""
@@ -220,7 +208,7 @@ def test_shapes_seeds_and_directions_without_samples(model):
     assert not valid[0, 2] and not valid[1, 1]
     assert reflector.pdf(wo, view(30.0)).shape == (2, 3)
     assert np.all(reflector.pdf(wo, view(30.0))[[0, 1], [2, 1]] == 0.0)
-    mirrors = make_model(model, stack(coat(0.0), base=conductor(0.0)))
+    mirrors = make_model(model, stack(coat(0.0), base=metal(0.0)))
     wi, valid = mirrors.sample(wo, np.random.default_rng(3))
     assert not np.any(valid) and not np.any(wi)
     assert np.all(mirrors.pdf(wo, view(30.0)) == 0.0)

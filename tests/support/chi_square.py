@@ -45,7 +45,9 @@ def chi_square_p_value(
         expected[largest] += expected[-1]
         observed, expected = observed[:-1], expected[:-1]
     statistic = float(np.sum(np.square(observed - expected) / expected))
-    return chi_square_tail(statistic, len(expected) - 1)
+    p_value = chi_square_tail(statistic, len(expected) - 1)
+    print(f"chi-square {statistic:.1f} with {len(expected) - 1} degrees of freedom: p = {p_value:.3g}")
+    return p_value
 
 
 def chi_square_tail(statistic: float, degrees: int) -> float:

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Short ways to write the stacks and views that tests need."""
+
+import numpy as np
+
+from lamina.reference_py.frame import spherical
+from lamina.reference_py.stack import Stack
+
+
+def lambert(value):
+    return {"kind": "lambert", "color": [value] * 3}
+
+
+def conductor(eta, k, alpha, distribution="ggx"):
+    return {"kind": "conductor", "eta": [eta] * 3, "k": [k] * 3, "roughness": alpha**0.5, "distribution": distribution}
+
+
+def coat(alpha, ior=1.5, distribution="ggx", **values):
+    return {"kind": "dielectric", "ior": ior, "roughness": alpha**0.5, "distribution": distribution, **values}
+
+
+def stack(*layers, base):
+    return Stack.from_dict({"layers": list(layers), "base": base})
+
+
+def view(theta_deg, phi=0.0):
+    return spherical(np.radians(theta_deg), phi)
