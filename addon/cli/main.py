@@ -81,9 +81,11 @@ def build_parser() -> argparse.ArgumentParser:
     demo.add_argument("-o", "--output", default="demo", metavar="FOLDER", help="folder for the pictures (default: %(default)s)")
     demo.add_argument("--samples", type=_samples, default=48, metavar="N", help="samples per pixel (default: %(default)s)")
     demo.add_argument("--size", type=_pixels, default=288, metavar="PIXELS", help="width of a tile (default: %(default)s)")
-    network = _command(commands, "chart", "chart", "measure a chart's numbers and draw it")
-    network.add_argument("chart", choices=("network",), help="network: each preset's network against the exact model, by angle")
-    network.add_argument("-o", "--output", default=".", metavar="FOLDER", help="folder for table and picture (default: %(default)s)")
+    chart = _command(commands, "chart", "chart", "measure a chart's numbers, print the table and draw it")
+    chart.add_argument("chart", choices=("network", "error", "stress", "suite"), help=(
+        "network: what Cycles is told against the exact model; error: every model against the truth, by angle; "
+        "stress: every model in every hard case; suite: the two truths against each other"))
+    chart.add_argument("-o", "--output", default=".", metavar="FOLDER", help="folder for table and picture (default: %(default)s)")
 
     figures = _command(commands, "figures", "figures", "compute the paper's figures and check its sentences about them")
     figures.add_argument("-o", "--out", dest="output", default="figures", metavar="FOLDER",

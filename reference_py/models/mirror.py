@@ -8,6 +8,7 @@ energy is that of the tier, which exceeds 1 where the tier's own model does.
 
 import numpy as np
 
+from ..errors import LaminaError
 from ..frame import dot, half_vector, normalize, reflect
 from ..network import DEFAULT_TIER, make_network
 from ..network.lobe import DielectricCurve, DiffuseLobe, GlossyLobe, SchlickCurve
@@ -29,8 +30,11 @@ class Mirror:
     name = "mirror"
     stochastic = False
 
-    def __init__(self, stack: Stack, tier: str = DEFAULT_TIER):
-        self.network = make_network(stack, tier)
+    def __init__(self, stack: Stack, **options: str):
+        for key in options:
+            if key != "tier":
+                raise LaminaError(f"model {self.name}: unknown option {key!r}; choose tier")
+        self.network = make_network(stack, options.get("tier", DEFAULT_TIER))
 
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """BRDF (..., 3) in 1/sr without cosine; mirror-like lobes have none and count as 0."""
