@@ -25,22 +25,26 @@ def blender(report: Callable[[str], None]) -> Iterator[None]:
 
     Raises LaminaError where bpy is not installed.
     """
-    with deferred():
-        try:
-            import bpy
-        except ImportError as error:
-            raise LaminaError(f"this command needs Blender: pip install bpy, or blender --command lamina ... ({error})") from None
-        ensure_osl_query_on_path()
-    # persistent: commands load files, which drops other handlers
-    listener = bpy.app.handlers.persistent(_render_listener(report))
-    with _leaving_promptly(), _silent_stdout():
-        if not hasattr(bpy.types.Material, "lamina"):
-            from .. import registration
+    # from the first import on: some versions of Blender talk while they start
+    with _silent_stdout():
+        with deferred():
+            try:
+                import bpy
+            except ImportError as error:
+                raise LaminaError(
+                    f"this command needs Blender: pip install bpy, or blender --command lamina ... ({error})"
+                ) from None
+            ensure_osl_query_on_path()
+            if not hasattr(bpy.types.Material, "lamina"):
+                from .. import registration
 
-            registration.register()
+                registration.register()
+        # persistent: commands load files, which drops other handlers
+        listener = bpy.app.handlers.persistent(_render_listener(report))
         bpy.app.handlers.render_stats.append(listener)
         try:
-            yield
+            with _leaving_promptly():
+                yield
         finally:
             bpy.app.handlers.render_stats.remove(listener)
 

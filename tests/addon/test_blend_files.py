@@ -56,18 +56,16 @@ def test_presets_blend_renders_the_same_without_lamina(blender, tmp_path):
     assert np.percentile(np.abs(committed - fresh), 99) <= 1e-3 * committed.mean()
 
 
-def test_a_white_render_would_be_caught(blender, tmp_path):
-    """A deliberate fault: a Script node that lost its shader must not compare equal."""
+def test_a_lost_shader_would_be_caught(blender, tmp_path):
+    """A deliberate fault: materials that lost the link to their shader must not compare equal."""
     import bpy
 
     from lamina.addon.blend_files import save_copy
 
     bpy.ops.wm.open_mainfile(filepath=str(BUILT))
     for material in bpy.data.materials:
-        for node in material.node_tree.nodes:
-            if node.bl_idname == "ShaderNodeScript":
-                node.script = None
-                node.bytecode = ""
+        for link in [k for k in material.node_tree.links if k.from_node.bl_idname == "ShaderNodeScript"]:
+            material.node_tree.links.remove(link)
     save_copy(tmp_path / "broken.blend")
     committed = render_elsewhere(BUILT, tmp_path / "committed.exr")
     broken = render_elsewhere(tmp_path / "broken.blend", tmp_path / "broken.exr")
