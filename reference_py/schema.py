@@ -28,7 +28,6 @@ class Parameter:
     help: str
     minimum: float = 0.0
     maximum: float = 1.0
-    soft_maximum: float | None = None
     unit: str = ""
     choices: tuple[str, ...] = ()
 
@@ -148,12 +147,12 @@ DIELECTRIC = Kind(
     "dielectric", "Dielectric", "A clear or tinted medium below a smooth or rough interface",
     (
         Parameter("ior", FLOAT, 1.5, "IOR", "Absolute index of refraction of the medium below the interface",
-                  minimum=1.0, maximum=4.0, soft_maximum=2.5),
+                  minimum=1.0, maximum=4.0),
         _ROUGHNESS,
         Parameter("tint", COLOR, (1.0, 1.0, 1.0), "Tint",
                   "Color left of white light after one perpendicular crossing of unit thickness"),
         Parameter("thickness", FLOAT, 1.0, "Thickness", "Thickness of the medium, in units of the tint's crossing",
-                  maximum=1000.0, soft_maximum=10.0),
+                  maximum=1000.0),
         _DISTRIBUTION,
     ),
 )

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from ...reference_py.errors import LaminaError
 
-DONE, FAILED, BAD_INPUT, CANCELLED = 0, 1, 2, 130
+DONE, BAD_INPUT, CANCELLED = 0, 2, 130
 STACK_HELP = "name of a preset (see `lamina presets`) or a JSON file"
 
 
