@@ -8,11 +8,12 @@ READY := $(VENV)/ready
 RUN := $(VENV)/bin/python
 SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py' -o -name '*.osl' -o -name '*.h' -o -name '*.json' \))
 
-.PHONY: help demo test zip validate blends charts clean
+.PHONY: help demo test bench zip validate blends charts clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
 	@echo "make test      run all tests, then build and validate the extension"
+	@echo "make bench     print how fast the reference models are"
 	@echo "make zip       build the extension into dist/"
 	@echo "make validate  build it and check it with Blender's own tool"
 	@echo "make blends    build the .blend files of demo_blend/ anew"
@@ -34,6 +35,9 @@ build/demo/ready: $(READY) $(SOURCES)
 test: $(READY)
 	$(RUN) -m pytest
 	@$(MAKE) --no-print-directory validate
+
+bench: $(READY)
+	$(RUN) tests/benchmarks/reference.py
 
 zip: $(READY)
 	@rm -rf dist

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from .compare import lobe_widths
+from .optics.material import rough_surfaces
 from .frame import spherical
 from .models import make_model
 from .stack import Stack
@@ -72,7 +72,7 @@ def agreement(stack: Stack, most_walks: int = 131_072, f_walks: int = 1500, seed
     views, lights = direction_grid()
     f, f_error = make_model("position_free", stack, walks=f_walks).f_stderr(views, lights, rng=rng)
     f_gap, scale = np.abs(adding.f(views, lights) - f), f + DARK * np.max(f) + UNSEEN
-    alphas = [alpha for _, alpha in lobe_widths(stack)]
+    alphas = [alpha for _, alpha in rough_surfaces(stack)]
     return Agreement(
         walks=walks,
         stderr=float(np.max(stderr / (walked + DARK))),

@@ -6,10 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from .frame import spherical
-from .models.quadrature import directional_albedo
-from .optics import microfacet
-from .optics.material import interfaces
-from .optics.microfacet import alpha_from_roughness
+from .optics.quadrature import directional_albedo
+from .optics.material import rough_surfaces
 from .stack import Stack
 
 
@@ -19,14 +17,6 @@ class Distance:
 
     albedo: np.ndarray
     shape: np.ndarray
-
-
-def lobe_widths(stack: Stack) -> list[tuple[str, float]]:
-    """(distribution, alpha) of every rough surface of a stack: where f can be narrow."""
-    widths = [(s.distribution, s.alpha) for s in interfaces(stack)]
-    if stack.base.kind == "conductor":
-        widths.append((stack.base["distribution"], float(alpha_from_roughness(stack.base["roughness"]))))
-    return [(kind, alpha) for kind, alpha in widths if not microfacet.is_specular(alpha)]
 
 
 def distance(stack: Stack, model, truth, theta: np.ndarray) -> Distance:
@@ -42,5 +32,5 @@ def distance(stack: Stack, model, truth, theta: np.ndarray) -> Distance:
     def gap(wo, wi):
         return np.abs(model.f(wo, wi) - truth.f(wo, wi))
 
-    shape = np.max(directional_albedo(gap, wo, lobe_widths(stack)) / scale, axis=-1)
+    shape = np.max(directional_albedo(gap, wo, rough_surfaces(stack)) / scale, axis=-1)
     return Distance(albedo, shape)

@@ -14,7 +14,7 @@ import numpy as np
 from .errors import LaminaError
 from .frame import normalize, reflect, spherical
 from .models import MODELS, make_model
-from .models.quadrature import points
+from .optics.quadrature import points
 from .stack import Stack
 from .suite import suite_stack
 

@@ -65,7 +65,7 @@ def compute(size: int = 128) -> FigureData:
             rows.append((name, angle, error, float(VIEW_DEG[peak]), float(f[peak]), float(np.interp(-angle, VIEW_DEG, f))))
     columns = ("curve", "incident_deg", "rms_relative_difference_to_80deg", "forward_peak_deg", "forward_peak_f", "f_towards_light")
     arrays = {name: np.array(values) for name, values in curves.items()}
-    title = "Figure 9: blue paint at 550 nm; Lafortune's fit (green) stands in for the measurement, which is not at hand"
+    title = "Figure 9: blue paint at 550 nm; the green channel of Lafortune's fit stands in for the measurement"
     return FigureData("figure9", title, _statements(models), columns, rows, arrays)
 
 

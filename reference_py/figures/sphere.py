@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..frame import normalize, reflect
-from ..models.quadrature import cosine_directions, facet_normals, points
+from ..optics.quadrature import cosine_directions, facet_normals, points
 from ..models.weidlich_wilkie_sampling import component_density
 from ..optics.microfacet import is_specular
 from .environment import STUDIO, Environment

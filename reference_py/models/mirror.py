@@ -11,13 +11,11 @@ import numpy as np
 from ..errors import LaminaError
 from ..frame import dot, half_vector, normalize, reflect
 from ..network import DEFAULT_TIER, make_network
-from ..network.lobe import DielectricCurve, DiffuseLobe, GlossyLobe, SchlickCurve
-from ..optics.diffuse import oren_nayar
-from ..optics.fresnel import fresnel_dielectric
-from ..optics.microfacet import GGX, is_specular, smith_lambda
+from ..network.closure import distribution, fresnel, is_mirror, lobe_f
+from ..network.lobe import DiffuseLobe, GlossyLobe
+from ..optics.quadrature import cosine_directions, directional_albedo
 from ..optics.sampling import components, projected_area, sample_visible_normals, vectors
 from ..stack import Stack
-from .quadrature import cosine_directions, directional_albedo
 
 
 # Share of its weight that a lobe keeps where its Fresnel factor vanishes, as the factor rises around that view.
@@ -52,8 +50,8 @@ class Mirror:
         widths = [(lobe.distribution, float(np.max(lobe.alpha_x))) for lobe in glossy]
         total = directional_albedo(self.f, wo, widths)
         for lobe in glossy:
-            if _is_mirror(lobe):
-                total = total + lobe.weight * _fresnel(lobe, wo[..., 2])
+            if is_mirror(lobe):
+                total = total + lobe.weight * fresnel(lobe, wo[..., 2])
         return total
 
     def sample(self, wo: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
@@ -84,7 +82,7 @@ class Mirror:
     def _finite_lobes(self, wo):
         """The lobes with a finite f and the probabilities (n, lobes) of picking them for wo (n, 3)."""
         cos_o = np.where(wo[:, 2] > 0.0, wo[:, 2], 1.0)
-        lobes = [lobe for lobe in self.network.lobes(cos_o) if not (isinstance(lobe, GlossyLobe) and _is_mirror(lobe))]
+        lobes = [lobe for lobe in self.network.lobes(cos_o) if not (isinstance(lobe, GlossyLobe) and is_mirror(lobe))]
         shares = np.ones((len(wo), len(lobes)))
         for i, lobe in enumerate(lobes):
             shares[:, i] = np.mean(lobe.weight * _reflectance(lobe, cos_o), axis=-1)
@@ -92,15 +90,11 @@ class Mirror:
         return lobes, shares / np.sum(shares, axis=-1, keepdims=True)
 
 
-def _is_mirror(lobe: GlossyLobe) -> bool:
-    return is_specular(np.max(lobe.alpha_x))
-
-
 def _reflectance(lobe, cos_o):
     """What a lobe of weight 1 reflects, about."""
     if isinstance(lobe, DiffuseLobe):
         return 1.0 if lobe.color is None else np.array(lobe.color)
-    return np.maximum(_fresnel(lobe, cos_o), _LEAST_SHARE)
+    return np.maximum(fresnel(lobe, cos_o), _LEAST_SHARE)
 
 
 def _sample_lobe(lobe, wo, rng) -> np.ndarray:
@@ -122,7 +116,7 @@ def _lobe_density(lobe, wo, wi) -> np.ndarray:
     x, y, n = axes = _lobe_frame(wo, lobe.tilt)
     stretched, length = _stretched(lobe, wo, axes)
     wh = half_vector(wi, wo)
-    d = _distribution(lobe, dot(wh, x), dot(wh, y), dot(wh, n))
+    d = distribution(lobe.distribution, lobe.alpha_x, lobe.alpha_y, dot(wh, x), dot(wh, y), dot(wh, n))
     return d / (4.0 * length * projected_area(stretched, 1.0, lobe.distribution))
 
 
@@ -134,26 +128,6 @@ def _stretched(lobe, wo, axes):
     return w / length[:, None], length
 
 
-def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
-    """f (..., 3) of one lobe for directions above the surface, as Cycles' closure gives it."""
-    if isinstance(lobe, DiffuseLobe):
-        if lobe.color is None:
-            return lobe.weight / np.pi * np.ones(wi.shape)
-        return lobe.weight * oren_nayar(wi, wo, np.array(lobe.color), lobe.sigma_deg)
-    if _is_mirror(lobe):
-        return np.zeros(wi.shape)
-    x, y, n = _lobe_frame(wo, lobe.tilt)
-    wh = half_vector(wi, wo)
-    cos_i, cos_o = dot(wi, n), dot(wo, n)
-    d = _distribution(lobe, dot(wh, x), dot(wh, y), dot(wh, n))
-    lambda_o = _lambda(lobe, dot(wo, x), dot(wo, y), cos_o)
-    lambda_i = _lambda(lobe, dot(wi, x), dot(wi, y), cos_i)
-    # Cycles returns f times the cosine to the lobe's own normal; f refers to the surface's
-    value = d / (4.0 * np.maximum(cos_o, 1e-20) * (1.0 + lambda_o + lambda_i)) / np.maximum(wi[..., 2], 1e-20)
-    value = np.where((cos_o > 0.0) & (cos_i > 0.0), value, 0.0)
-    return lobe.weight * value[..., None] * _fresnel(lobe, dot(wi, wh))
-
-
 def _lobe_frame(wo, tilt):
     """Axes along and across the plane of incidence and the lobe's normal, turned by `tilt` to the viewer."""
     sin_o = np.hypot(wo[..., 0], wo[..., 1])[..., None]
@@ -163,27 +137,3 @@ def _lobe_frame(wo, tilt):
     x = cos_t * along - sin_t * up
     n = cos_t * up + sin_t * along
     return x, np.cross(n, x), n
-
-
-def _distribution(lobe, x, y, z):
-    """Anisotropic D (Heitz14, eqs. 84 and 85) of the half vector (x, y, z) in the lobe's frame."""
-    slope2 = (np.square(x / lobe.alpha_x) + np.square(y / lobe.alpha_y)) / np.maximum(np.square(z), 1e-20)
-    scale = 1.0 / (np.pi * lobe.alpha_x * lobe.alpha_y * np.maximum(np.square(np.square(z)), 1e-40))
-    density = scale / np.square(1.0 + slope2) if lobe.distribution == GGX else scale * np.exp(-slope2)
-    return np.where(z > 0.0, density, 0.0)
-
-
-def _lambda(lobe, x, y, z):
-    # smith_lambda takes alpha and a cosine; an anisotropic lobe has the alpha of the direction's azimuth
-    sin2 = np.maximum(np.square(x) + np.square(y), 1e-30)
-    alpha = np.sqrt((np.square(lobe.alpha_x * x) + np.square(lobe.alpha_y * y)) / sin2)
-    return smith_lambda(z / np.sqrt(sin2 + np.square(z)), alpha, lobe.distribution)
-
-
-def _fresnel(lobe, cos_h):
-    if isinstance(lobe.fresnel, DielectricCurve):
-        return fresnel_dielectric(cos_h, lobe.fresnel.eta)[..., None]
-    if isinstance(lobe.fresnel, SchlickCurve):
-        rise = np.power(np.clip(1.0 - cos_h, 0.0, 1.0), 5)[..., None]
-        return lobe.fresnel.f0 + (lobe.fresnel.f90 - lobe.fresnel.f0) * rise
-    return np.ones(np.shape(cos_h) + (1,))

@@ -23,7 +23,7 @@ from ..optics.material import channels, conductor_index, interfaces, n_above_bas
 from ..optics.microfacet import alpha_from_roughness, is_specular
 from ..stack import Stack
 from . import weidlich_wilkie_sampling as sampling
-from .quadrature import directional_albedo
+from ..optics.quadrature import directional_albedo
 
 # The print's ambiguities, each a named option; the first choice is the default.
 OPTIONS = {

@@ -9,7 +9,8 @@
   its p2 is n^2 cos(i') / pi there, its p2* cos(i) / pi. Trapped samples would be 1 - 1 / n^2 of all.
 
 Still one bounce per interface, without the paper's compensation, which guessed the rest: light that an interface
-turns back is lost, so a coated white base is too dark. `adding` sums all bounces.
+turns back is lost, so a coated white base is too dark, by .57 to .68 (figures/stress.csv). `adding` sums all
+bounces.
 """
 
 from dataclasses import replace
@@ -20,7 +21,7 @@ import numpy as np
 from ..errors import LaminaError
 from ..stack import Stack
 from . import weidlich_wilkie_sampling as sampling
-from .quadrature import cosine_directions, points
+from ..optics.quadrature import cosine_directions, points
 from .weidlich_wilkie import Level, WeidlichWilkie
 
 WEIGHTS = ("energy", "constant")

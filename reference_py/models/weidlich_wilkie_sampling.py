@@ -17,7 +17,7 @@ import numpy as np
 from ..frame import dot, half_vector, normalize, reflect
 from ..optics import microfacet
 from ..optics.microfacet import is_specular
-from .quadrature import cosine_directions, facet_normals
+from ..optics.quadrature import cosine_directions, facet_normals
 
 
 def sample(model, wo: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..colour import artist_index, conductor_rgb
 from ..stack import Element, Stack
-from .microfacet import alpha_from_roughness
+from .microfacet import alpha_from_roughness, is_specular
 
 # A tint of 0 means black after any thickness; the floor keeps tau finite in float32 too.
 TINT_FLOOR = 1e-30
@@ -50,6 +50,14 @@ def interfaces(stack: Stack) -> tuple[Interface, ...]:
         )
         n_above = layer["ior"]
     return tuple(result)
+
+
+def rough_surfaces(stack: Stack) -> list[tuple[str, float]]:
+    """(distribution, alpha) of every surface that does something and is not smooth, from the top: where f can be narrow."""
+    surfaces = [(s.distribution, s.alpha) for s in interfaces(stack) if s.eta != 1.0]
+    if stack.base.kind == "conductor":
+        surfaces.append((stack.base["distribution"], float(alpha_from_roughness(stack.base["roughness"]))))
+    return [(kind, alpha) for kind, alpha in surfaces if not is_specular(alpha)]
 
 
 def n_above_base(stack: Stack) -> float:

@@ -40,7 +40,11 @@ def distribution(cos_theta_m: np.ndarray, alpha, kind: str) -> np.ndarray:
 def smith_lambda(cos_theta: np.ndarray, alpha, kind: str) -> np.ndarray:
     """Lambda of Smith's masking function for a direction above the surface."""
     cos2 = np.maximum(np.square(cos_theta), 1e-30)
-    a2_tan2 = np.square(alpha) * np.maximum(1.0 / cos2 - 1.0, 0.0)
+    return smith_lambda_stretched(np.square(alpha) * np.maximum(1.0 / cos2 - 1.0, 0.0), kind)
+
+
+def smith_lambda_stretched(a2_tan2: np.ndarray, kind: str) -> np.ndarray:
+    """Lambda where alpha^2 tan^2 of the direction is known, as for anisotropic surfaces (Heitz14, eq. 86)."""
     if kind == GGX:
         return 0.5 * (np.sqrt(1.0 + a2_tan2) - 1.0)
     a = 1.0 / np.sqrt(np.maximum(a2_tan2, 1e-30))

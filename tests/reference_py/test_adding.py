@@ -9,8 +9,10 @@ from lamina.reference_py.frame import spherical
 from lamina.reference_py.models import make_model
 from lamina.reference_py.models.adding import Adding, facets, operators
 from lamina.reference_py.models.adding.assembly import Layers, add
+from lamina.reference_py.models.adding.bounces import Microsurface
 from lamina.reference_py.models.adding.grid import Grid
 from lamina.reference_py.models.adding.operators import Resolution, interface_operators
+from lamina.reference_py.models.adding.recipe import Recipe
 from lamina.reference_py.models.position_free import PositionFree
 from lamina.reference_py.optics.fresnel import cos_theta_t, fresnel_dielectric
 from lamina.reference_py.stack import Stack
@@ -267,6 +269,46 @@ def test_f_agrees_with_the_walk():
     wo = np.broadcast_to(wo, wi.shape)
     walk, stderr = PositionFree(suite_stack(name), walks=4000).f_stderr(wo, wi)
     assert np.all(np.abs(Adding(suite_stack(name)).f(wo, wi) - walk) < 4.0 * stderr + 0.03 * walk + 1e-3 * walk.max())
+
+
+# (stack, theta_o, theta_i, azimuth in degrees): twice on a narrow surface; once through one and a mirror below it
+NARROW_CASES = [
+    ("aluminium_beckmann", 60.0, 80.0, 90.0),
+    ("plastic_black", 60.0, 80.0, 90.0),
+    ("titanium_coat_0_1_metal_0", 20.0, 35.0, 175.0),
+]
+
+
+@pytest.mark.parametrize("name, theta_o, theta_i, azimuth", NARROW_CASES)
+def test_f_of_narrow_lobes_agrees_with_the_walk_far_from_their_peak(name, theta_o, theta_i, azimuth):
+    wo, wi = spherical(np.radians(theta_o), 0.0), spherical(np.radians(theta_i), np.radians(azimuth))
+    material = suite_stack(name)
+    model = Adding(material)
+    walk, stderr = PositionFree(material, walks=20_000).f_stderr(wo, wi)
+    peak = model.f(spherical(np.radians(60.0), 0.0), spherical(np.radians([60.0, 80.0]), np.radians(175.0))).max()
+    assert np.all(np.abs(model.f(wo, wi) - walk) < 4.0 * stderr + 0.035 * (walk + 0.02 * peak))
+
+
+@pytest.mark.parametrize("alpha", [0.2, 0.6])
+@pytest.mark.parametrize("eta", [1.5, 1 / 1.5])
+def test_the_shape_of_further_events_changes_no_energy(alpha, eta):
+    """Both sides share the leftover alike, whether the shape or the energy alone is solved for."""
+    cos = np.cos(np.radians([10.0, 60.0, 80.0]))
+    surface = Microsurface(alpha, "ggx", etas=(eta, 1.0 / eta))
+    energy, shape = (surface.shares(cos, modes)[:, 0, :, 0] for modes in (1, 16))
+    np.testing.assert_allclose(energy, shape, atol=4e-3)
+    np.testing.assert_allclose(shape.sum(axis=0), 1.0, rtol=1e-9)
+
+
+def test_f_takes_more_nodes_where_a_narrow_lobe_lies_below_a_rough_surface():
+    """Refraction at a slope of alpha turns s by half of it, twice; the mirror below adds nothing."""
+    narrow = Recipe.of(suite_stack("titanium_coat_0_1_metal_0")).narrowest_lobe()
+    assert narrow == pytest.approx(np.sqrt(2.0) * 0.5 * 0.1, rel=1e-4)
+    wide = Recipe.of(stack({**METAL, "roughness": 0.2**0.5}, coat(1.5, 0.1))).narrowest_lobe()
+    assert wide == pytest.approx(np.hypot(narrow, 2.0 * 1.5 * 0.2), rel=1e-4)
+    assert Recipe.of(stack(lambert(0.5), coat(1.5, 0.01))).narrowest_lobe() == np.inf
+    # f of a smooth coat over a narrow metal is a formula
+    assert Recipe.of(stack({**METAL, "roughness": 0.02**0.5}, coat(1.5))).narrowest_lobe() == np.inf
 
 
 def test_the_suite_is_large_and_valid():

@@ -30,17 +30,20 @@ SPOTS = {
     "tungsten": (555.18, 3.517, 2.7637),
 }
 
-# Reflectance at normal incidence in linear Rec.709 that renderers quote (Akenine-Moller et al. 2018, Real-Time
-# Rendering, 4th edition, section 9.5; gold's red limited to 1), and the tolerance. Brass and chromium are quoted from
-# the same measurements as here; the others are not, and measured films differ by some hundredths.
+# Reflectance at normal incidence in linear Rec.709 as renderers' manuals quote it, and the tolerance: Adobe Standard
+# Material, "Metal material references" (F0, linear); platinum from the Shader Graph manual, "Metal Reflectance node";
+# brass is a number commonly quoted without a source. Only chromium and brass agree as closely as the same measurements
+# would. The rest are other films, so their tolerance is what they differ by, rounded up: it tells metals and channels
+# apart and catches a wrong white point or color space, no more. Red is limited to 1, as theirs is.
 QUOTED_F0 = {
     "brass": ((0.910, 0.778, 0.423), 0.001),
-    "chromium": ((0.549, 0.556, 0.554), 0.001),
-    "aluminium": ((0.913, 0.922, 0.924), 0.01),
-    "platinum": ((0.673, 0.637, 0.585), 0.01),
-    "copper": ((0.955, 0.638, 0.538), 0.03),
-    "silver": ((0.972, 0.960, 0.915), 0.065),
-    "gold": ((1.0, 0.782, 0.344), 0.055),
+    "chromium": ((0.5496, 0.5561, 0.5531), 0.002),
+    "aluminium": ((0.9157, 0.9226, 0.9236), 0.01),
+    "nickel": ((0.7014, 0.6382, 0.5593), 0.01),
+    "platinum": ((0.672, 0.637, 0.585), 0.01),
+    "silver": ((0.9868, 0.9830, 0.9667), 0.015),
+    "gold": ((1.0, 0.7099, 0.3148), 0.055),
+    "copper": ((1.0, 0.6504, 0.5274), 0.07),
 }
 
 
@@ -64,10 +67,10 @@ def test_published_sample(name):
 
 
 @pytest.mark.parametrize("name", QUOTED_F0)
-def test_colour_at_normal_incidence_is_the_known_one(name):
+def test_colour_at_normal_incidence_is_near_the_quoted_one(name):
     f0 = rgb_reflectance(name, np.array(1.0))
     quoted, tolerance = QUOTED_F0[name]
-    np.testing.assert_allclose(f0, quoted, atol=tolerance)
+    np.testing.assert_allclose(np.minimum(f0, 1.0), quoted, atol=tolerance)
     if name in ("gold", "copper", "brass"):
         assert f0[0] > f0[1] > f0[2]
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from lamina.reference_py.frame import spherical
-from lamina.reference_py.models.quadrature import directional_albedo
+from lamina.reference_py.optics.quadrature import directional_albedo
 from lamina.reference_py.optics import microfacet
 from lamina.reference_py.optics.diffuse import oren_nayar, oren_nayar_1994
 from lamina.reference_py.optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric

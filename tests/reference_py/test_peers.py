@@ -198,6 +198,24 @@ def test_belcour_scales_variance_by_the_refraction():
     assert 1.5 <= ratio < 1.6  # the rest comes from further bounces
 
 
+@pytest.mark.parametrize("top, base, theta_deg, weights, albedo, peak, truth, true_peak", [
+    (0.3, 0.05, 60.0, 0.836, 0.642, 1.55, 0.729, 2.21),
+    (0.6, 0.1, 0.0, 0.842, 0.690, 0.511, 0.789, 0.687),
+])
+def test_belcour_below_a_rough_interface_is_off_by_what_its_docstring_says(
+    top, base, theta_deg, weights, albedo, peak, truth, true_peak
+):
+    """The weights hold more than the truth, f gives less than it, and at the mirror direction it is too low."""
+    case = stack({"kind": "conductor", "metal": "aluminium", "roughness": base**0.5}, layer(1.5, top))
+    belcour, adding = make_model("belcour", case), make_model("adding", case)
+    wo, wi = spherical(np.radians(theta_deg), 0.0), spherical(np.radians(theta_deg), np.pi)
+    green = (
+        sum(weight[1] for weight, _ in belcour.lobes(wo[2])), belcour.albedo(wo)[1], belcour.f(wo, wi)[1],
+        adding.albedo(wo)[1], adding.f(wo, wi)[1],
+    )
+    np.testing.assert_allclose(green, (weights, albedo, peak, truth, true_peak), rtol=0.01)
+
+
 def test_kelemen_fills_a_white_coat_up_to_one():
     for case in ("coated white", "rough coat"):
         np.testing.assert_allclose(stressed("kelemen", case)[1], 1.0, atol=2e-3)

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from lamina.reference_py import presets
-from lamina.reference_py.compare import lobe_widths
+from lamina.reference_py.optics.material import rough_surfaces
 from lamina.reference_py.frame import spherical
 from lamina.reference_py.models import make_model
-from lamina.reference_py.models.quadrature import directional_albedo
+from lamina.reference_py.optics.quadrature import directional_albedo
 
 WO = spherical(np.radians([0.0, 45.0, 75.0]), 0.0)
 STATED_ERROR = 5e-4
@@ -23,6 +23,6 @@ def test_lambert_is_its_color():
 def test_stated_error_holds(name):
     stack = presets.load(name)
     mirror = make_model("mirror", stack)
-    coarse = directional_albedo(mirror.f, WO, lobe_widths(stack))
-    fine = directional_albedo(mirror.f, WO, lobe_widths(stack), 16 * 8192)
+    coarse = directional_albedo(mirror.f, WO, rough_surfaces(stack))
+    fine = directional_albedo(mirror.f, WO, rough_surfaces(stack), 16 * 8192)
     assert np.max(np.abs(coarse / fine - 1.0)) < STATED_ERROR

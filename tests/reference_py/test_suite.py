@@ -16,12 +16,9 @@ from lamina.reference_py.suite import suite, suite_stack
 TABLE = Path(__file__).parents[2] / "figures" / "suite_agreement.csv"
 # What walks take a minute to say is left to the chart.
 SHORT = [name for name, stack in suite().items() if len(stack.layers) <= 2]
-# Where f of `adding` is off by more than it states for itself, 3.5 % of f + 2 % of the brightest.
-F_DISAGREES = {
-    "aluminium_beckmann", "plastic_red_beckmann", "plastic_black", "plastic_tinted", "plastic_tinted_deep",
-    "gold_coat_0_3_metal_0_05", "titanium_coat_0_1_metal_0", "lacquer_gold", "beckmann_over_ggx", "artist_metal_coated",
-    "two_glazes_absorbing", "opaque_absorber", "three_rough", "rising_index",
-}
+# Where the table has f further apart than `adding` states, 3.5 % of f + 2 % of the brightest. Few of these walks go
+# through both narrow lobes, so 1500 understate their standard error; see `test_more_walks_settle_the_stacks_on_record`.
+F_DISAGREES = {"gold_coat_0_3_metal_0_05"}
 SUBSET = random.Random(7).sample(SHORT, 6) + ["three_smooth"]
 
 
@@ -51,8 +48,15 @@ def test_f_agrees_but_for_the_stacks_on_record():
     """A record, not a licence: a stack that leaves the set, or joins it, changes this test."""
     rows = committed()
     assert {name for name, row in rows.items() if row["f_agrees"] != "yes"} == F_DISAGREES
-    assert max(float(rows[name]["f_beyond"]) for name in F_DISAGREES) < 0.2
-    assert max(float(row["f_median"]) for row in rows.values()) < 0.035
+    assert max(float(rows[name]["f_beyond"]) for name in F_DISAGREES) < 0.06
+    assert max(float(row["f_median"]) for row in rows.values()) < 0.03
+
+
+@pytest.mark.parametrize("name", sorted(F_DISAGREES))
+def test_more_walks_settle_the_stacks_on_record(name):
+    """It is the noise of the walks: with the same seed, eight times as many of them agree."""
+    result = agreement(suite_stack(name), most_walks=8192, f_walks=12_000)
+    assert result.f_agrees and result.f_median < 0.01
 
 
 @pytest.mark.parametrize("name", ["lambert_grey", "plastic_grey_0", "plastic_tinted"])

@@ -5,7 +5,7 @@ import pytest
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.frame import dot, half_vector, spherical
 from lamina.reference_py.models import make_model
-from lamina.reference_py.models.quadrature import directional_albedo
+from lamina.reference_py.optics.quadrature import directional_albedo
 from lamina.reference_py.models.weidlich_wilkie import OPTIONS, WeidlichWilkie
 from lamina.reference_py.models.weidlich_wilkie_repaired import WeidlichWilkieRepaired
 from lamina.reference_py.optics.fresnel import fresnel_conductor, fresnel_dielectric

@@ -6,7 +6,7 @@ import pytest
 
 from lamina.reference_py.frame import spherical
 from lamina.reference_py.models import make_model
-from lamina.reference_py.models.quadrature import directional_albedo
+from lamina.reference_py.optics.quadrature import directional_albedo
 from lamina.reference_py.optics.fresnel import cos_theta_t
 from support.chi_square import chi_square_p_value
 from support.stacks import coat, conductor, lambert, stack

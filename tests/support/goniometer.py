@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamina.addon.rendering.measure import render_sun_sphere
-from lamina.reference_py.compare import lobe_widths
+from lamina.reference_py.optics.material import rough_surfaces
 from lamina.reference_py.optics.microfacet import BECKMANN, smith_lambda
 from lamina.reference_py.stack import Stack
 
@@ -21,7 +21,7 @@ NARROW_TOLERANCE = 2e-4
 
 
 def tolerance(stack: Stack) -> float:
-    alphas = [alpha for _, alpha in lobe_widths(stack)]
+    alphas = [alpha for _, alpha in rough_surfaces(stack)]
     return NARROW_TOLERANCE if alphas and min(alphas) < 0.005 else TOLERANCE
 
 
@@ -65,7 +65,7 @@ def parity(material, f, sun_theta_deg: float, size: int = 96, window=(0.0, 0.0, 
 
 def highlight_window(stack: Stack, sun_theta_deg: float) -> tuple[float, float, float] | None:
     """A window of the sphere around the highlight of the narrowest lobe, where the whole sphere would not show it."""
-    alphas = [alpha for _, alpha in lobe_widths(stack)]
+    alphas = [alpha for _, alpha in rough_surfaces(stack)]
     if not alphas or min(alphas) > 0.05:
         return None
     return (float(np.sin(np.radians(sun_theta_deg) / 2.0)), 0.0, max(6.0 * min(alphas), 0.01))
@@ -79,7 +79,7 @@ def beckmann_sampling_bias(stack: Stack, cos_o: np.ndarray) -> np.ndarray:
     """
     tan = np.sqrt(1.0 - cos_o**2) / cos_o
     bias = np.zeros(len(cos_o))
-    for kind, alpha in lobe_widths(stack):
+    for kind, alpha in rough_surfaces(stack):
         if kind == BECKMANN:
             a = 1.0 / np.maximum(alpha * tan, 1e-9)
             exact = np.array([0.5 * (math.exp(-v * v) / (v * math.sqrt(math.pi)) - math.erfc(v)) for v in np.minimum(a, 20.0)])

@@ -8,10 +8,11 @@ A height h enters through c = C1(h) alone: a ray of direction w is free from c t
 (c / c')^Lambda(w), where Lambda(w) = -1 - Lambda(-w) downwards. Below a dielectric the same holds upside down, with
 1 - c, so a ray that crosses a facet goes on in the mirrored frame. The unknown is what a ray of direction w that
 leaves height c gives after at least one more event; it is collocated at DIRECTIONS x HEIGHTS nodes per side, with
-the stretched polar angle (tan = alpha tan(theta)) and c = sin^2 as smooth variables.
+the stretched polar angle (tan = alpha tan(theta)) and c = sin^2 as smooth variables. Energies need few polar moments
+of what leaves; f needs many, and azimuthal modes (`Microsurface.detail`).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -21,12 +22,26 @@ from .facets import MULTIPLE, smith_lambda, visible_facets
 from .grid import chebyshev, gauss_legendre, legendre
 
 DIRECTIONS, HEIGHTS = 20, 10
-SHAPE = 8
-AZIMUTHS = 6
-# Quadratures over facets, and over heights along a ray.
-_ACROSS, _ALONG, _STEPS = 16, 28, 12
+# Quadrature over heights along a ray.
+_STEPS = 12
 # A leftover below this is rounding.
 _NOTHING = 1e-12
+
+
+@dataclass(frozen=True)
+class Detail:
+    """Azimuthal modes and polar moments of what leaves; facets across and along the plane of incidence that tell them."""
+
+    azimuths: int
+    moments: int
+    across: int
+    along: int
+
+
+_ENERGY = Detail(azimuths=1, moments=8, across=16, along=28)
+# Two events on a narrow surface leave a lobe about as narrow as one does: fewer modes or moments put light far from it.
+_NARROW = Detail(azimuths=48, moments=24, across=24, along=42)
+_WIDE, _WIDE_ALPHA = Detail(azimuths=24, moments=16, across=24, along=42), 0.25
 
 
 @dataclass(frozen=True)
@@ -38,18 +53,30 @@ class Microsurface:
     etas: tuple[float, ...] = ()
     index: tuple[float, float] = (0.0, 0.0)
 
+    def detail(self, modes: int) -> Detail:
+        """What `shares` tells when operators have so many azimuthal modes."""
+        if modes == 1:
+            return _ENERGY
+        shape = _NARROW if self.alpha < _WIDE_ALPHA else _WIDE
+        return replace(shape, azimuths=min(modes, shape.azimuths))
+
     def shares(self, cos_theta: np.ndarray, modes: int) -> np.ndarray:
-        """How the leftover of light at cosines (I,) on side 0 is shared: (side, min(modes, AZIMUTHS), I, SHAPE).
+        """How the leftover of light at cosines (I,) on side 0 is shared: (side, azimuths, I, moments) of `detail`.
 
         Mean of P_k(1 - 2 cos^2) cos(m turn) per unit of leftover; [:, 0, :, 0] sums to 1 over the sides of a dielectric.
         """
-        modes = min(modes, AZIMUTHS)
-        scatter = _Scatter(self, 0, cos_theta, modes)
+        detail = self.detail(modes)
+        # The two sides of an interface are one problem, whichever the light comes from.
+        surface, side = self, 0
+        if self.etas and self.etas[0] < 1.0:
+            surface, side = replace(self, etas=self.etas[::-1]), 1
+        scatter = _Scatter(surface, side, cos_theta, detail)
         # from above the surface, where c = 1, every ray comes down to some height
         descent = _descent(np.ones(1), cos_theta, self)[:, 0]
-        again = np.einsum("ih,mihr->mir", descent, scatter.apply(_solution(self, modes)))
+        again = np.einsum("ih,mihr->mir", descent, scatter.apply(_solution(surface, detail)))
         left = np.einsum("ih,ih->i", descent, scatter.leftover())
-        again = np.moveaxis(again.reshape(modes, len(cos_theta), -1, SHAPE), 2, 0)
+        again = np.moveaxis(again.reshape(detail.azimuths, len(cos_theta), -1, detail.moments), 2, 0)
+        again = again[::-1] if side else again
         # No moment exceeds the energy, which is positive: where there is hardly any, rounding would say otherwise.
         energy = np.maximum(again[:, 0, :, 0], 0.0)
         shape = np.clip(again / np.maximum(energy, _NOTHING)[:, None, :, None], -1.0, 1.0)
@@ -60,18 +87,18 @@ class Microsurface:
 
 
 @lru_cache(maxsize=64)
-def _solution(surface: Microsurface, modes: int) -> np.ndarray:
-    """(modes, side, DIRECTIONS, HEIGHTS, sides * SHAPE) of the unknown at the nodes."""
+def _solution(surface: Microsurface, detail: Detail) -> np.ndarray:
+    """(azimuths, side, DIRECTIONS, HEIGHTS, sides * moments) of the unknown at the nodes."""
     sides = max(len(surface.etas), 1)
     cosines = _node_cosines(surface.alpha)
     heights = _node_heights()
     walk = _path(heights, cosines, surface)
-    scatters = [_Scatter(surface, side, -cosines, modes) for side in range(sides)]
+    scatters = [_Scatter(surface, side, -cosines, detail) for side in range(sides)]
     once = np.stack([s.once(sides) for s in scatters])
     source = np.einsum("jhk,smjkr->msjhr", walk, once)
     size = sides * DIRECTIONS * HEIGHTS
     result = []
-    for m in range(modes):
+    for m in range(detail.azimuths):
         kernel = np.zeros((sides, DIRECTIONS, HEIGHTS, sides, DIRECTIONS, HEIGHTS))
         for side, s in enumerate(scatters):
             kernel[side, :, :, side] += np.einsum("jhk,jl->jhlk", walk, s.reflect[m])
@@ -79,18 +106,18 @@ def _solution(surface: Microsurface, modes: int) -> np.ndarray:
                 kernel[side, :, :, 1 - side] += np.einsum("jhk,jl->jhlk", walk, s.refract[m])[..., ::-1]
         right = source[m].reshape(size, -1)
         result.append(np.linalg.solve(np.eye(size) - kernel.reshape(size, size), right))
-    return np.stack(result).reshape(modes, sides, DIRECTIONS, HEIGHTS, -1)
+    return np.stack(result).reshape(detail.azimuths, sides, DIRECTIONS, HEIGHTS, -1)
 
 
 class _Scatter:
     """One event of rays that come from directions of cosines (I,), which may lie below the horizon, on one side."""
 
-    def __init__(self, surface: Microsurface, side: int, cos_theta: np.ndarray, modes: int):
-        self.surface, self.side, self.modes = surface, side, modes
-        facets = visible_facets(cos_theta, surface.alpha, surface.kind, MULTIPLE, _ACROSS, _ALONG, (surface.etas or (1.0,))[side])
+    def __init__(self, surface: Microsurface, side: int, cos_theta: np.ndarray, detail: Detail):
+        self.surface, self.side, self.detail = surface, side, detail
+        eta = (surface.etas or (1.0,))[side]
+        facets = visible_facets(cos_theta, surface.alpha, surface.kind, MULTIPLE, detail.across, detail.along, eta)
         cos = np.clip(facets.cos_om, 0.0, 1.0)
         if surface.etas:
-            eta = surface.etas[side]
             reflectance = fresnel_dielectric(cos, eta)
             cos_t = np.sqrt(np.maximum(1.0 - (1.0 - cos * cos) / eta**2, 0.0))
             refracted = (cos / eta - cos_t)[..., None] * facets.wm - facets.wo / eta
@@ -105,29 +132,31 @@ class _Scatter:
         self.refract = self._matrix(self.refracted, self.w_refracted) if surface.etas else None
 
     def _matrix(self, w, weights) -> np.ndarray:
-        """(modes, I, DIRECTIONS): weights of the direction nodes, half of them up and half down."""
+        """(azimuths, I, DIRECTIONS): weights of the direction nodes, half of them up and half down."""
         alpha = self.surface.alpha
         polar = np.arctan2(alpha * np.hypot(w[..., 0], w[..., 1]), w[..., 2])
         # the unknown jumps at the horizon: of two rays from the top, one leaves and one comes down again
         down = polar > 0.5 * np.pi
         half = DIRECTIONS // 2
         basis = legendre(4.0 / np.pi * (polar - np.where(down, 0.5 * np.pi, 0.0)) - 1.0, half)
-        turned = weights * _turns(w, self.modes)
-        moments = [np.einsum("miq,kiq->mik", turned * part, basis) for part in (~down, down)]
-        return np.concatenate(moments @ _to_nodes(half), axis=-1)
+        turns = np.swapaxes(_turns(w, self.detail.azimuths), 0, 1)
+        moments = [turns @ np.moveaxis(weights * part * basis, 0, -1) for part in (~down, down)]
+        return np.swapaxes(np.concatenate(moments @ _to_nodes(half), axis=-1), 0, 1)
 
     def once(self, sides: int) -> np.ndarray:
-        """(modes, I, HEIGHTS, sides * SHAPE): what leaves directly after this event, at the heights' nodes."""
-        result = np.zeros((self.modes, len(self.weights), HEIGHTS, sides, SHAPE))
+        """(azimuths, I, HEIGHTS, sides * moments): what leaves directly after this event, at the heights' nodes."""
+        result = np.zeros((self.detail.azimuths, len(self.weights), HEIGHTS, sides, self.detail.moments))
         result[:, :, :, self.side] = self._leaving(self.reflected, self.w_reflected, _node_heights())
         if sides == 2:
             result[:, :, :, 1 - self.side] = self._leaving(self.refracted, self.w_refracted, 1.0 - _node_heights())
         return result.reshape(*result.shape[:3], -1)
 
     def _leaving(self, w, weights, heights) -> np.ndarray:
-        free = _free(w[..., 2], heights, self.surface)
-        shapes = legendre(1.0 - 2.0 * np.square(w[..., 2]), SHAPE)
-        return np.einsum("miq,hiq,kiq->mihk", weights * _turns(w, self.modes), free, shapes, optimize=True)
+        free = weights * _free(w[..., 2], heights, self.surface)
+        shapes = legendre(1.0 - 2.0 * np.square(w[..., 2]), self.detail.moments)
+        turns = _turns(w, self.detail.azimuths)
+        left = [turns[:, i] @ (free[:, None, i] * shapes[:, i]).reshape(-1, w.shape[1]).T for i in range(len(w))]
+        return np.stack(left, axis=1).reshape(len(turns), len(w), len(heights), -1)
 
     def leftover(self) -> np.ndarray:
         """(I, HEIGHTS): share of the light that does not leave directly after this event, without absorption."""
@@ -140,11 +169,16 @@ class _Scatter:
         return stays + np.einsum("iq,hiq->ih", self.w_refracted, crossed)
 
     def apply(self, solution: np.ndarray) -> np.ndarray:
-        """(modes, I, HEIGHTS, ...): the unknown after this event, at the heights' nodes."""
-        result = np.einsum("mij,mjhr->mihr", self.reflect, solution[:, self.side])
+        """(azimuths, I, HEIGHTS, ...): the unknown after this event, at the heights' nodes."""
+        result = _through(self.reflect, solution[:, self.side])
         if self.surface.etas:
-            result += np.einsum("mij,mjhr->mihr", self.refract, solution[:, 1 - self.side, :, ::-1])
+            result += _through(self.refract, solution[:, 1 - self.side, :, ::-1])
         return result
+
+
+def _through(matrix, values) -> np.ndarray:
+    """(m, i, ...) of matrix (m, i, j) on values (m, j, ...)."""
+    return (matrix @ values.reshape(*values.shape[:2], -1)).reshape(*matrix.shape[:2], *values.shape[2:])
 
 
 def _turns(w, modes: int) -> np.ndarray:

@@ -5,6 +5,8 @@ A smooth interface keeps s = n sin(theta), so both directions refract about the 
 between smooth interfaces is a geometric series per direction, and f / n^2 is what is carried through.
 """
 
+from itertools import takewhile
+
 import numpy as np
 
 from ...frame import dot, half_vector
@@ -45,6 +47,21 @@ def _carried(recipe: Recipe, smooth: int, cos_theta) -> np.ndarray:
         through = through * trips * (1.0 - reflectance) * share
         back = (reflectance + np.square(1.0 - reflectance) * back * trips) * np.square(share)
     return through
+
+
+def mirror_reflectance(recipe: Recipe, cos_theta: np.ndarray) -> np.ndarray:
+    """Share (P, 3) of the light from cosines (P,) that the smooth surfaces at the top turn back as a mirror, all bounces."""
+    run = list(takewhile(lambda i: is_specular(i.alpha), recipe.interfaces))
+    cosines = [cos_theta, *(cos_theta_t(cos_theta, i.n_below) for i in run)]
+    reflected = np.zeros((len(cos_theta), 3))
+    if len(run) == len(recipe.interfaces) and recipe.base.is_mirror:
+        eta, k = np.array(recipe.base.index).T
+        reflected = fresnel_conductor(cosines[-1][:, None], eta, k)
+    for interface, tau, above, below in reversed(list(zip(run, recipe.taus, cosines, cosines[1:]))):
+        reflected = reflected * np.exp(-2.0 * tau / np.maximum(below, 1e-12)[:, None])
+        f = fresnel_dielectric(above, interface.eta)[:, None]
+        reflected = f + np.square(1.0 - f) * reflected / np.maximum(1.0 - f * reflected, 1e-13)
+    return reflected * np.exp(-2.0 * recipe.tau_above / np.maximum(cos_theta, 1e-12)[:, None])
 
 
 def _event(recipe: Recipe, k: int, surface: str, wo, wi) -> np.ndarray:

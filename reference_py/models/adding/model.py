@@ -3,15 +3,16 @@
 
 f is split. What meets one facet of the topmost rough surface, seen through smooth interfaces, is a formula
 (`direct`); the rest is smoother and comes from the grid, made reciprocal. Doubling the resolution changes albedo by
-less than 0.1 % (`tests/reference_py/test_adding.py`); f differs from the walk of `position_free` by 1 % in the median
-and 3.5 % at most, its noise included, relative to f + 2 % of the peak, for alpha >= 0.05. Limit: where a rough
-surface below a rough one is narrower than about 2 / modes, the rest of f is blurred or rings; energies stay right.
-On the suite (figures/suite_agreement.csv) f is further off, by up to 19 %, for 14 of 73 stacks: mostly in directions far
-from any lobe.
+less than 0.1 % (`tests/reference_py/test_adding.py`). f differs from the walk of `position_free` by 1 % in the median
+and 2.5 % at most, beyond four standard errors, relative to f + 2 % of the peak, for alpha >= 0.05; 3.5 % is stated. On
+the suite (figures/suite_agreement.csv) it is within that for all but one stack, where 1500 walks are too few. Limit:
+where a rough surface below a rough one is narrower than about 2 / modes, the rest of f is blurred or rings, by up to
+11 % at alpha = 0.005; energies stay right.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import ceil
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from ...errors import LaminaError
 from ...optics.microfacet import is_specular
 from ...stack import Stack
 from .assembly import TRAPPED_LOSS, Layers, add, empty, round_trips
-from .direct import direct_f
+from .direct import direct_f, mirror_reflectance
 from .facets import MULTIPLE, SURFACES
 from .grid import Grid, chebyshev
 from .operators import Resolution, dielectric_rows, interface_operators, transmittance
@@ -28,6 +29,8 @@ from .recipe import Recipe
 # Facets per direction: energies need fewer than azimuthal modes do.
 _ENERGY = Resolution(modes=1, across=16, along=36)
 _NODES, _MODES = 32, 64
+# f: nodes per width of the narrowest lobe that the grid has to carry, and the most that are worth their time.
+_NODES_PER_WIDTH, _MOST_NODES = 4.5, 48
 
 
 @dataclass(frozen=True)
@@ -69,22 +72,27 @@ class Adding:
     """The truth, deterministic: adding of interface operators, all orders.
 
     `surface`: "multiple" (lossless microsurfaces, Heitz16) or "single" (one event per surface, separable Smith
-    masking, what is left over is lost). `nodes`: directions from the normal to grazing in the thinnest medium;
-    `modes`: azimuthal modes of f. Raises LaminaError on a bad option.
+    masking, what is left over is lost). `nodes`: directions from the normal to grazing in the thinnest medium; by
+    default 32, for f up to 48 where a lobe is narrow. `modes`: azimuthal modes of f. Raises LaminaError on a bad option.
     """
 
     name = "adding"
     stochastic = False
 
-    def __init__(self, stack: Stack, surface: str = MULTIPLE, nodes: int = _NODES, modes: int = _MODES, **unknown):
+    def __init__(self, stack: Stack, surface: str = MULTIPLE, nodes: int | None = None, modes: int = _MODES, **unknown):
         for key in unknown:
             raise LaminaError(f"model {self.name}: unknown option {key!r}; choose surface, nodes, modes")
         if surface not in SURFACES:
             raise LaminaError(f"model {self.name}: unknown surface {surface!r}; choose {', '.join(SURFACES)}")
         self.stack, self.surface = stack, surface
-        nodes, modes = _whole("nodes", nodes, 8, 512), _whole("modes", modes, 1, 512)
+        modes = _whole("modes", modes, 1, 512)
         self._recipe = Recipe.of(stack)
-        self._grid = self._recipe.grid(nodes)
+        if nodes is None:
+            fine = _NODES_PER_WIDTH / max(self._recipe.narrowest_lobe(), _NODES_PER_WIDTH / _MOST_NODES)
+            nodes, shape_nodes = _NODES, max(_NODES, ceil(fine))
+        else:
+            nodes = shape_nodes = _whole("nodes", nodes, 8, 512)
+        self._grid, self._shape_grid = self._recipe.grid(nodes), self._recipe.grid(shape_nodes)
         self._shape = Resolution(modes, across=max(24, modes // 2), along=48)
 
     # --- energies ---
@@ -127,6 +135,11 @@ class Adding:
             escape[channel] = round_trips(below[0], top.r_down[0], below[0] @ outside)
         return escape
 
+    def mirror_albedo(self, cos_theta: np.ndarray) -> np.ndarray:
+        """The part (..., 3) of the albedo that is mirror-like and has no f, for view cosines (...)."""
+        cos_theta = np.asarray(cos_theta, float)
+        return mirror_reflectance(self._recipe, cos_theta.ravel()).reshape(cos_theta.shape + (3,))
+
     def layer_energies(self) -> LayerEnergies:
         """Energies of all layers without the base."""
         recipe, grid = self._recipe, self._grid
@@ -149,7 +162,11 @@ class Adding:
 
     def _operators(self, k: int, resolution: Resolution):
         i = self._recipe.interfaces[k]
-        return interface_operators(i.n_above, i.n_below, i.alpha, i.distribution, self.surface, self._grid, resolution)
+        grid = self._grid_for(resolution)
+        return interface_operators(i.n_above, i.n_below, i.alpha, i.distribution, self.surface, grid, resolution)
+
+    def _grid_for(self, resolution: Resolution) -> Grid:
+        return self._shape_grid if resolution is self._shape else self._grid
 
     def _below(self, k: int, channel: int, resolution: Resolution) -> np.ndarray:
         """Reflection operator of all that is below interface k, its medium included."""
@@ -160,7 +177,7 @@ class Adding:
 
         `direct` is the part that `direct_f` knows in closed form.
         """
-        recipe, grid = self._recipe, self._grid
+        recipe, grid = self._recipe, self._grid_for(resolution)
         if k == len(recipe.interfaces):
             n, base = recipe.base.n, recipe.base
             once, more = base.rows(channel, grid.cosines(n), self.surface, grid, resolution)
@@ -185,7 +202,7 @@ class Adding:
         """Crossing of interface k from below: exact sums for energies; for f by reciprocity, as rows average noise."""
         if resolution is not self._shape:
             return top.t_up
-        above, below = (self._grid.weights[: matrix.shape[-1]] for matrix in (top.r_up, top.r_down))
+        above, below = (self._shape_grid.weights[: matrix.shape[-1]] for matrix in (top.r_up, top.r_down))
         return np.swapaxes(top.t_down, -1, -2) * above / below[:, None]
 
     # --- shape ---
@@ -206,18 +223,22 @@ class Adding:
     def _interpolated(self, wo, wi) -> np.ndarray:
         cos_o, which_o = np.unique(np.minimum(wo[:, 2], 1.0), return_inverse=True)
         cos_i, which_i = np.unique(np.minimum(wi[:, 2], 1.0), return_inverse=True)
-        at_o, at_i = self._grid.interpolation(1.0, cos_o), self._grid.interpolation(1.0, cos_i)
+        at_o, at_i = self._shape_grid.interpolation(1.0, cos_o), self._shape_grid.interpolation(1.0, cos_i)
         azimuth = wo[:, 0] * wi[:, 0] + wo[:, 1] * wi[:, 1]
         sines = np.hypot(wo[:, 0], wo[:, 1]) * np.hypot(wi[:, 0], wi[:, 1])
         # travel: a mirror, whose wi is opposite in azimuth, turns by 0
         turn = -np.clip(np.where(sines > 1e-12, azimuth / np.maximum(sines, 1e-12), -1.0), -1.0, 1.0)
         harmonics = chebyshev(turn, self._shape.modes)
+        harmonics[1:] *= 2.0
         result = np.zeros((len(wo), 3))
         for channel, members in self._recipe.channels():
             density = self._rest[channel]
             value = np.zeros(len(wo))
-            for m in range(self._shape.modes):
-                value += (1.0 if m == 0 else 2.0) * harmonics[m] * _pairs(at_o @ density[m], at_i, which_o, which_i)
+            # one product per view: rows of all modes at once
+            for view in range(len(cos_o)):
+                here = np.flatnonzero(which_o == view)
+                series = at_i[which_i[here]] @ (at_o[view] @ density).T
+                value[here] = np.einsum("qm,mq->q", series, harmonics[:, here])
             result[:, members] = value[:, None]
         return result
 
@@ -227,16 +248,9 @@ class Adding:
         rest = {}
         for channel, _ in self._recipe.channels():
             whole, mirror, direct = self._reflection(0, channel, self._shape)
-            density = (whole - np.diag(mirror) - direct) / self._grid.weights[: len(mirror)]
+            density = (whole - np.diag(mirror) - direct) / self._shape_grid.weights[: len(mirror)]
             rest[channel] = 0.5 * (density + np.swapaxes(density, -1, -2))
         return rest
-
-
-def _pairs(left, right, which_left, which_right) -> np.ndarray:
-    """Dot products of chosen rows of `left` and `right`, by whichever way needs less memory."""
-    if len(left) * len(right) <= 4 * len(which_left):
-        return (left @ right.T)[which_left, which_right]
-    return np.einsum("ij,ij->i", left[which_left], right[which_right])
 
 
 def _whole(name: str, value, low: int, high: int) -> int:

@@ -17,13 +17,13 @@ from ...optics.diffuse import oren_nayar
 from ...optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
 from ...optics.microfacet import is_specular
 from .assembly import Layers
-from .bounces import AZIMUTHS, SHAPE, Microsurface
+from .bounces import Microsurface
 from .facets import MULTIPLE, dielectric_events, reflection_lobe, visible_facets
 from .grid import Grid, gauss_legendre, legendre
 
 # Azimuths of the quadrature of an Oren-Nayar base over the half circle.
 _OREN_NAYAR_AZIMUTHS = 128
-# A reflected lobe of alpha * nodes above this is resolved by the grid; it is integrated over so many azimuths + modes.
+# A reflected lobe of alpha * nodes above this is resolved by the grid; it is integrated over so many azimuths + 2 modes.
 _RESOLVED, _LOBE_AZIMUTHS = 2.0, 24
 # Directions handled at once, which bounds memory.
 _CHUNK = 64
@@ -101,16 +101,16 @@ def _dielectric_chunk(n_own, n_other, cos_theta, alpha, kind, surface, grid, res
     transmitted = grid.project(n_other, wt, modes)(w_refracted)
     if surface == MULTIPLE:
         left = 1.0 - once[0].sum(axis=1) - transmitted[0].sum(axis=1)
-        moments = Microsurface(alpha, kind, etas=(eta, 1.0 / eta)).shares(cos_theta, modes) * left[:, None]
-        more[:AZIMUTHS] = _spread(moments[0], grid, n_own)
-        transmitted[:AZIMUTHS] += _spread(moments[1], grid, n_other)
+        moments = Microsurface(alpha, kind, etas=(eta, n_own / n_other)).shares(cos_theta, modes) * left[:, None]
+        more[: moments.shape[1]] = _spread(moments[0], grid, n_own)
+        transmitted[: moments.shape[1]] += _spread(moments[1], grid, n_other)
     return once, more, transmitted
 
 
 def _spread(moments, grid: Grid, n: float) -> np.ndarray:
-    """Rows (modes, I, N) whose energy over d2p has the Legendre moments (modes, I, SHAPE) in 1 - 2 cos^2."""
-    count = grid.count(n)
-    shapes = legendre(2.0 * np.square(grid.s[:count] / n) - 1.0, SHAPE) * (2.0 * np.arange(SHAPE) + 1.0)[:, None]
+    """Rows (modes, I, N) whose energy over d2p has the Legendre moments (modes, I, K) in 1 - 2 cos^2."""
+    count, order = grid.count(n), np.arange(moments.shape[-1])
+    shapes = legendre(2.0 * np.square(grid.s[:count] / n) - 1.0, len(order)) * (2.0 * order + 1.0)[:, None]
     return moments @ shapes * grid.weights[:count] / (np.pi * n * n)
 
 
@@ -167,7 +167,7 @@ def _conductor_chunk(index, channel, n, cos_theta, alpha, kind, surface, grid, r
     more = np.zeros_like(once)
     if surface == MULTIPLE:
         moments = Microsurface(alpha, kind, index=index[channel]).shares(cos_theta, modes)[0]
-        more[:AZIMUTHS] = _spread(moments * np.maximum(1.0 - white, 0.0)[:, None], grid, n)
+        more[: len(moments)] = _spread(moments * np.maximum(1.0 - white, 0.0)[:, None], grid, n)
     return once, more
 
 
@@ -182,7 +182,7 @@ def _resolved_lobe(fresnel: Callable, cos_theta, n: float, alpha, kind, surface,
     """
     cos_o, cos_i = cos_theta[:, None, None], grid.cosines(n)[:, None]
     # turn = 2 atan(width tan(u / 2)) is dense about the mirror direction; u crowds towards pi for the lobe's far tail
-    x, gauss = gauss_legendre(_LOBE_AZIMUTHS + modes)
+    x, gauss = gauss_legendre(_LOBE_AZIMUTHS + 2 * modes)
     rest = 0.5 * (1.0 - x)
     u, step = np.pi * (1.0 - rest**4), 2.0 * gauss * rest**3
     width = np.minimum(1.0, alpha * (cos_o + cos_i))

@@ -75,6 +75,22 @@ class Recipe:
     def grid(self, nodes: int) -> Grid:
         return Grid(tuple(sorted({1.0, *(i.n_below for i in self.interfaces)})), nodes)
 
+    def narrowest_lobe(self) -> float:
+        """Width in s of the narrowest lobe that passes a rough interface and is reflected below; infinite without any.
+
+        A facet tilted by alpha turns s by (n_below - n_above) alpha where it refracts and 2 n alpha where it reflects.
+        """
+        surfaces = [(i.n_above, i.n_below - i.n_above, i.alpha) for i in self.interfaces]
+        if self.base.kind == "conductor":
+            surfaces.append((self.base.n, 0.0, self.base.alpha))
+        narrowest, passed = np.inf, 0.0
+        for n, step, alpha in surfaces:
+            alpha = 0.0 if is_specular(alpha) else alpha
+            if passed > 0.0:
+                narrowest = min(narrowest, np.hypot(passed, 2.0 * n * alpha))
+            passed = np.hypot(passed, np.sqrt(2.0) * step * alpha)  # on the way down and up
+        return narrowest
+
     def channels(self) -> list[tuple[int, list[int]]]:
         """(representative, members) of each set of channels that are alike."""
         groups: dict = {}

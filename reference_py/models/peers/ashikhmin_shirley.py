@@ -7,6 +7,7 @@ Metal base: its lobe alone, tinted by the round trip through all media. Diffuse 
 the tinted base color; without layers the diffuse part of a lobe of no reflectance. Oren-Nayar counts as Lambert.
 Limits: interfaces between are ignored, nothing is broadened; the diffuse part fades towards grazing views even
 where no lobe takes its place (rough or absent), so a bare white base has albedo .97, .89, .50 at 0, 45, 75 degrees.
+Schlick's curve rises to 1 even from 0, so an interface between equal indices does not vanish.
 """
 
 import numpy as np

@@ -8,7 +8,7 @@ import numpy as np
 from ...frame import dot, spherical
 from ...optics.microfacet import GGX, masking_g1, masking_g2
 from ...optics.sampling import ggx_visible_normals
-from ..quadrature import directional_albedo
+from ...optics.quadrature import directional_albedo
 from .parts import Fresnel
 
 # The generalised golden ratio of two dimensions.

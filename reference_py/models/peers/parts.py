@@ -18,7 +18,7 @@ from ...optics.fresnel import fresnel_conductor, fresnel_dielectric
 from ...optics.material import conductor_index, interfaces, n_above_base
 from ...optics.microfacet import alpha_from_roughness, is_specular
 from ...stack import Element, Stack
-from ..quadrature import directional_albedo
+from ...optics.quadrature import directional_albedo
 
 _UP = np.array([0.0, 0.0, 1.0])
 # The cosine at which an F82 curve takes its second value, and Schlick's rise there.

@@ -8,7 +8,9 @@ A diffuse base is Base Color, with Diffuse Roughness for Oren-Nayar; a second in
 to the coat), otherwise IOR Level is 0. `settings` gives the values by socket name.
 Limits: no place for a third interface, nor for a second over metal: they are left out; GGX only; no internal
 reflection, so a coated diffuse base is too bright; no broadening; f is not reciprocal;
-under a coat that is denser than the second interface's medium the albedo exceeds 1, by up to .64 (figures/stress.csv).
+under a coat that is denser than the second interface's medium the albedo exceeds 1, by up to .64 (figures/stress.csv):
+total reflection is estimated by the table for the inverse index, which has none, so the base is hardly dimmed. Blender
+4.5.15 does it: n = 1.5 of alpha .5 over a smooth 1.3 over Lambert .8 renders 1.635 +- .002 at 75 degrees, here it is 1.639.
 """
 
 import numpy as np

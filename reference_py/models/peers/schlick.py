@@ -8,7 +8,9 @@ The base's color S'(0) is its own times the round trip through all media; Oren-N
 Left out: his re-emission of masked light, (1 - G G') / (4 pi v v'), which is unbounded at grazing views, and the
 weights that add a mirror to a rough lobe (they would not show the alpha that a stack names).
 Limits: interfaces between are ignored, nothing is broadened, internal reflection does not darken; over a light
-diffuse base the sum exceeds 1 towards grazing views, and so does a metal, whose G stays near 1 until cos < alpha^2.
+diffuse base the sum exceeds 1 towards grazing views, and so does a metal, whose G stays near 1 until cos < alpha^2: by
+up to 1.7 at 89.9 degrees (figures/stress.csv). His Fresnel curve rises to 1 even from 0, so an interface between equal
+indices does not vanish.
 """
 
 import numpy as np

@@ -5,7 +5,8 @@ What a plain glossy or glossy-plus-diffuse shader shows. A metal base: its own l
 through all media; no interface above is seen. A diffuse base: the lobe of the top interface, added to the base
 tinted likewise and dimmed by 1 - f0 of that interface. Masking is Smith's, with the stack's own distribution.
 Limits: interfaces between are ignored, nothing is broadened, single scattering loses energy at large alpha; the
-sum of lobe and diffuse part exceeds 1 over a light base towards grazing views.
+sum of lobe and diffuse part exceeds 1 over a light base towards grazing views, by up to .47 at 89.9 degrees
+(figures/stress.csv).
 """
 
 import numpy as np

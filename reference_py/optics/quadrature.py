@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ..frame import dot, half_vector, reflect
-from ..optics import microfacet
+from . import microfacet
 
 # Roberts' R2 sequence: the generalised golden ratio of two dimensions.
 _GOLDEN_2 = 1.32471795724474602596

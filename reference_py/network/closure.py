@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Cycles makes of one lobe: its f, and its energy.
+
+The lobe's frame: x along the plane of incidence, z the lobe's normal, which is N turned by `tilt` towards the viewer.
+"""
+
+import numpy as np
+
+from ..optics.diffuse import oren_nayar
+from ..optics.fresnel import fresnel_dielectric
+from ..optics.microfacet import GGX, is_specular, smith_lambda_stretched
+from ..frame import normalize, reflect
+from ..optics.quadrature import cosine_directions, points
+from ..optics.sampling import ggx_visible_normals
+from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe, SchlickCurve
+
+
+# Cycles drops a closure whose mean weight is below this.
+WEIGHT_CUTOFF = 1e-5
+
+
+def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+    """f (..., 3) of one lobe for directions above the surface, as Cycles' closure gives it; 0 for a mirror-like one."""
+    weight = np.where(np.mean(lobe.weight, axis=-1, keepdims=True) < WEIGHT_CUTOFF, 0.0, lobe.weight)
+    if isinstance(lobe, DiffuseLobe):
+        if lobe.color is None:
+            return weight / np.pi * np.ones(wi.shape)
+        return weight * oren_nayar(wi, wo, np.array(lobe.color), lobe.sigma_deg)
+    if is_mirror(lobe):
+        return np.zeros(wi.shape)
+    value, cos_ih = unit_glossy(lobe.distribution, lobe.alpha_x, lobe.alpha_y, lobe.tilt, wo, wi)
+    return weight * value[..., None] * fresnel(lobe, cos_ih)
+
+
+def is_mirror(lobe: GlossyLobe) -> bool:
+    return is_specular(np.max(lobe.alpha_x))
+
+
+def fresnel(lobe: GlossyLobe, cos_h: np.ndarray) -> np.ndarray:
+    """The lobe's Fresnel curve, (..., 1) or (..., 3), at the cosine of wi and the half vector."""
+    if isinstance(lobe.fresnel, DielectricCurve):
+        return fresnel_dielectric(cos_h, lobe.fresnel.eta)[..., None]
+    if isinstance(lobe.fresnel, SchlickCurve):
+        rise = np.power(np.clip(1.0 - cos_h, 0.0, 1.0), 5)[..., None]
+        return lobe.fresnel.f0 + (lobe.fresnel.f90 - lobe.fresnel.f0) * rise
+    return np.ones(np.shape(cos_h) + (1,))
+
+
+def unit_glossy(kind: str, alpha_x, alpha_y, tilt, wo: np.ndarray, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """f (...) of a glossy lobe of weight 1 without its Fresnel curve, and cos(wi, half vector)."""
+    (ix, iy, iz), (ox, oz) = _in_lobe_frame(tilt, wo, wi)
+    hx, hz = ix + ox, iz + oz
+    length = np.sqrt(hx * hx + iy * iy + hz * hz)
+    # both on the horizon, opposite: the half vector is the normal (`frame.half_vector`)
+    safe, level = np.where(length > 1e-12, length, 1.0), length <= 1e-12
+    d = distribution(kind, alpha_x, alpha_y, hx / safe, iy / safe, np.where(level, 1.0, hz / safe))
+    lambda_i = _lambda(np.square(alpha_x * ix) + np.square(alpha_y * iy), iz, kind)
+    lambda_o = _lambda(np.square(alpha_x * ox), oz, kind)
+    # Cycles returns f times the cosine to the lobe's own normal; f refers to the surface's
+    value = d / (4.0 * np.maximum(oz, 1e-20) * (1.0 + lambda_o + lambda_i) * np.maximum(wi[..., 2], 1e-20))
+    return np.where((oz > 0.0) & (iz > 0.0), value, 0.0), 0.5 * length
+
+
+def _in_lobe_frame(tilt, wo, wi):
+    """Components of wi and (x, z) of wo; wo has no y."""
+    sin_o = np.hypot(wo[..., 0], wo[..., 1])
+    safe = np.maximum(sin_o, 1e-12)
+    along = sin_o > 1e-12
+    ax, ay = np.where(along, wo[..., 0] / safe, 1.0), np.where(along, wo[..., 1] / safe, 0.0)
+    cos_t, sin_t = np.cos(tilt), np.sin(tilt)
+    x, y = wi[..., 0] * ax + wi[..., 1] * ay, wi[..., 1] * ax - wi[..., 0] * ay
+    z, cos_o = wi[..., 2], wo[..., 2]
+    return (cos_t * x - sin_t * z, y, cos_t * z + sin_t * x), (cos_t * sin_o - sin_t * cos_o, cos_t * cos_o + sin_t * sin_o)
+
+
+def _lambda(stretched2, cos, kind):
+    """Smith's Lambda where `stretched2` is (alpha_x x)^2 + (alpha_y y)^2."""
+    return smith_lambda_stretched(stretched2 / np.maximum(np.square(cos), 1e-30), kind)
+
+
+def distribution(kind: str, alpha_x, alpha_y, x, y, z) -> np.ndarray:
+    """Anisotropic D (Heitz14, eqs. 84 and 85) of the half vector (x, y, z) in the lobe's frame; 0 below."""
+    z2 = np.maximum(np.square(z), 1e-20)
+    slope2 = (np.square(x / alpha_x) + np.square(y / alpha_y)) / z2
+    scale = 1.0 / (np.pi * alpha_x * alpha_y * np.maximum(np.square(z2), 1e-40))
+    density = scale / np.square(1.0 + slope2) if kind == GGX else scale * np.exp(-slope2)
+    return np.where(z > 0.0, density, 0.0)
+
+
+def unit_energy(lobe: GlossyLobe, cos_theta_o: np.ndarray, count: int = 8192) -> np.ndarray:
+    """Directional albedo (n, 3) that a glossy lobe has with weight 1, for views (n,).
+
+    GGX visible normals of the lobe's own widths carry both distributions. Error below 5e-4 (tests/reference_py/test_closure.py).
+    """
+    cos_o = np.asarray(cos_theta_o, float)
+    wo = np.stack([np.sqrt(np.maximum(1.0 - cos_o**2, 0.0)), np.zeros_like(cos_o), cos_o], axis=-1)
+    if is_mirror(lobe):
+        return fresnel(lobe, cos_o) * np.ones(3)
+    shapes = [np.broadcast_to(np.asarray(v, float), cos_o.shape) for v in (lobe.alpha_x, lobe.alpha_y, lobe.tilt)]
+    u1, u2 = points(count)
+    result = np.zeros(cos_o.shape + (3,))
+    for i, shape in enumerate(zip(*shapes)):
+        wi = _carried_directions(wo[i], *shape, u1, u2)
+        carrier, cos_ih = unit_glossy(GGX, *shape, wo[i], wi)
+        value = carrier if lobe.distribution == GGX else unit_glossy(lobe.distribution, *shape, wo[i], wi)[0]
+        share = np.where(carrier > 0.0, value / np.maximum(carrier, 1e-300), 0.0) * _masking_beyond_view(*shape, wo[i], wi)
+        result[i] = np.mean(np.where(wi[:, 2] > 0.0, share, 0.0)[:, None] * fresnel(lobe, cos_ih), axis=0)
+    return result
+
+
+def lobe_energy(lobe: GlossyLobe | DiffuseLobe, cos_theta_o: np.ndarray) -> np.ndarray:
+    """Directional albedo (n, 3) of a lobe with its weight, for views (n,)."""
+    if isinstance(lobe, GlossyLobe):
+        return lobe.weight * unit_energy(lobe, cos_theta_o)
+    if lobe.color is None:
+        return lobe.weight * np.ones(3)
+    wo = np.stack([np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)), np.zeros_like(cos_theta_o), cos_theta_o], axis=-1)
+    wi = cosine_directions(*points(4096))
+    return lobe.weight * np.pi * np.mean(oren_nayar(wi, wo[:, None], np.array(lobe.color), lobe.sigma_deg), axis=1)
+
+
+def _carried_directions(wo, alpha_x, alpha_y, tilt, u1, u2) -> np.ndarray:
+    """Directions (n, 3) of light from GGX visible normals of the lobe."""
+    cos_t, sin_t = np.cos(tilt), np.sin(tilt)
+    ox, oz = cos_t * wo[0] - sin_t * wo[2], cos_t * wo[2] + sin_t * wo[0]
+    stretched = normalize(np.array([alpha_x * ox, 0.0, oz]))
+    m = ggx_visible_normals(np.broadcast_to(stretched, (len(u1), 3)), 1.0, u1, u2)
+    m = normalize(m * np.array([alpha_x, alpha_y, 1.0]))
+    wm = np.stack([cos_t * m[:, 0] + sin_t * m[:, 2], m[:, 1], cos_t * m[:, 2] - sin_t * m[:, 0]], axis=-1)
+    return reflect(wo, wm)
+
+
+def _masking_beyond_view(alpha_x, alpha_y, tilt, wo, wi) -> np.ndarray:
+    """G2 / G1(wo) of the GGX surface."""
+    (ix, iy, iz), (ox, oz) = _in_lobe_frame(tilt, wo, wi)
+    lambda_i = _lambda(np.square(alpha_x * ix) + np.square(alpha_y * iy), iz, GGX)
+    lambda_o = _lambda(np.square(alpha_x * ox), oz, GGX)
+    return np.where(iz > 0.0, (1.0 + lambda_o) / (1.0 + lambda_i + lambda_o), 0.0)

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How fast the two truths are: walks per second of `position_free`, seconds of a cold albedo of `adding`.
+
+Processor time, not the clock's, and the best of several repeats, so that other work on the machine counts little.
+Run by `make bench`; nothing is asserted.
+"""
+
+import time
+from multiprocessing import get_context
+
+import numpy as np
+
+from lamina.reference_py.frame import spherical
+from lamina.reference_py.models import make_model
+from lamina.reference_py.stack import Stack
+
+REPEATS = 5
+WALKS = 1 << 17
+DIRECTIONS = 64
+VIEW = spherical(np.radians(45.0), 0.0)
+TINT = [0.9, 0.6, 0.3]
+
+
+def layer(ior=1.5, alpha=0.0, distribution="ggx", **values):
+    return {"kind": "dielectric", "ior": ior, "roughness": alpha**0.5, "distribution": distribution, **values}
+
+
+LAMBERT = {"kind": "lambert", "color": [0.5, 0.5, 0.5]}
+GOLD = {"kind": "conductor", "metal": "gold", "roughness": 0.5}
+COATS = {"smooth": layer(), "ggx .4": layer(alpha=0.4), "beckmann .4": layer(alpha=0.4, distribution="beckmann")}
+THREE_LAYERS = {
+    "three smooth layers over lambert": [LAMBERT, layer(1.5), layer(1.3), layer(1.6)],
+    "three rough, tinted layers over gold": [
+        GOLD, layer(1.5, 0.1, tint=TINT), layer(1.3, 0.3, "beckmann", tint=TINT), layer(1.6, 0.2, tint=TINT),
+    ],
+}
+
+
+def walks_per_second(coat: dict, surface: str) -> float:
+    """Of one coat over Lambert .5, the best of the repeats."""
+    model = make_model("position_free", Stack.from_dict({"layers": [coat], "base": LAMBERT}), surface=surface, walks=WALKS)
+    return WALKS / min(processor_seconds(model) for _ in range(REPEATS))
+
+
+def processor_seconds(model, wo=VIEW) -> float:
+    start = time.process_time()
+    model.albedo(wo)
+    return time.process_time() - start
+
+
+def cold_seconds(name: str) -> float:
+    """Building `adding` and its albedo at `DIRECTIONS` directions: called in a process that has computed nothing yet."""
+    base, *layers = THREE_LAYERS[name]
+    wo = spherical(np.linspace(0.0, np.radians(89.0), DIRECTIONS), 0.0)
+    start = time.process_time()
+    make_model("adding", Stack.from_dict({"layers": layers, "base": base})).albedo(wo)
+    return time.process_time() - start
+
+
+def main() -> None:
+    print("position_free, walks per second of one coat over Lambert .5")
+    for surface in ("single", "multiple"):
+        for name, coat in COATS.items():
+            print(f"  {surface:8} {name:12} {walks_per_second(coat, surface):12,.0f}", flush=True)
+    print(f"adding, processor seconds of a cold albedo at {DIRECTIONS} directions")
+    with get_context("spawn").Pool(1, maxtasksperchild=1) as fresh:
+        for name in THREE_LAYERS:
+            best = min(fresh.apply(cold_seconds, (name,)) for _ in range(REPEATS))
+            print(f"  {name:36} {best:8.2f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

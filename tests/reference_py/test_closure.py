@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Energies of single closures against an independent integral of their f."""
+
+import numpy as np
+import pytest
+
+from lamina.reference_py.frame import spherical
+from lamina.reference_py.network.closure import lobe_f, unit_energy
+from lamina.reference_py.network.lobe import DielectricCurve, GlossyLobe
+
+VIEWS_DEG = np.array([0.0, 40.0, 75.0, 85.0])
+LOBES = {
+    "narrow": ("ggx", 0.02, 0.02, 0.0, None),
+    "wide": ("ggx", 0.8, 0.8, 0.0, None),
+    "beckmann": ("beckmann", 0.3, 0.3, 0.0, None),
+    "stretched_tilted": ("ggx", 0.15, 0.4, 0.12, None),
+    "beckmann_tilted_away": ("beckmann", 0.3, 0.2, -0.1, None),
+    "coat": ("ggx", 0.2, 0.2, 0.0, DielectricCurve(1.5)),
+}
+
+
+@pytest.mark.parametrize("name", LOBES)
+def test_energy_equals_the_integral_of_f(name):
+    distribution, alpha_x, alpha_y, tilt, curve = LOBES[name]
+    lobe = GlossyLobe(distribution, np.ones(3), alpha_x, alpha_y, np.float64(tilt), curve)
+    cos_o = np.cos(np.radians(VIEWS_DEG))
+    measured = unit_energy(lobe, cos_o)[:, 1]
+    for theta, energy in zip(VIEWS_DEG, measured):
+        assert energy == pytest.approx(_integral(lobe, np.radians(theta)), rel=5e-4), theta
+
+
+def _integral(lobe, theta):
+    """Midpoints in the polar angle and azimuth of the half vector about the lobe's own normal."""
+    wo = spherical(theta, 0.0)
+    x = (np.arange(800) + 0.5) / 800
+    # tan(theta_m) crowds where the distribution lives
+    tan_m = max(lobe.alpha_x, lobe.alpha_y) * x / (1.0 - x)
+    theta_m = np.arctan(tan_m)
+    step = max(lobe.alpha_x, lobe.alpha_y) / np.square(1.0 - x) / (1.0 + tan_m**2) / len(x)
+    phi = 2.0 * np.pi * (np.arange(400) + 0.5) / 400
+    m = spherical(theta_m[:, None], phi[None, :])
+    cos_t, sin_t = np.cos(lobe.tilt), np.sin(lobe.tilt)
+    wm = np.stack([cos_t * m[..., 0] + sin_t * m[..., 2], m[..., 1], cos_t * m[..., 2] - sin_t * m[..., 0]], axis=-1)
+    cos_om = wm @ wo
+    wi = 2.0 * cos_om[..., None] * wm - wo
+    measure = (np.sin(theta_m) * step)[:, None] * (2.0 * np.pi / len(phi)) * 4.0 * np.abs(cos_om)
+    seen = (cos_om > 0.0) & (wi[..., 2] > 0.0)
+    wi = np.where(seen[..., None], wi, np.array([0.0, 0.0, 1.0]))
+    f = lobe_f(lobe, np.broadcast_to(wo, wi.shape), wi)[..., 1]
+    return float(np.sum(np.where(seen, f * wi[..., 2] * measure, 0.0)))

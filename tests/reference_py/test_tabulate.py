@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables of plain lobes have the energy of the network they were made of, at every knot."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from lamina.reference_py import presets
+from lamina.reference_py.frame import spherical
+from lamina.reference_py.network import make_network
+from lamina.reference_py.network.closure import unit_energy
+from lamina.reference_py.network.lobe import DielectricCurve, DiffuseLobe, GlossyLobe, SchlickCurve
+from lamina.reference_py.network.table import DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork, interpolate, knot_cosines
+from lamina.reference_py.network.tabulate import tabulate
+from lamina.reference_py.optics.diffuse import oren_nayar, oren_nayar_albedo
+from lamina.reference_py.optics.quadrature import directional_albedo
+
+COSINES = knot_cosines()
+
+
+def network_of(*lobes):
+    return SimpleNamespace(lobes=lambda cos_theta_o: list(lobes))
+
+
+@pytest.mark.parametrize("sigma_deg", [10.0, 60.0])
+def test_oren_nayar_albedo_is_the_integral(sigma_deg):
+    color, wo = np.array([0.2, 0.6, 0.95]), spherical(np.radians([0.0, 40.0, 70.0, 85.0]), 0.0)
+
+    def f(o, i):
+        return np.where(i[..., 2:] > 0.0, oren_nayar(i, o, color, sigma_deg), 0.0)
+
+    assert oren_nayar_albedo(wo[:, 2], color, sigma_deg) == pytest.approx(directional_albedo(f, wo, []), rel=1e-3)
+
+
+@pytest.mark.parametrize("curve", [
+    DielectricCurve(1.5),
+    DielectricCurve(0.7),
+    SchlickCurve(np.array([0.04, 0.5, 0.9]), np.ones(3)),
+    SchlickCurve(COSINES[:, None] * np.array([0.1, 0.5, 0.9]), np.ones((len(COSINES), 3))),
+])
+@pytest.mark.parametrize("distribution, alpha", [("ggx", 0.1), ("beckmann", 0.5), ("ggx", 0.0)])
+def test_a_fresnel_curve_is_folded_with_its_energy(curve, distribution, alpha):
+    lobe = GlossyLobe(distribution, np.array([1.0, 0.5, 0.2]), np.float64(alpha), np.float64(alpha), fresnel=curve)
+    (table,) = tabulate(network_of(lobe)).tables
+    assert table.fresnel is None
+    for k in range(0, len(COSINES), 5):
+        at = COSINES[k : k + 1]
+        here = curve if isinstance(curve, DielectricCurve) else SchlickCurve(*(np.broadcast_to(v, (len(COSINES), 3))[k] for v in (curve.f0, curve.f90)))
+        energy = unit_energy(GlossyLobe(distribution, np.ones(3), lobe.alpha_x, lobe.alpha_y, fresnel=here), at)[0]
+        plain = unit_energy(GlossyLobe(distribution, np.ones(3), lobe.alpha_x, lobe.alpha_y), at)[0]
+        assert table.weight[k] * plain == pytest.approx(lobe.weight * energy, rel=4e-3)
+
+
+def test_tilt_and_widths_come_back():
+    tilt = np.arctan(0.3 * np.sqrt(1.0 - COSINES**2))
+    lobe = GlossyLobe("ggx", COSINES[:, None] * np.ones(3), 0.1 + 0.2 * COSINES, np.float64(0.4), tilt)
+    table = tabulate(network_of(lobe)).tables[0]
+    assert table.shape == pytest.approx(np.stack([lobe.alpha_x, np.full(len(COSINES), 0.4), np.full(len(COSINES), 0.3)], axis=-1))
+    assert table.lobe(COSINES[1:]).tilt == pytest.approx(tilt[1:])
+
+
+@pytest.mark.parametrize("sigma_deg", [0.0, 30.0])
+def test_oren_nayar_keeps_its_energy(sigma_deg):
+    weight, color = (0.2 + 0.7 * COSINES)[:, None] * np.array([1.0, 0.9, 0.8]), (0.3, 0.6, 0.9)
+    (table,) = tabulate(network_of(DiffuseLobe(weight, color, sigma_deg))).tables
+    expected = weight * oren_nayar_albedo(COSINES, color, sigma_deg)
+    if sigma_deg:
+        assert isinstance(table, OrenNayarTable)
+        assert oren_nayar_albedo(COSINES, table.weight, sigma_deg) == pytest.approx(expected, rel=1e-6)
+    else:
+        assert table.weight == pytest.approx(expected)
+
+
+def test_tables_stay_and_lobes_without_weight_go():
+    ones = np.ones((len(COSINES), 3))
+    glossy, diffuse, none = GlossyTable("ggx", ones, 0.3 * ones), DiffuseTable(ones), DiffuseTable(0.0 * ones)
+    assert tabulate(TableNetwork((glossy, none, diffuse))).tables == (glossy, diffuse)
+    assert tabulate(TableNetwork((none,))).tables == (none,)
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_between_knots_tables_follow_the_network(name):
+    """Of the last lobe, which has no Fresnel curve: the middles of all cells, relative to the greatest weight."""
+    network = make_network(presets.load(name), "weidlich_wilkie")
+    between = np.square((np.arange(1, len(COSINES) - 1) + 0.5) / (len(COSINES) - 1))
+    lobe, table = network.lobes(between)[-1], tabulate(network).tables[-1]
+    exact = lobe.weight if isinstance(table, GlossyTable) or lobe.color is None else oren_nayar_albedo(between, lobe.color, lobe.sigma_deg) * lobe.weight
+    value = interpolate(table.weight, between)
+    if isinstance(table, OrenNayarTable):
+        value = oren_nayar_albedo(between, value, table.sigma_deg)
+    error = np.max(np.abs(value - exact)) / np.max(exact)
+    print(f"{name}: {error:.1e}")
+    assert error < 4e-3
