@@ -78,6 +78,7 @@ def fill_element(tree: bpy.types.NodeTree, element, source: Element, kind: Kind)
             node.inputs[parameter.label].default_value = (*value, 1.0) if parameter.type == COLOR else value
     if "metal" in source:
         set_metal(element, kind)
+    element.was_given = element.given
 
 
 def read_element(element, kind: Kind) -> dict:
@@ -105,10 +106,10 @@ def set_metal(element, kind: Kind) -> None:
 
 def carry_metal(element, kind: Kind) -> None:
     """After a choice: a named metal's index goes into its sockets, and a new way to give a metal starts from the old."""
-    inputs, outputs = node_of(element).inputs, node_of(element).outputs
+    inputs = node_of(element).inputs
     index = [kind.parameter(name) for name in ("eta", "k")]
     colors = [kind.parameter(name) for name in ("reflectance", "edge_color")]
-    was_colors = outputs[colors[0].label].is_linked  # the shader still reads what it read before
+    was_colors = colors[0].name in element.was_given
     is_colors = colors[0].name in element.given
     if element.given == "metal":
         set_metal(element, kind)
@@ -118,6 +119,7 @@ def carry_metal(element, kind: Kind) -> None:
         for parameter, value in zip(targets, convert(*old)):
             value = np.clip(value, parameter.minimum, parameter.maximum)
             inputs[parameter.label].default_value = (*value, 1.0) if parameter.type == COLOR else value
+    element.was_given = element.given
 
 
 def _index_differs(element, kind: Kind) -> bool:

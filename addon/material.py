@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A stack in a material: group nodes that hold its values, and the generated shader that reads them.
 
-The layer nodes feed one Script node. It is generated again only when structure or tier changes. Every function
-changes the material wholly or, when it raises LaminaError, not at all.
+The layer nodes feed one Script node, which is generated again only when structure or tier changes; in the backend of
+stock nodes the shader is a group that holds the values. Every function changes the material wholly or, when it
+raises LaminaError, not at all.
 """
 
 import json
@@ -12,14 +13,20 @@ from contextlib import contextmanager
 import bpy
 
 from ..reference_py.errors import LaminaError
-from ..reference_py.network import DEFAULT_TIER, make_network
+from ..reference_py.network import DEFAULT_TIER, HOLD_VALUES, make_network, require_tier
+from ..reference_py.network.baking.memory import content
+from ..reference_py.network.tabulate import tabulate
 from ..reference_py.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
 from ..reference_py.stack import MAX_LAYERS, Stack
+from .backend import NODES, OSL, backend_here, notice
 from .elements import carry_metal, fill_element, kind_of, node_of, read_element, shown_parameters, structure_dict
-from .network.osl import BASE, Shader, generate, layer_owner
+from .network.inputs import BASE, layer_owner
+from .network.osl import generate
+from .network.stock_nodes import HAS_DIELECTRIC
 from .properties import quietly
 from .rendering.settings import node_tree
-from .script_node import drop_text, holds, require_osl, set_script
+from .script_node import enable_osl
+from .shader_node import backend_of, group_with, script_with
 from .snapshot import restore, snapshot
 
 _COLUMN, _ROW = 320, 240
@@ -44,11 +51,13 @@ def require_layered(material: bpy.types.Material) -> None:
         raise LaminaError(f"material {material.name} has no Lamina stack; pick a preset first")
 
 
-def apply_stack(material: bpy.types.Material, stack: Stack, tier: str = DEFAULT_TIER) -> None:
-    """Make `material` show `stack`, in place of what it showed."""
-    make_network(stack, tier)  # an unknown tier raises before anything is changed
+def apply_stack(material: bpy.types.Material, stack: Stack, tier: str = DEFAULT_TIER, backend: str | None = None) -> None:
+    """Make `material` show `stack`, in place of what it showed. Without `backend` (a key of BACKENDS) its own one stays."""
+    require_tier(tier)
+    backend_here(backend or material.lamina.backend)
     with _changing(material) as tree:
         lamina = material.lamina
+        lamina.backend = backend or lamina.backend
         lamina.stack_name, lamina.source, lamina.unknown = stack.name, stack.source, json.dumps(dict(stack.unknown))
         lamina.tier, lamina.schema_version = tier, SCHEMA_VERSION
         lamina.layers.clear()
@@ -132,6 +141,14 @@ def regenerate(material: bpy.types.Material) -> None:
         material.lamina.problem = ""
 
 
+def make_renderable(material: bpy.types.Material, scene: bpy.types.Scene) -> list[str]:
+    """Set up a scene for a layered material's backend. Returns one sentence for each thing that the user should see."""
+    if backend_of(material) == OSL:
+        return enable_osl(scene)
+    told = notice(material.lamina.backend)
+    return [f"{material.name} is {told}"] if told else []
+
+
 def structure_changed(material: bpy.types.Material, name: str) -> None:
     """What setting the property `name` calls: a metal's sockets, if it concerns them, and the shader follow.
 
@@ -153,20 +170,21 @@ def structure_changed(material: bpy.types.Material, name: str) -> None:
 def _changing(material: bpy.types.Material) -> Iterator[bpy.types.NodeTree]:
     """Change the structure in the block; then the shader follows, or, on an error, all is as before."""
     require_editable(material)
-    require_osl()
     lamina, tree = material.lamina, node_tree(material)
-    before, nodes_before = snapshot(lamina), _value_nodes(lamina)
+    before, nodes_before, former = snapshot(lamina), _value_nodes(lamina), backend_of(material)
     try:
         with quietly():
             yield tree
             lamina.problem = ""
-            _rebuild(material)
+            refresh(material)
     except Exception:
         _remove_nodes(tree, _value_nodes(lamina) - nodes_before)
         with quietly():
             restore(lamina, before)
         raise
     _remove_nodes(tree, nodes_before - _value_nodes(lamina))
+    if backend_of(material) != former and (told := notice(lamina.backend)):
+        print(f"Lamina: {material.name} is {told}")
 
 
 def _value_nodes(lamina) -> set[str]:
@@ -178,72 +196,44 @@ def _remove_nodes(tree, names: set[str]) -> None:
         tree.nodes.remove(node)
 
 
-def _rebuild(material) -> None:
-    """Generate the shader for the present structure and wire the visible layers to it."""
+def refresh(material: bpy.types.Material) -> None:
+    """Make the shader follow the structure, and, where it holds values (tables), the present values.
+
+    Wires the visible layers to a shader that reads them. Raises LaminaError; then the shader is as before.
+    """
     lamina = material.lamina
+    backend = backend_here(lamina.backend)
     layers = [element for element in lamina.layers if element.visible]
     owners = {layer_owner(i): node_of(e) for i, e in enumerate(layers)} | {BASE: node_of(lamina.base)}
-    elements = [structure_dict(e, kind_of(e)) for e in (*layers, lamina.base)]
-    structure = Stack.from_dict({"layers": elements[:-1], "base": elements[-1]}, f"material {material.name}")
-    shader = generate(structure, lamina.tier)
-    script = _script_with(material, shader)
-    for link in [link for link in material.node_tree.links if link.to_node == script]:
-        material.node_tree.links.remove(link)
-    inputs = {socket.identifier: socket for socket in script.inputs}
-    for shader_input in shader.inputs:
-        source = owners[shader_input.owner].outputs[shader_input.parameter.label]
-        material.node_tree.links.new(source, inputs[shader_input.osl_name])
-    lamina.lobe_count = make_network(structure, lamina.tier).lobe_count
-    _arrange(lamina, script)
-
-
-def _script_with(material, shader: Shader) -> bpy.types.ShaderNodeScript:
-    """The material's Script node if it holds the shader already, else a new one in its place."""
-    lamina, tree = material.lamina, material.node_tree
-    old = tree.nodes.get(lamina.shader_node)
-    if old is not None and holds(old, shader):
-        return old
-    script = tree.nodes.new("ShaderNodeScript")
-    try:
-        set_script(script, shader)
-    except LaminaError:
-        text = script.script
-        tree.nodes.remove(script)
-        drop_text(text)
-        raise
-    closure = next(socket for socket in script.outputs if socket.identifier == "BSDF")
-    if old is None:
-        _connect(tree, script, closure)
+    if holds_values(material):
+        told = stack_of(material)
     else:
-        for target in [link.to_socket for socket in old.outputs for link in socket.links]:
-            tree.links.new(closure, target)
-        script.location, text = old.location, old.script
-        tree.nodes.remove(old)
-        drop_text(text)
-    script.name = script.label = "Lamina Shader"
-    lamina.shader_node = script.name
-    return script
+        elements = [structure_dict(e, kind_of(e)) for e in (*layers, lamina.base)]
+        told = Stack.from_dict({"layers": elements[:-1], "base": elements[-1]}, f"material {material.name}")
+    network = make_network(told, lamina.tier)
+    if backend == NODES:
+        tables = tabulate(network.resolved, HAS_DIELECTRIC)
+        shader, lamina.lobe_count = group_with(material, tables), tables.lobe_count
+    else:
+        shader, lamina.lobe_count = script_with(material, generate(told, lamina.tier), owners), network.lobe_count
+    lamina.told = content(told) if holds_values(material) else ""
+    _arrange(lamina, shader)
 
 
-def _connect(tree, script, closure) -> None:
-    """Let a first shader feed the surface. An untouched Principled node there, as in every new material, goes."""
-    output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
-    surface = output.inputs["Surface"]
-    former = surface.links[0].from_node if surface.is_linked else None
-    tree.links.new(closure, surface)
-    if former is not None and former.bl_idname == "ShaderNodeBsdfPrincipled" and _is_alone(former):
-        tree.nodes.remove(former)
-    script.location = (output.location.x - _COLUMN, output.location.y)
+def holds_values(material: bpy.types.Material) -> bool:
+    """Whether the shader holds the sockets' values instead of reading them."""
+    return backend_here(material.lamina.backend) == NODES or material.lamina.tier in HOLD_VALUES
 
 
-def _is_alone(node) -> bool:
-    return not any(socket.is_linked for socket in (*node.inputs, *node.outputs))
+def is_stale(material: bpy.types.Material) -> bool:
+    """Whether values changed since the shader that holds them was made."""
+    return bool(material.lamina.told) and material.lamina.told != content(stack_of(material))
 
 
-def _arrange(lamina, script) -> None:
+def _arrange(lamina, shader) -> None:
     """Layers in a column from the top, to the left of the shader."""
     for row, element in enumerate([*lamina.layers, lamina.base]):
         node = node_of(element)
-        node.location = (script.location.x - _COLUMN, script.location.y - row * _ROW)
+        node.location = (shader.location.x - _COLUMN, shader.location.y - row * _ROW)
         node.mute = not element.visible
         node.label = element.name

@@ -77,7 +77,7 @@ class StackOperator(LaminaOperator):
             raise
         if made:
             context.object.active_material = material
-        for notice in enable_osl(context.scene):
+        for notice in materials.make_renderable(material, context.scene):
             self.report({"INFO"}, f"Lamina: {notice}")
 
 

@@ -10,9 +10,11 @@ from ..reference_py.optics.microfacet import slope_deg_from_roughness
 from ..reference_py.schema import COLOR
 from . import material as materials
 from . import operators as ops
+from .backend import OSL, backend_here, notice
 from .elements import kind_of, node_of, shown_parameters
 from .rendering import environment
-from .script_node import device_problem, require_osl, scene_problem
+from .script_node import device_problem, scene_problem
+from .shader_node import backend_of
 
 _MARGIN, _CHARACTER = 60, 6.4  # pixels at scale 1: what borders and the icon take, and a mean letter
 
@@ -114,7 +116,7 @@ def _draw_status(layout, context, material) -> None:
     try:
         if material is not None:
             materials.require_editable(material)
-        require_osl()
+            backend_here(material.lamina.backend)
         if material is not None and material.lamina.problem:
             raise LaminaError(material.lamina.problem)
     except LaminaError as error:
@@ -122,7 +124,13 @@ def _draw_status(layout, context, material) -> None:
         return
     if material is None or not material.lamina.is_layered:
         return
-    if problem := scene_problem(context.scene):
+    if backend_of(material) != OSL:
+        if told := notice(material.lamina.backend):
+            _draw_message(layout, context, told, "INFO")
+    elif not environment.osl_available()[0]:
+        box = _draw_message(layout, context, f"the shader is an OSL script, and {environment.osl_available()[1]}", "ERROR")
+        box.operator(ops.LAMINA_OT_regenerate.bl_idname, text="Make It of Stock Nodes")
+    elif problem := scene_problem(context.scene):
         box = _draw_message(layout, context, problem, "INFO")
         box.operator(ops.LAMINA_OT_enable_osl.bl_idname)
     elif problem := device_problem(context.scene, context.preferences):
@@ -185,7 +193,7 @@ def _draw_element(layout, element) -> None:
 def _draw_choice(layout, owner, name: str, **options) -> None:
     """A property that makes the shader anew, greyed out where that cannot be done."""
     row = layout.row()
-    row.enabled = environment.osl_available()[0]
+    row.enabled = owner.id_data.lamina.backend != OSL or environment.osl_available()[0]
     row.prop(owner, name, **options)
 
 
@@ -200,13 +208,25 @@ def _draw_fact(layout, label: str, value: str) -> None:
     right.label(text=value)
 
 
+def _is_stale(material) -> bool:
+    try:
+        return materials.is_stale(material)
+    except LaminaError:  # what is wrong with the values is drawn beside them
+        return False
+
+
 def _draw_shader(layout, material) -> None:
     lamina = material.lamina
     _draw_choice(layout, lamina, "tier")
-    script = material.node_tree.nodes.get(lamina.shader_node)
-    text = script.script if script is not None else None
+    layout.prop(lamina, "backend")
+    if _is_stale(material):
+        row = layout.row()
+        row.label(text="Values changed; the shader holds the old ones", icon="ERROR")
+        row.operator(ops.LAMINA_OT_regenerate.bl_idname, text="Update")
+    node = material.node_tree.nodes.get(lamina.shader_node)
+    code = node and (node.script if backend_of(material) == OSL else node.node_tree)
     _draw_fact(layout, "Lobes", str(lamina.lobe_count))
-    _draw_fact(layout, "Text", text.name if text is not None else "missing; regenerate the shader")
+    _draw_fact(layout, "Code", code.name if code is not None else "missing; regenerate the shader")
     if lamina.source:
         _draw_fact(layout, "Source", lamina.source)
 

@@ -13,9 +13,11 @@ from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntPropert
 
 from ..reference_py.network import DEFAULT_TIER, TIERS
 from ..reference_py.schema import SCHEMA, SCHEMA_VERSION, Kind, Schema
+from .backend import AUTO, BACKENDS, DEFAULT_BACKEND, NODES, OSL
 
 _NOT_ANIMATABLE: set[str] = set()
 _ACRONYMS = {"ggx": "GGX"}
+_BACKEND_LABELS = {AUTO: "Automatic", OSL: "OSL", NODES: "Stock Nodes"}
 
 _quiet = False
 
@@ -97,6 +99,7 @@ class LaminaElement(bpy.types.PropertyGroup):
         options=_NOT_ANIMATABLE,
         update=_update("visible"),
     )
+    was_given: StringProperty(description="The value of `given` that the sockets were last written for")
     unknown: StringProperty(description="JSON of the keys that this version does not know")
 
 
@@ -119,11 +122,20 @@ class LaminaMaterial(bpy.types.PropertyGroup):
         options=_NOT_ANIMATABLE,
         update=_update("tier"),
     )
+    backend: EnumProperty(
+        name="Backend",
+        description="What the shader is made of",
+        items=[(name, _BACKEND_LABELS[name], text) for name, text in BACKENDS.items()],
+        default=DEFAULT_BACKEND,
+        options=_NOT_ANIMATABLE,
+        update=_update("backend"),
+    )
     stack_name: StringProperty(name="Name", description="Name of the stack")
     source: StringProperty(name="Source", description="Where the stack's numbers come from")
     unknown: StringProperty(description="JSON of the keys that this version does not know")
     schema_version: IntProperty(default=SCHEMA_VERSION)
-    shader_node: StringProperty(description="Name of the Script node")
+    shader_node: StringProperty(description="Name of the node that is the shader")
+    told: StringProperty(description="Hash of the values that the shader holds; empty where it reads them")
     lobe_count: IntProperty(description="Lobes of the generated shader")
     problem: StringProperty(description="Why the shader does not follow the structure", options={"SKIP_SAVE"})
 

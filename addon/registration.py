@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import operators, panel, properties
+from . import freshness, operators, panel, properties
 from .cli.main import run
 
 # Kept for unregister: Blender gives the command as a handle.
@@ -19,9 +19,11 @@ def register() -> None:
         bpy.utils.register_class(cls)
     bpy.types.Material.lamina = bpy.props.PointerProperty(type=properties.LaminaMaterial)
     _command = bpy.utils.register_cli_command("lamina", run)
+    freshness.register()
 
 
 def unregister() -> None:
+    freshness.unregister()
     bpy.utils.unregister_cli_command(_command)
     del bpy.types.Material.lamina
     for cls in reversed(CLASSES):

@@ -7,17 +7,8 @@ import re
 import bpy
 
 from ..reference_py.errors import LaminaError
+from .backend import require_osl
 from .network.osl import Shader
-from .rendering import environment
-
-
-def require_osl() -> None:
-    """Raise LaminaError where Script nodes cannot work, before anything is changed."""
-    available, reason = environment.osl_available()
-    if not available:
-        raise LaminaError(
-            f"Lamina needs Cycles with OSL, and {reason}; use a Blender from blender.org, with CPU or OptiX rendering"
-        )
 
 
 def enable_osl(scene: bpy.types.Scene) -> list[str]:
@@ -45,7 +36,7 @@ def device_problem(scene: bpy.types.Scene, preferences: bpy.types.Preferences) -
     cycles = preferences.addons.get("cycles")
     device = cycles.preferences.compute_device_type if cycles else "NONE"
     if scene.cycles.device == "GPU" and device not in ("NONE", "OPTIX"):
-        return f"{device} devices cannot run Open Shading Language; render on the CPU or with OptiX"
+        return f"{device} devices cannot run Open Shading Language; render on the CPU or with OptiX, or choose the backend Stock Nodes"
     return ""
 
 

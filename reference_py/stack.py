@@ -97,15 +97,13 @@ class Stack:
         }
 
     def unknown_keys(self) -> list[str]:
-        """One sentence per key of the layers and the base that is kept but has no effect. Their `name` is a label."""
-        messages = []
+        """One sentence per key that is kept but has no effect. `name` of a layer or the base is a label."""
+        messages = [_no_effect("stack", key, ("layers", "base", "name", "source", "schema_version")) for key in self.unknown]
         named = [(f"layer {i}", e, SCHEMA.layers[e.kind]) for i, e in enumerate(self.layers)]
         for where, element, kind in [*named, ("base", self.base, SCHEMA.bases[self.base.kind])]:
             for key in element.unknown:
                 if key != "name":
-                    close = get_close_matches(key.lower(), [p.name for p in kind.parameters], 1)
-                    hint = f"; did you mean {close[0]!r}?" if close else ""
-                    messages.append(f"{where}: unknown key {key!r} is kept and has no effect{hint}")
+                    messages.append(_no_effect(where, key, [p.name for p in kind.parameters]))
         return messages
 
     @classmethod
@@ -146,6 +144,12 @@ class Stack:
     def save(self, path: str | os.PathLike) -> None:
         """Write the stack as JSON, whole or not at all. Raises LaminaError when the path is not writable."""
         write_text(path, self.to_json())
+
+
+def _no_effect(where: str, key: str, known) -> str:
+    close = get_close_matches(key.lower(), known, 1)
+    hint = f"; did you mean {close[0]!r}?" if close else ""
+    return f"{where}: unknown key {key!r} is kept and has no effect{hint}"
 
 
 def _json_text(value, indent: str = "") -> str:

@@ -9,9 +9,11 @@ import os
 import sys
 from collections.abc import Sequence
 
+from ... import version
 from ...reference_py.errors import LaminaError
+from ..backend import BACKENDS, DEFAULT_BACKEND
 
-DONE, BAD_INPUT, CANCELLED = 0, 2, 130
+DONE, FAILED, BAD_INPUT, CANCELLED = 0, 1, 2, 130
 STACK_HELP = "name of a preset (see `lamina presets`) or a JSON file"
 
 
@@ -43,6 +45,7 @@ class _Parser(argparse.ArgumentParser):
 
 def build_parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="lamina", description="Layered materials for Blender's Cycles, with the error stated.")
+    parser.add_argument("--version", action="version", version=f"lamina {version()}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
     presets = _command(commands, "presets", "numbers", "list the presets")
@@ -73,17 +76,24 @@ def build_parser() -> argparse.ArgumentParser:
     apply.add_argument("--object", required=True, metavar="NAME", help="object that gets the material")
     apply.add_argument("input", metavar="IN.blend")
     apply.add_argument("-o", "--output", required=True, metavar="OUT.blend")
+    explain = _command(commands, "explain", "numbers", "say which tier the tier auto chooses for a stack, at which error and cost, and why")
+    explain.add_argument("stack", metavar="STACK", help=STACK_HELP)
+    explain.add_argument("--tolerance", type=float, default=None, metavar="PERCENT",
+                         help="largest error that may be seen, in percent of the reflected light (default: 2)")
     shader = _command(commands, "shader", "numbers", "print the OSL shader that is generated for a stack")
     shader.add_argument("stack", metavar="STACK", help=STACK_HELP)
     for command in (render, apply, shader):
         command.add_argument("--tier", default=None, help="how the stack is told to Cycles (default: the extension's)")
+    for command in (render, apply):
+        command.add_argument("--backend", choices=BACKENDS, default=DEFAULT_BACKEND,
+                             help="OSL shader or stock nodes (default: %(default)s, which is OSL where there is OSL)")
     demo = _command(commands, "demo", "demo", "render a contact sheet of all presets and print their errors")
     demo.add_argument("-o", "--output", default="demo", metavar="FOLDER", help="folder for the pictures (default: %(default)s)")
     demo.add_argument("--samples", type=_samples, default=48, metavar="N", help="samples per pixel (default: %(default)s)")
     demo.add_argument("--size", type=_pixels, default=288, metavar="PIXELS", help="width of a tile (default: %(default)s)")
     chart = _command(commands, "chart", "chart", "measure a chart's numbers, print the table and draw it")
-    chart.add_argument("chart", choices=("network", "error", "stress", "suite"), help=(
-        "network: what Cycles is told against the exact model; error: every model against the truth, by angle; "
+    chart.add_argument("chart", choices=("network", "tiers", "error", "stress", "suite"), help=(
+        "network: what Cycles is told against the exact model; tiers: the same, in every tier, against the truth; error: every model against the truth, by angle; "
         "stress: every model in every hard case; suite: the two truths against each other"))
     chart.add_argument("-o", "--output", default=".", metavar="FOLDER", help="folder for table and picture (default: %(default)s)")
 
@@ -93,7 +103,7 @@ def build_parser() -> argparse.ArgumentParser:
     figures.add_argument("--only", nargs="+", metavar="FIGURE", help="some of figure3, figure5 ... figure9, spectral (default: all)")
     figures.add_argument("--size", type=_pixels, default=112, metavar="PIXELS", help="width of a sphere (default: %(default)s)")
 
-    for command in (presets, schema, models, albedo, evaluate, render):
+    for command in (presets, schema, models, albedo, evaluate, render, explain):
         command.add_argument("--json", action="store_true", help="print JSON")
     return parser
 
@@ -109,7 +119,16 @@ def run(arguments: Sequence[str]) -> int:
     try:
         options = build_parser().parse_args(arguments)
         handler = getattr(_module(options.module), options.command)
-        return handler(options) or DONE
+        code = handler(options) or DONE
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:  # whoever read the output has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
+    except OSError as error:
+        print(f"lamina: cannot write the output: {error.strerror or error}", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
     except LaminaError as error:
         print(f"lamina: {' '.join(str(error).split())}", file=sys.stderr)
         return BAD_INPUT

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ... import version
 from ...reference_py import presets as preset_files
 from ...reference_py.errors import LaminaError
 from ...reference_py.frame import spherical
@@ -59,19 +60,26 @@ def models(options) -> None:
 def albedo(options) -> None:
     """Directional albedo by view angle."""
     theta = view_angles(options.theta)
-    model = _model(options)
+    model, given = _model(options)
     wo = spherical(np.radians(theta), 0.0)
     if model.stochastic:
         value, stderr = model.albedo_stderr(wo, progress=_progress(options.command))
     else:
         value, stderr = model.albedo(wo), None
-    print_albedo(options.model, theta, value, stderr, options.json)
+    print_albedo(options.model, theta, value, stderr, options.json, _how(options, given))
 
 
-def print_albedo(model: str, theta: Sequence[float], value: np.ndarray, stderr: np.ndarray | None, as_json: bool) -> None:
+def _how(options, given: dict) -> dict:
+    """What somebody needs to get the same numbers again; options that are not named are the defaults of this version."""
+    return {"stack": load_stack(options.stack).to_dict(), "options": given, "version": version()}
+
+
+def print_albedo(
+    model: str, theta: Sequence[float], value: np.ndarray, stderr: np.ndarray | None, as_json: bool, how: dict | None = None
+) -> None:
     """One form for what models compute and what Cycles measures."""
     if as_json:
-        result = {"model": model, "theta_deg": list(theta), "albedo": value.tolist()}
+        result = {"model": model, **(how or {}), "theta_deg": list(theta), "albedo": value.tolist()}
         print(json.dumps(result if stderr is None else {**result, "stderr": stderr.tolist()}))
         return
     for i, angle in enumerate(theta):
@@ -83,14 +91,16 @@ def print_albedo(model: str, theta: Sequence[float], value: np.ndarray, stderr: 
 def eval(options) -> None:  # noqa: A001  (the command is called eval)
     """f for one view and any number of light directions."""
     wo, wi = directions([options.wo])[0], directions(options.wi)
-    model = _model(options)
+    model, given = _model(options)
+    if note := getattr(model, "f_note", None):
+        print(f"lamina: {note}", file=sys.stderr)
     wo_all = np.broadcast_to(wo, wi.shape)
     if model.stochastic:
         value, stderr = model.f_stderr(wo_all, wi, progress=_progress(options.command))
     else:
         value, stderr = model.f(wo_all, wi), None
     if options.json:
-        result = {"model": options.model, "wo_deg": _numbers(options.wo), "wi_deg": [_numbers(w) for w in options.wi],
+        result = {"model": options.model, **_how(options, given), "wo_deg": _numbers(options.wo), "wi_deg": [_numbers(w) for w in options.wi],
                   "f": value.tolist()}
         print(json.dumps(result if stderr is None else {**result, "stderr": stderr.tolist()}))
         return
@@ -107,6 +117,40 @@ def shader(options) -> None:
     stack = load_stack(options.stack)
     tier = make_network(stack, options.tier or DEFAULT_TIER).tier
     sys.stdout.write(generate(stack, tier).text)
+
+
+def explain(options) -> None:
+    """What the tier `auto` tries and chooses."""
+    from ...reference_py.models.adding.model import Adding
+    from ...reference_py.network.choice import DEFAULT_TOLERANCE, choose
+
+    tolerance = DEFAULT_TOLERANCE if options.tolerance is None else 0.01 * options.tolerance
+    if not 0.0 < tolerance <= 1.0:
+        raise LaminaError(f"--tolerance {options.tolerance:g}: choose more than 0 and at most 100 percent")
+    stack = load_stack(options.stack)
+    choice = choose(stack, Adding(stack), tolerance, progress=_progress(options.command))
+    if options.json:
+        print(json.dumps({"chosen": choice.chosen.label, "reason": choice.reason, "tried": [_tried(c) for c in choice.tried]}))
+        return
+    print(f"{'tried':18} {'closures':>8} {'cost':>6} {'albedo':>9} {'soft light':>11} {'shape':>8}")
+    for c in choice.tried:
+        row = _tried(c)
+        print(f"{c.label:18} {row['closures']:8d} {c.cost:5.2f}x {100 * row['albedo_error']:7.2f} % {100 * row['soft_light_error']:9.2f} %"
+              f" {100 * row['shape_error']:6.2f} %")
+    print(f"chosen: {choice.chosen.label}, {choice.reason}")
+    print("cost: CPU time over a plain glossy node. albedo: worst view. soft light and shape (L1 of f): mean over a ball's pixels.")
+
+
+def _tried(candidate) -> dict:
+    errors = candidate.errors
+    return {
+        "tier": candidate.label,
+        "closures": candidate.network.lobe_count,
+        "cost": candidate.cost,
+        "albedo_error": float(np.max(errors.albedo)),
+        "soft_light_error": float(np.mean(errors.soft_light)),
+        "shape_error": float(np.mean(errors.shape)),
+    }
 
 
 def load_stack(name_or_path: str):
@@ -160,5 +204,7 @@ def _model(options):
         key, separator, value = text.partition("=")
         if not separator:
             raise LaminaError(f"--option {text!r}: give NAME=VALUE")
+        if key in pairs:
+            raise LaminaError(f"--option {text!r}: {key} is given already, as {pairs[key]!r}")
         pairs[key] = value
-    return make_model(options.model, load_stack(options.stack), **pairs)
+    return make_model(options.model, load_stack(options.stack), **pairs), pairs

@@ -8,6 +8,7 @@ from pathlib import Path
 from ...reference_py.atomic import replacing, require_writable
 from ...reference_py.errors import LaminaError
 from ...reference_py.network import DEFAULT_TIER, make_network
+from ..backend import OSL, backend_here, notice
 from .numbers import load_stack, print_albedo, view_angles
 from .session import blender, say
 
@@ -33,7 +34,7 @@ def render(options) -> None:
     report = say("render")
     report(f"{stack.name or options.stack} in scene {options.scene}")
     with blender(report):
-        material = _material(stack, tier)
+        material = _material(stack, tier, options.backend, report)
         (_sphere if options.scene == "sphere" else _ball)(material, output, options)
     report(f"wrote {output}")
 
@@ -50,13 +51,15 @@ def _tier(options) -> str:
     return options.tier or DEFAULT_TIER
 
 
-def _material(stack, tier):
+def _material(stack, tier, backend, report):
     import bpy
 
     from ..material import apply_stack
 
     material = bpy.data.materials.new(stack.name or "Lamina")
-    apply_stack(material, stack, tier)
+    apply_stack(material, stack, tier, backend)
+    if told := notice(backend):
+        report(f"the material is {told}")
     return material
 
 
@@ -67,7 +70,7 @@ def _furnace(options, stack, tier) -> None:
     with blender(report):
         from ..rendering.measure import render_furnace
 
-        value, stderr = render_furnace(_material(stack, tier), theta, options.samples, options.size)
+        value, stderr = render_furnace(_material(stack, tier, options.backend, report), theta, options.samples, options.size)
     report("measured")
     print_albedo(f"cycles:{tier}", theta, value, stderr, options.json)
 
@@ -125,9 +128,10 @@ def apply(options) -> None:
         import bpy
 
         from ..blend_files import save_copy
-        from ..script_node import enable_osl, require_osl
+        from ..script_node import enable_osl
+        from ..shader_node import backend_of
 
-        require_osl()
+        backend_here(options.backend)
         try:
             bpy.ops.wm.open_mainfile(filepath=str(source.resolve()), load_ui=False)
         except RuntimeError as error:
@@ -136,8 +140,8 @@ def apply(options) -> None:
         if target is None or not hasattr(target.data, "materials"):
             choices = sorted(o.name for o in bpy.data.objects if hasattr(o.data, "materials"))
             raise LaminaError(f"{source}: no object {options.object!r} that takes a material; choose {', '.join(choices) or 'none'}")
-        notices = enable_osl(bpy.context.scene)
-        material = _material(stack, tier)
+        material = _material(stack, tier, options.backend, report)
+        notices = enable_osl(bpy.context.scene) if backend_of(material) == OSL else []
         if target.material_slots:
             target.material_slots[target.active_material_index].material = material
         else:

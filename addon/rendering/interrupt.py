@@ -8,6 +8,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 
+def _set_back(handler) -> None:
+    # None stands for one that Python did not set: a real Blender's own
+    signal.signal(signal.SIGINT, signal.SIG_DFL if handler is None else handler)
+
+
 @contextmanager
 def deferred() -> Iterator[None]:
     """Holds a SIGINT back to the end of the block: a Blender that is interrupted while it starts is left half-made."""
@@ -19,7 +24,7 @@ def deferred() -> Iterator[None]:
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        _set_back(before)
     if seen:
         raise KeyboardInterrupt
 
@@ -48,7 +53,7 @@ def interruptible() -> Iterator[None]:
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        _set_back(before)
         os.dup2(stderr, 2)
         os.close(stderr)
         os.close(sink)

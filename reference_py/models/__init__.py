@@ -20,7 +20,9 @@ MODELS = {model.name: model for model in (WeidlichWilkie, WeidlichWilkieRepaired
 
 
 def make_model(name: str, stack: Stack, **options: str):
-    """Build a model by name. Raises LaminaError on an unknown name or option."""
+    """Build a model by name. Raises LaminaError on an unknown name or option, or what is no Stack."""
     if name not in MODELS:
         raise LaminaError(f"unknown model {name!r}; choose {', '.join(MODELS)}")
+    if not isinstance(stack, Stack):
+        raise LaminaError(f"model {name} needs a Stack, not {type(stack).__name__}: see Stack.load, Stack.from_dict, presets.load")
     return MODELS[name](stack, **options)

@@ -7,14 +7,24 @@ evaluates them exactly as Cycles does, and `addon.network` writes them as a shad
 
 from ..errors import LaminaError
 from ..stack import Stack
+from .analytic import AnalyticNetwork
+from .baking import BakedNetwork
+from .choice import AutoNetwork
 from .weidlich_wilkie import WeidlichWilkieNetwork
 
-TIERS = {network.tier: network for network in (WeidlichWilkieNetwork,)}
+TIERS = {network.tier: network for network in (WeidlichWilkieNetwork, AnalyticNetwork, BakedNetwork, AutoNetwork)}
 DEFAULT_TIER = WeidlichWilkieNetwork.tier
+# Shaders of these hold a stack's values and not only its structure.
+HOLD_VALUES = (BakedNetwork.tier, AutoNetwork.tier)
+
+
+def require_tier(tier: str) -> str:
+    """The tier itself. Raises LaminaError on an unknown one."""
+    if tier not in TIERS:
+        raise LaminaError(f"unknown tier {tier!r}; choose {', '.join(TIERS)}")
+    return tier
 
 
 def make_network(stack: Stack, tier: str = DEFAULT_TIER):
     """The network of a stack. Raises LaminaError on an unknown tier."""
-    if tier not in TIERS:
-        raise LaminaError(f"unknown tier {tier!r}; choose {', '.join(TIERS)}")
-    return TIERS[tier](stack)
+    return TIERS[require_tier(tier)](stack)

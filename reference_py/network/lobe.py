@@ -39,8 +39,8 @@ class GlossyLobe:
 
 @dataclass(frozen=True)
 class DiffuseLobe:
-    """Lambert of albedo `weight` (..., 3), or, where `sigma_deg` is given, weight times Oren-Nayar of `color`."""
+    """Lambert of albedo `weight` (..., 3), or, where `color` (..., 3) is given, weight times Oren-Nayar of it."""
 
     weight: np.ndarray
-    color: tuple[float, float, float] | None = None
+    color: tuple[float, float, float] | np.ndarray | None = None
     sigma_deg: float = 0.0

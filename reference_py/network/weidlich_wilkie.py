@@ -48,6 +48,10 @@ class WeidlichWilkieNetwork:
         self._n = np.array([1.0] + [s.n_below for s in self._surfaces])
 
     @property
+    def resolved(self) -> "WeidlichWilkieNetwork":
+        return self
+
+    @property
     def lobe_count(self) -> int:
         return len(self._surfaces) + 1
 

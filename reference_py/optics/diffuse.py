@@ -52,6 +52,17 @@ def oren_nayar(wi: np.ndarray, wo: np.ndarray, color: np.ndarray, sigma_deg: flo
     return color * (a + b * t)[..., None] + multiple * (lost_o * lost_i)[..., None]
 
 
+def oren_nayar_albedo(cos_theta_o: np.ndarray, color: np.ndarray, sigma_deg: float) -> np.ndarray:
+    """Directional albedo (..., 3) of `oren_nayar` for views (...) and colors that broadcast to (..., 3)."""
+    color = np.asarray(color, float)
+    sigma = fujii_roughness(sigma_deg)
+    a = 1.0 / (np.pi + sigma * _G0)
+    b = sigma * a
+    mean = a * np.pi + (2.0 * np.pi - 5.6) / 3.0 * b
+    single = (a * np.pi + b * _directional_g(np.asarray(cos_theta_o, float)))[..., None]
+    return color * single + color**3 * mean * (1.0 - single) / (1.0 - color * (1.0 - mean))
+
+
 def oren_nayar_1994(wi: np.ndarray, wo: np.ndarray, color: np.ndarray, sigma_deg: float) -> np.ndarray:
     """The qualitative model of OrenNayar94 (eq. 30), in 1/sr, (..., 3); loses energy at grazing angles."""
     a, b = _coefficients_1994(sigma_deg)

@@ -96,6 +96,7 @@ BAD = [
     (["render", "crayon_paint", "-o", "x.png", "--scene", "furnace"], ["leave out -o x.png"]),
     (["demo", "-o", "/proc/none"], ["/proc/none", "cannot make this folder"]),
     (["apply", "--stack", "crayon_paint", "--object", "Cube", "none.blend", "-o", "x.txt"], ["x.txt", ".blend"]),
+    (["render", "crayon_paint", "-o", "x.png", "--backend", "cuda"], ["--backend", "'cuda'", "auto", "osl", "nodes"]),
     (["render", "crayon_paint", "-o", "x.png", "--tier", "magic"], ["tier 'magic'", "weidlich_wilkie"]),
     (["apply", "--stack", "crayon_paint", "--object", "Cube", "none.blend", "-o", "x.blend"], ["none.blend", "no such"]),
     (["frobnicate"], ["frobnicate", "albedo"]),
@@ -168,6 +169,8 @@ def test_render_writes_both_formats_and_furnace_prints_json(tmp_path, blender):
     expected = make_model("mirror", presets.load("clean_copper")).albedo(spherical(np.radians([0, 60]), 0.0))
     assert np.shape(data["stderr"]) == (2, 3)
     assert np.array(data["albedo"]) == pytest.approx(expected, abs=5e-3)
+    out, _ = lamina("render", "clean_copper", "--scene", "furnace", "--theta", 0, 60, "--samples", 16, "--size", 8, "--json", "--backend", "nodes")
+    assert np.array(json.loads(out)["albedo"]) == pytest.approx(expected, abs=5e-3)
 
 
 @pytest.mark.blender
@@ -199,9 +202,17 @@ def test_apply_gives_an_object_the_material(tmp_path, blender):
 
     (material,) = bpy.data.objects["Thing"].data.materials
     assert stack_of(material).to_dict() == presets.load("glazed_mug").to_dict()
+    assert bpy.context.scene.render.engine == "CYCLES"
+    _, said = lamina("apply", "--stack", "glazed_mug", "--object", "Thing", "in.blend", "-o", "nodes.blend", "--backend", "nodes", cwd=tmp_path)
+    assert "render engine" not in said
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "nodes.blend"))
+    from lamina.addon.shader_node import backend_of
+
+    assert backend_of(bpy.data.objects["Thing"].active_material) == "nodes"
+    assert bpy.context.scene.render.engine != "CYCLES"
     _, error = lamina("apply", "--stack", "glazed_mug", "--object", "Other", "in.blend", "-o", "o2.blend", code=2, cwd=tmp_path)
     assert "'Other'" in error and "Thing" in error
     (tmp_path / "broken.blend").write_bytes(b"not a blend")
     _, error = lamina("apply", "--stack", "glazed_mug", "--object", "Thing", "broken.blend", "-o", "o2.blend", code=2, cwd=tmp_path)
     assert "broken.blend" in error
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["broken.blend", "in.blend", "out.blend"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["broken.blend", "in.blend", "nodes.blend", "out.blend"]

@@ -5,6 +5,7 @@ import hashlib
 from dataclasses import replace
 from types import MappingProxyType
 
+import numpy as np
 import pytest
 
 pytest.importorskip("bpy")
@@ -12,13 +13,16 @@ pytest.importorskip("bpy")
 from lamina.addon import elements, kind_groups, material, properties, script_node  # noqa: E402
 from lamina.addon.network.osl import generate  # noqa: E402
 from lamina.addon.rendering import environment  # noqa: E402
+from lamina.addon.rendering.measure import render_furnace  # noqa: E402
 from lamina.addon.rendering.settings import node_tree  # noqa: E402
 from lamina.reference_py import presets  # noqa: E402
 from lamina.reference_py.colour import artist_index, conductor_rgb  # noqa: E402
 from lamina.reference_py.errors import LaminaError  # noqa: E402
+from lamina.reference_py.models.adding.model import Adding  # noqa: E402
 from lamina.reference_py.network import DEFAULT_TIER  # noqa: E402
 from lamina.reference_py.schema import CHOICE, DIELECTRIC, FLOAT, SCHEMA, Parameter  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.reference_py.suite import suite_stack  # noqa: E402
 
 pytestmark = pytest.mark.blender
 
@@ -287,10 +291,11 @@ def test_a_shader_that_does_not_compile_changes_nothing(layered, blender, monkey
 
 
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
-def test_without_osl_nothing_changes(layered, monkeypatch, change):
+def test_backend_osl_without_osl_changes_nothing(layered, monkeypatch, change):
+    layered.lamina.backend = "osl"
     before = state(layered)
     monkeypatch.setattr(environment, "osl_available", lambda: (False, "this Blender was built without OSL"))
-    with pytest.raises(LaminaError, match="Lamina needs Cycles with OSL, and this Blender was built without OSL"):
+    with pytest.raises(LaminaError, match="backend osl needs Cycles with OSL, and this Blender was built without OSL"):
         change(layered)
     assert state(layered) == before
 
@@ -387,3 +392,27 @@ def test_structure_survives_a_session_without_lamina(layered, registered_lamina)
     registered_lamina.unregister()
     registered_lamina.register()
     assert material.stack_of(layered) == stack
+
+
+def test_a_render_never_shows_values_that_a_baked_shader_no_longer_has(blender):
+    baked = blender.data.materials.new("baked")
+    material.apply_stack(baked, suite_stack("plastic_grey_0"), "baked")
+    elements.node_of(baked.lamina.base).inputs["Color"].default_value = (0.9, 0.9, 0.9, 1.0)
+    assert material.is_stale(baked)
+    measured, _ = render_furnace(baked, (0.0,), samples=64, size=16)
+    assert not material.is_stale(baked)
+    truth = Adding(material.stack_of(baked)).albedo(np.array([0.0, 0.0, 1.0]))
+    assert measured[0] == pytest.approx(truth, rel=0.01)
+
+
+def test_a_save_refreshes_what_is_stale_and_leaves_the_rest(blender, tmp_path, capsys):
+    baked, live = blender.data.materials.new("baked"), blender.data.materials.new("live")
+    material.apply_stack(baked, suite_stack("lambert_grey"), "baked")
+    material.apply_stack(live, suite_stack("lambert_grey"))
+    for each in (baked, live):
+        elements.node_of(each.lamina.base).inputs["Color"].default_value = (0.1, 0.2, 0.3, 1.0)
+    before = live.node_tree.nodes[live.lamina.shader_node].script.as_string()
+    blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "stale.blend"))
+    assert not material.is_stale(baked) and not material.is_stale(live)
+    assert live.node_tree.nodes[live.lamina.shader_node].script.as_string() == before
+    assert "baked: values changed" in capsys.readouterr().out

@@ -9,9 +9,10 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from lamina.addon import material as materials  # noqa: E402
-from lamina.addon import operators, panel, script_node  # noqa: E402
+from lamina.addon import operators, panel, properties, script_node  # noqa: E402
 from lamina.addon.elements import node_of  # noqa: E402
 from lamina.addon.rendering import environment  # noqa: E402
+from lamina.addon.shader_node import backend_of  # noqa: E402
 from lamina.reference_py import presets  # noqa: E402
 from lamina.reference_py.schema import SCHEMA  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
@@ -152,21 +153,27 @@ def test_poll_needs_a_stack_or_an_object(blender):
 
 
 @pytest.mark.parametrize("call", STRUCTURE_OPERATORS.values(), ids=STRUCTURE_OPERATORS)
-def test_without_osl_a_message_and_nothing_changed(layered, monkeypatch, call):
+def test_backend_osl_without_osl_a_message_and_nothing_changed(layered, monkeypatch, call):
+    layered.active_material.lamina.backend = "osl"
     before = state()
     monkeypatch.setattr(environment, "osl_available", lambda: MISSING)
-    with pytest.raises(RuntimeError, match="Lamina needs Cycles with OSL, and this Blender was built without OSL"):
+    with pytest.raises(RuntimeError, match="backend osl needs Cycles with OSL, and this Blender was built without OSL"):
         call()
     assert state() == before
 
 
-def test_without_osl_no_material_is_made(bare, monkeypatch):
-    before = state()
+def test_without_osl_a_preset_is_made_of_stock_nodes_and_says_so(bare, monkeypatch, capfd):
     monkeypatch.setattr(environment, "osl_available", lambda: MISSING)
-    for call in (STRUCTURE_OPERATORS["apply_preset"], bpy.ops.lamina.enable_osl):
-        with pytest.raises(RuntimeError, match="built without OSL"):
-            call()
-    assert state() == before and bare.active_material is None
+    before = state()
+    with pytest.raises(RuntimeError, match="built without OSL"):
+        bpy.ops.lamina.enable_osl()
+    assert state() == before
+    STRUCTURE_OPERATORS["apply_preset"]()
+    assert backend_of(bare.active_material) == "nodes"
+    assert bpy.context.scene.render.engine == before["engine"]
+    assert "stock nodes, because this Blender was built without OSL" in capfd.readouterr().out
+    assert "Made of stock nodes, because this Blender was built without OSL" in " ".join(drawn("label"))
+    assert "lamina.enable_osl" not in drawn("operator")
 
 
 def test_linked_material_has_a_message(layered, tmp_path):
@@ -322,7 +329,15 @@ def test_panel_says_what_keeps_it_from_working(layered, monkeypatch):
     layered.active_material.lamina.problem = "something went wrong"
     assert "Something went wrong" in drawn("label")
     monkeypatch.setattr(environment, "osl_available", lambda: MISSING)
-    assert "Lamina needs Cycles with OSL" in " ".join(drawn("label"))
+    layered.active_material.lamina.problem = ""
+    assert "The shader is an OSL script, and this Blender was built without OSL" in " ".join(drawn("label"))
+    assert "lamina.regenerate" in drawn("operator")
+    bpy.ops.lamina.regenerate()
+    assert "Made of stock nodes" in " ".join(drawn("label"))
+    assert layered.active_material.node_tree.nodes["Lamina Shader"].node_tree.name in drawn("label")
+    with properties.quietly():
+        layered.active_material.lamina.backend = "osl"
+    assert "Backend osl needs Cycles with OSL" in " ".join(drawn("label"))
     assert "Tint" in drawn("socket")
     layered.active_material.node_tree.nodes.remove(node_of(layered.active_material.lamina.base))
     assert any("was deleted" in text for text in drawn("label"))

@@ -46,6 +46,14 @@ def test_what_a_stack_lacks_is_not_generated():
     assert "artist_index" in text_of([COAT], {"kind": "conductor", "reflectance": [0.9, 0.5, 0.3], "edge_color": [1, 1, 1]})
 
 
+@pytest.mark.parametrize("name", ["glazed_mug", "frosted_paint"])
+def test_baked_text_is_small_and_takes_no_parameters(name):
+    shader = generate(presets.load(name), "baked")
+    assert "@" not in shader.text and not shader.inputs
+    assert len(shader.text) < 20_000
+    assert "fresnel" not in shader.text and "carried" not in shader.text
+
+
 def test_sums_nest_to_the_right():
     assert "BSDF = lobe_0 + (lobe_1 + (lobe_2 + lobe_3));" in text_of([COAT] * 3, LAMBERT)
 

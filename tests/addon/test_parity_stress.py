@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from lamina.reference_py.models import make_model
-from lamina.reference_py.models.mirror import lobe_f
+from lamina.reference_py.network.closure import lobe_f
 from lamina.reference_py.network.lobe import GlossyLobe, SchlickCurve
 from lamina.reference_py.stack import Stack
 from support.goniometer import TOLERANCE, parity

@@ -165,3 +165,15 @@ def test_principled_renders_as_principled_coat(blender, name):
     material = principled_material(blender, model.settings())
     assert_furnace(material, model, name)
     assert_goniometer(material, model, name)
+
+
+def test_blenders_coat_gains_energy_over_a_thinner_second_interface(blender):
+    """The worst row of figures/stress.csv is Blender's own: albedo 1.64 over Lambert .8."""
+    from lamina.addon.rendering.measure import render_furnace
+
+    model = make_model("principled_coat", _stack({"kind": "lambert", "color": [0.8] * 3}, _layer(1.5, 0.5), _layer(1.3)))
+    measured, stderr = render_furnace(principled_material(blender, model.settings()), [75.0], samples=64, size=24)
+    expected = model.albedo(spherical(np.radians(75.0), 0.0))
+    print(f"Principled: Cycles {measured[0, 0]:.4f} +- {stderr[0, 0]:.4f}, model {expected[0]:.4f}")
+    assert np.all(measured[0] > 1.5)
+    np.testing.assert_allclose(measured[0], expected, atol=4.0 * stderr.max() + 1e-3)

@@ -14,7 +14,10 @@ from lamina.reference_py.models.adding.grid import Grid
 from lamina.reference_py.models.adding.operators import Resolution, interface_operators
 from lamina.reference_py.models.adding.recipe import Recipe
 from lamina.reference_py.models.position_free import PositionFree
+from lamina.reference_py import presets
 from lamina.reference_py.optics.fresnel import cos_theta_t, fresnel_dielectric
+from lamina.reference_py.optics.material import rough_surfaces
+from lamina.reference_py.optics.quadrature import directional_albedo
 from lamina.reference_py.stack import Stack
 from lamina.reference_py.suite import suite, suite_stack
 
@@ -336,3 +339,27 @@ def test_log_gamma_is_that_of_the_standard_library():
 def test_bad_options_name_the_choices(options, message):
     with pytest.raises(LaminaError, match=message):
         make_model("adding", stack(lambert(0.5)), **options)
+
+
+@pytest.mark.parametrize("name", ["plastic_black", "rising_index"])
+@pytest.mark.parametrize("theta_deg", [0.0, 1.0])
+def test_f_holds_the_albedo_along_the_normal(name, theta_deg):
+    """There azimuth has no meaning, and noise of the modes would add up."""
+    stack = suite_stack(name)
+    wo, model = spherical(np.radians([theta_deg]), 0.0), Adding(stack)
+    assert directional_albedo(model.f, wo, rough_surfaces(stack)) == pytest.approx(model.albedo(wo), rel=0.01)
+
+
+def test_a_narrow_coat_does_not_ring():
+    """A varnish of alpha .002: what meets several of its facets was a spike at grazing that reached everywhere."""
+    stack = presets.load("metallic_car_paint")
+    wo, wi = spherical(np.radians(60.0), 0.0), spherical(np.radians([40.0, 62.0, 75.0]), np.pi)
+    wo = np.broadcast_to(wo, wi.shape)
+    value, stderr = PositionFree(stack, walks=6000, seed=1).f_stderr(wo, wi)
+    assert np.all(np.abs(Adding(stack).f(wo, wi) - value) <= 4.0 * stderr + 0.01 * value)
+
+
+def test_narrow_lobes_are_named_to_who_reads_f():
+    assert "position_free" in Adding(suite_stack("narrow_over_narrow")).f_note
+    assert Adding(suite_stack("narrow_over_narrow"), nodes=96, modes=256).f_note is None
+    assert Adding(suite_stack("plastic_grey_0_4")).f_note is None

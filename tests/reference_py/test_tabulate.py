@@ -52,6 +52,16 @@ def test_a_fresnel_curve_is_folded_with_its_energy(curve, distribution, alpha):
         assert table.weight[k] * plain == pytest.approx(lobe.weight * energy, rel=4e-3)
 
 
+def test_a_dielectric_curve_stays_where_it_may():
+    curve = DielectricCurve(1.5)
+    lobes = {weight: GlossyLobe("ggx", np.array(weight), np.float64(0.3), np.float64(0.3), fresnel=curve)
+             for weight in ((1.0, 1.0, 1.0), (1.9, 1.9, 1.9), (1.0, 0.9, 1.0), (2.1, 2.1, 2.1))}
+    kept = [table.fresnel is not None for table in tabulate(network_of(*lobes.values()), keep_dielectrics=True).tables]
+    assert kept == [True, True, False, False]
+    tilted = GlossyLobe("ggx", np.ones(3), np.float64(0.3), np.float64(0.3), np.float64(0.1), curve)
+    assert tabulate(network_of(tilted), keep_dielectrics=True).tables[0].fresnel is None
+
+
 def test_tilt_and_widths_come_back():
     tilt = np.arctan(0.3 * np.sqrt(1.0 - COSINES**2))
     lobe = GlossyLobe("ggx", COSINES[:, None] * np.ones(3), 0.1 + 0.2 * COSINES, np.float64(0.4), tilt)

@@ -29,6 +29,8 @@ from .recipe import Recipe
 # Facets per direction: energies need fewer than azimuthal modes do.
 _ENERGY = Resolution(modes=1, across=16, along=36)
 _NODES, _MODES = 32, 64
+# Lobes this wide and wider have an f within the stated error.
+_RESOLVED_WIDTH = 0.1
 # f: nodes per width of the narrowest lobe that the grid has to carry, and the most that are worth their time.
 _NODES_PER_WIDTH, _MOST_NODES = 4.5, 48
 
@@ -94,6 +96,17 @@ class Adding:
             nodes = shape_nodes = _whole("nodes", nodes, 8, 512)
         self._grid, self._shape_grid = self._recipe.grid(nodes), self._recipe.grid(shape_nodes)
         self._shape = Resolution(modes, across=max(24, modes // 2), along=48)
+        self._width, self._unresolved = self._recipe.narrowest_lobe(), nodes == _NODES and modes == _MODES
+
+    @property
+    def f_note(self) -> str | None:
+        """What somebody who reads f should know, for a stack whose lobes are narrower than the default resolution."""
+        if self._width >= _RESOLVED_WIDTH or not self._unresolved:
+            return None
+        return (
+            f"model adding: f is blurred or rings where a lobe is as narrow as {self._width:.2g} in n sin(theta), and this stack has"
+            " one; energies are right; for f use position_free, or the options nodes=96 and modes=256, a minute"
+        )
 
     # --- energies ---
 
@@ -229,7 +242,8 @@ class Adding:
         # travel: a mirror, whose wi is opposite in azimuth, turns by 0
         turn = -np.clip(np.where(sines > 1e-12, azimuth / np.maximum(sines, 1e-12), -1.0), -1.0, 1.0)
         harmonics = chebyshev(turn, self._shape.modes)
-        harmonics[1:] *= 2.0
+        # along the normal there is no azimuth: its mean alone counts
+        harmonics[1:] *= np.where(sines > 1e-6, 2.0, 0.0)
         result = np.zeros((len(wo), 3))
         for channel, members in self._recipe.channels():
             density = self._rest[channel]
@@ -254,6 +268,8 @@ class Adding:
 
 
 def _whole(name: str, value, low: int, high: int) -> int:
+    if isinstance(value, str) and value.isascii() and value.isdigit():
+        value = int(value)  # as the command line gives it
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not low <= value <= high:
         raise LaminaError(f"model adding: {name} is {value!r}; choose a whole number from {low} to {high}")
     return int(value)

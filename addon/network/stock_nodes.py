@@ -1,0 +1,246 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A network in tables as a node group of Blender's own nodes: for Blenders and devices without OSL, and for EEVEE.
+
+Tables are Color Ramps. Cycles samples a ramp at 256 even steps and is linear between; every knot is put exactly on such
+a place, so a ramp is the table itself, up to float32. A ramp holds three columns: a weight, or a lobe's shape.
+"""
+
+import hashlib
+import json
+
+import bpy
+import numpy as np
+
+from ...reference_py.network.table import KNOTS, MIN_COS_O, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork
+from ...reference_py.network.tabulate import is_grey_dielectric
+from ...reference_py.optics.diffuse import fujii_roughness
+from ...reference_py.optics.microfacet import SPECULAR_ALPHA
+from .node_builder import Builder
+
+GROUP_KEY = "lamina_network"
+_RAMP_PLACES = 256
+# Places of a ramp from one knot to the next, the most that fit.
+_STEP = _RAMP_PLACES // (KNOTS - 1)
+_DISTRIBUTIONS = {"ggx": "GGX", "beckmann": "BECKMANN"}
+# Cycles evaluates isotropic lobes in float32 from 1 - cos^2, off by 3e-7 / alpha^2. Below this alpha the error of the
+# least anisotropy that a Glossy node does not ignore, 1e-3, is the smaller one.
+NARROW_ALPHA = 0.017
+_LEAST_ANISOTROPY = 1.01e-4
+# From 5.0 on Cycles' Metallic node has the exact Fresnel equations, and no extinction makes a metal a dielectric.
+HAS_DIELECTRIC = bpy.app.version >= (5, 0, 0)
+# Of the Metallic node, to which any anisotropy will do, and the alpha below which it is given (osl/narrow.h).
+_SLIGHT_ANISOTROPY, _NARROW_DIELECTRIC_ALPHA = 2e-6, 0.06
+# A table that is anisotropic the other way by no more than this counts as isotropic.
+_NEARLY_ISOTROPIC = 1e-3
+# Any direction, added to the tangent: without it the tangent would vanish at the very normal, and Cycles divide by 0.
+_SOME_DIRECTION = (5.7e-7, 3.1e-7, 7.6e-7)
+
+
+def network_group(network: TableNetwork) -> bpy.types.NodeTree:
+    """The node group of a network that `tabulate` made: no inputs, one output "BSDF".
+
+    Networks of equal tables share one group of this file. A group that somebody edited is left alone.
+    """
+    tree = bpy.data.node_groups.new("Lamina Network", "ShaderNodeTree")
+    try:
+        _build(tree, network)
+    except Exception:
+        bpy.data.node_groups.remove(tree)
+        raise
+    content = _content(tree)
+    for other in bpy.data.node_groups:
+        if other != tree and other.get(GROUP_KEY) == content and _is_untouched(other):
+            bpy.data.node_groups.remove(tree)
+            return other
+    tree.name, tree[GROUP_KEY] = f"Lamina Network {content}", content
+    return tree
+
+
+def drop_group(tree: bpy.types.NodeTree | None) -> None:
+    """Remove a network's group that nothing uses any more. A group edited by hand stays."""
+    if tree is not None and GROUP_KEY in tree and tree.users == 0 and _is_untouched(tree):
+        bpy.data.node_groups.remove(tree)
+
+
+def _is_untouched(tree) -> bool:
+    return tree.library is None and tree.get(GROUP_KEY) == _content(tree)
+
+
+def _content(tree) -> str:
+    """A hash of what a group computes."""
+    nodes = []
+    for node in tree.nodes:
+        settings = [getattr(node, name, None) for name in ("operation", "distribution", "fresnel_type")]
+        values = [_plain(s.default_value) for s in node.inputs if not s.is_linked and hasattr(s, "default_value")]
+        ramp = node.color_ramp if hasattr(node, "color_ramp") else None
+        stops = [ramp.interpolation, [(e.position, *e.color) for e in ramp.elements]] if ramp else []
+        nodes.append([node.bl_idname, node.mute, settings, values, stops])
+    order = {node.name: index for index, node in enumerate(tree.nodes)}
+    links = sorted(
+        [order[k.from_node.name], k.from_socket.identifier, order[k.to_node.name], k.to_socket.identifier] for k in tree.links
+    )
+    return hashlib.sha256(json.dumps([nodes, links]).encode()).hexdigest()[:12]
+
+
+def _plain(value):
+    return list(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
+
+
+def _build(tree, network: TableNetwork) -> None:
+    build = Builder(tree)
+    view = _View(build)
+    lobes = [_LOBES[type(table)](build, view, table) for table in network.tables]
+    tree.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
+    output = build.node("NodeGroupOutput")
+    build.link(_sum(build, lobes), output.inputs["BSDF"])
+    build.arrange()
+
+
+def _sum(build: Builder, closures: list[bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
+    head, *tail = closures
+    return build.shader("ShaderNodeAddShader", head, _sum(build, tail)) if tail else head
+
+
+class _View:
+    """What lobes need of the view, made when the first of them asks."""
+
+    def __init__(self, build: Builder):
+        self._build = build
+        geometry = build.node("ShaderNodeNewGeometry")
+        self.normal, self._incoming = geometry.outputs["Normal"], geometry.outputs["Incoming"]
+        self._cosine = build.vector("DOT_PRODUCT", self.normal, self._incoming)
+        self._place = self._side = self._tangent = None
+
+    @property
+    def place(self) -> bpy.types.NodeSocket:
+        """Where in a ramp the view is."""
+        if self._place is None:
+            root = self._build.math("SQRT", self._build.math("MAXIMUM", self._cosine, MIN_COS_O))
+            self._place = self._build.math("MULTIPLY", root, _STEP * (KNOTS - 1) / _RAMP_PLACES)
+        return self._place
+
+    @property
+    def side(self) -> bpy.types.NodeSocket:
+        """Along the plane of incidence, as long as the sine of the view."""
+        if self._side is None:
+            along_normal = self._build.vector("SCALE", self.normal, scale=self._cosine)
+            self._side = self._build.vector("SUBTRACT", self._incoming, along_normal)
+        return self._side
+
+    @property
+    def tangent(self) -> bpy.types.NodeSocket:
+        if self._tangent is None:
+            self._tangent = self._build.vector("ADD", self.side, _SOME_DIRECTION)
+        return self._tangent
+
+
+def _lambert(build: Builder, view: _View, table: DiffuseTable) -> bpy.types.NodeSocket:
+    return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, table.weight), Roughness=0.0)
+
+
+def _oren_nayar(build: Builder, view: _View, table: OrenNayarTable) -> bpy.types.NodeSocket:
+    sigma = float(fujii_roughness(table.sigma_deg))
+    return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, table.weight), Roughness=sigma)
+
+
+def _glossy(build: Builder, view: _View, table: GlossyTable) -> bpy.types.NodeSocket:
+    if table.fresnel is not None:
+        return _dielectric(build, view, table)
+    sockets = {"Color": _weight(build, view, table.weight)}
+    alpha_x, alpha_y, slope = _columns(build, view, table.shape)
+    if np.all(table.shape[:, 0] == table.shape[:, 1]):
+        sockets["Roughness"], anisotropy = build.math("SQRT", alpha_x), 0.0
+    else:
+        sockets["Roughness"] = build.math("SQRT", build.math("SQRT", build.math("MULTIPLY", alpha_x, alpha_y)))
+        anisotropy = _anisotropy(build, alpha_x, alpha_y)
+    sockets["Anisotropy"] = _kept_apart(build, anisotropy, table.shape[:, :2])
+    if sockets["Anisotropy"] != 0.0:
+        sockets["Tangent"] = view.tangent
+    if np.any(table.shape[:, 2]):
+        sockets["Normal"] = build.vector("MULTIPLY_ADD", view.side, slope, view.normal)
+    return build.shader("ShaderNodeBsdfAnisotropic", settings={"distribution": _DISTRIBUTIONS[table.distribution]}, **sockets)
+
+
+def _dielectric(build: Builder, view: _View, table: GlossyTable) -> bpy.types.NodeSocket:
+    """A metal without extinction. Metallic nodes have no weight: what is missing to 1 is mixed off, what is more is added."""
+    assert HAS_DIELECTRIC and is_grey_dielectric(table), "see reference_py.network.tabulate"
+    closures = []
+    for weight in (np.minimum(table.weight, 1.0), np.maximum(table.weight - 1.0, 0.0)):
+        if np.all(weight == 1.0):
+            closures.append(_bare_dielectric(build, view, table))
+        elif np.any(weight > 0.0):
+            share, _, _ = _columns(build, view, weight)
+            mix = build.shader("ShaderNodeMixShader", share)
+            build.link(_bare_dielectric(build, view, table), mix.node.inputs[2])
+            closures.append(mix)
+    return _sum(build, closures)
+
+
+def _bare_dielectric(build: Builder, view: _View, table: GlossyTable) -> bpy.types.NodeSocket:
+    alpha, _, _ = _columns(build, view, table.shape)
+    sockets = {"IOR": (table.fresnel.eta,) * 3, "Extinction": (0.0,) * 3, "Roughness": build.math("SQRT", alpha), "Anisotropy": 0.0}
+    if SPECULAR_ALPHA < np.min(table.shape[:, 0]) < _NARROW_DIELECTRIC_ALPHA:
+        # as a constant, Cycles would take so little for none; no place is as small
+        sockets |= {"Anisotropy": build.math("MINIMUM", view.place, _SLIGHT_ANISOTROPY), "Tangent": view.tangent}
+    settings = {"distribution": _DISTRIBUTIONS[table.distribution], "fresnel_type": "PHYSICAL_CONDUCTOR"}
+    return build.shader("ShaderNodeBsdfMetallic", settings=settings, **sockets)
+
+
+def _anisotropy(build: Builder, alpha_x, alpha_y) -> bpy.types.NodeSocket:
+    """Cycles' alphas are R (1 - a) and R / (1 - a) for a > 0, R / (1 + a) and R (1 + a) for a < 0.
+
+    So a = (1 - s) / max(s, 1) with s = sqrt(alpha_x / alpha_y), and R = sqrt(alpha_x alpha_y).
+    """
+    s = build.math("SQRT", build.math("DIVIDE", alpha_x, alpha_y))
+    return build.math("DIVIDE", build.math("SUBTRACT", 1.0, s), build.math("MAXIMUM", s, 1.0))
+
+
+def _kept_apart(build: Builder, anisotropy, alphas: np.ndarray):
+    """The anisotropy, for a narrow lobe not so small that Cycles takes it for isotropic."""
+    if not SPECULAR_ALPHA < np.min(alphas) < NARROW_ALPHA:
+        return anisotropy
+    across = np.log(alphas[:, 1] / alphas[:, 0])
+    if np.min(across) > -_NEARLY_ISOTROPIC:
+        return build.math("MAXIMUM", anisotropy, _LEAST_ANISOTROPY)
+    if np.max(across) < _NEARLY_ISOTROPIC:
+        return build.math("MINIMUM", anisotropy, -_LEAST_ANISOTROPY)
+    return anisotropy
+
+
+_LOBES = {DiffuseTable: _lambert, OrenNayarTable: _oren_nayar, GlossyTable: _glossy}
+
+
+def _weight(build: Builder, view: _View, table: np.ndarray):
+    """A colour at the view: a ramp, or a constant."""
+    if np.all(table == table[0]):
+        return (*map(float, table[0]), 1.0)
+    return _ramp(build, view, table)
+
+
+def _columns(build: Builder, view: _View, table: np.ndarray) -> list:
+    """The three columns of a table at the view, from one ramp; constants stay constants."""
+    if np.all(table == table[0]):
+        return list(map(float, table[0]))
+    # colours of a ramp cannot be negative
+    offset = np.minimum(table.min(axis=0), 0.0)
+    split = build.node("ShaderNodeSeparateColor")
+    build.link(_ramp(build, view, table - offset), split.inputs[0])
+    columns = []
+    for socket, column, low in zip(split.outputs, table.T, offset):
+        if np.all(column == column[0]):
+            columns.append(float(column[0]))
+        else:
+            columns.append(build.math("ADD", socket, float(low)) if low < 0.0 else socket)
+    return columns
+
+
+def _ramp(build: Builder, view: _View, table: np.ndarray) -> bpy.types.NodeSocket:
+    """The table (KNOTS, 3), none of it negative, at the view."""
+    node = build.node("ShaderNodeValToRGB")
+    elements = node.color_ramp.elements
+    elements.remove(elements[1])
+    for k, color in enumerate(table):
+        element = elements.new(k * _STEP / _RAMP_PLACES) if k else elements[0]
+        element.color = (*map(float, color), 1.0)
+    build.link(view.place, node.inputs[0])
+    return node.outputs["Color"]

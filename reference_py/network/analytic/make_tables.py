@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Makes data/rough_interface.json: `python -m lamina.reference_py.network.analytic.make_tables` (about two minutes).
+
+Deterministic: every number comes from the operators of `models.adding`.
+"""
+
+import json
+
+import numpy as np
+
+from ...atomic import write_text
+from ...models.adding.facets import MULTIPLE
+from ...models.adding.grid import Grid
+from ...models.adding.operators import Resolution, dielectric_rows
+from ...optics.fresnel import fresnel_dielectric
+from ...optics.microfacet import BECKMANN, GGX
+from ..closure import unit_energy
+from ..lobe import DielectricCurve, GlossyLobe
+from .tables import ALPHA, CLOSURE_CELLS, FILE, RHO, UNIT, T, V, cosine_of_critical_variable
+
+_RESOLUTION = Resolution(modes=1, across=16, along=36)
+_GRID_NODES = 12
+# Grazing views take the limit at this cosine.
+_GRAZING = 1e-3
+_GAUSS = 24
+
+
+def lossless_reflectance(cos_theta: np.ndarray, alpha: float, eta: float, kind: str) -> np.ndarray:
+    """Directional reflectance (n,) of a rough interface for light at cosines (n,); alpha > 0, eta != 1."""
+    grid = Grid(tuple(sorted((1.0, eta))), _GRID_NODES)
+    once, more, _ = dielectric_rows(1.0, eta, cos_theta, alpha, kind, MULTIPLE, grid, _RESOLUTION)
+    return (once + more)[0].sum(axis=1)
+
+
+def _tables_of(kind: str) -> dict[str, list[int]]:
+    shape = (len(RHO), len(ALPHA))
+    thin, dense = np.zeros((*shape, len(T))), np.zeros((*shape, len(V)))
+    diffuse, gain = np.zeros(shape), np.ones((*shape, len(T)))
+    x, w = np.polynomial.legendre.leggauss(_GAUSS)
+    u = 0.5 * (x + 1.0)
+    cos_t = np.maximum(np.square(T), _GRAZING)
+    for i, rho in enumerate(RHO):
+        eta = (1.0 + rho) / (1.0 - rho)
+        for j, alpha in enumerate(ALPHA):
+            if alpha > 0.0:
+                gain[i, j] = _gain(cos_t, alpha, max(eta, 1.001), kind)
+            if eta == 1.0:
+                continue
+            mean = fresnel_dielectric(u, eta)
+            if alpha > 0.0:
+                mean = lossless_reflectance(u, alpha, eta, kind)
+                thin[i, j] = lossless_reflectance(cos_t, alpha, eta, kind) - fresnel_dielectric(cos_t, eta)
+                cos_v = np.maximum(cosine_of_critical_variable(V, 1.0 / eta), _GRAZING)
+                dense[i, j] = lossless_reflectance(cos_v, alpha, 1.0 / eta, kind) - fresnel_dielectric(cos_v, 1.0 / eta)
+            diffuse[i, j] = np.sum(w * u * mean)
+    closure = np.ones((CLOSURE_CELLS + 1, CLOSURE_CELLS + 1))
+    even = np.square(np.arange(CLOSURE_CELLS + 1) / CLOSURE_CELLS)
+    for j, alpha in enumerate(even[1:], start=1):
+        closure[j] = unit_energy(GlossyLobe(kind, np.ones(3), alpha, alpha), np.maximum(even, _GRAZING))[:, 0]
+    tables = {"thin": thin, "dense": dense, "diffuse": diffuse, "gain": gain, "closure": closure}
+    return {name: np.rint(table / UNIT).astype(int).ravel().tolist() for name, table in tables.items()}
+
+
+def _gain(cos_theta, alpha, eta, kind) -> np.ndarray:
+    closure = GlossyLobe(kind, np.ones(3), alpha, alpha, fresnel=DielectricCurve(eta))
+    return lossless_reflectance(cos_theta, alpha, eta, kind) / unit_energy(closure, cos_theta)[:, 0]
+
+
+def main() -> None:
+    data = {
+        "description": "Energies of rough dielectric interfaces, in units of 1e-4; axes and meaning in network/analytic/tables.py",
+        "distributions": [GGX, BECKMANN],
+        **{kind: _tables_of(kind) for kind in (GGX, BECKMANN)},
+    }
+    rows = ",\n".join(f"{json.dumps(key)}: {json.dumps(value, separators=(',', ':'))}" for key, value in data.items())
+    write_text(FILE, "{\n" + rows + "\n}\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tier `baked`: closures fitted to the truth, as tables."""
+
+from .bake import DEFAULT_GLOSSY, MAX_GLOSSY, Bake, BakedNetwork, Baker

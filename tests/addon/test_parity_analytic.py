@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tier `analytic` on Cycles: the shader computes what the numpy network computes, in float32 and from sockets."""
+
+import pytest
+
+from lamina.addon.network.osl import generate
+from lamina.reference_py import presets
+from lamina.reference_py.models import make_model
+from lamina.reference_py.stack import Stack
+from lamina.reference_py.suite import suite, suite_stack
+from support.goniometer import SUN_THETA_DEG, parity, tolerance
+
+pytestmark = pytest.mark.blender
+
+STACKS = {
+    **{name: presets.load(name) for name in ("frosted_metal", "metallic_car_paint", "blue_wall_paint", "clean_copper", "tinted_glaze")},
+    **{
+        name: suite_stack(name)
+        for name in ("oren_nayar_clay", "plastic_tinted_deep", "gold_coat_0_3_metal_0_05", "beckmann_over_ggx", "artist_metal_coated",
+                     "air_gap_rough", "equal_index_rough_inside", "water_on_stone", "three_rough", "falling_index", "eight_layers")
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", STACKS)
+def test_render_equals_mirror(blender, name):
+    from lamina.addon.material import apply_stack, stack_of
+
+    material = blender.data.materials.new("Parity")
+    apply_stack(material, STACKS[name], "analytic")
+    # what the sockets hold, rounded to float32, is what was rendered
+    stack = stack_of(material)
+    mirror = make_model("mirror", stack, tier="analytic")
+    for theta in SUN_THETA_DEG:
+        result = parity(material, mirror.f, theta)
+        print(f"{name} sun {theta:g} deg: 99th percentile {result.percentile_99:.1e} of {result.errors.size} values")
+        assert result.finite and result.errors.size > 30
+        assert result.percentile_99 <= tolerance(stack)
+
+
+def test_text_size():
+    sizes = {name: len(generate(stack, "analytic").text) for name, stack in suite().items()}
+    print(max(sizes.items(), key=lambda item: item[1]))
+    assert max(sizes.values()) < 100_000
+
+
+def test_text_does_not_depend_on_values():
+    data = suite_stack("three_rough").to_dict()
+    other = Stack.from_dict({**data, "layers": [{**layer, "ior": 1.7, "roughness": 0.2} for layer in data["layers"]]})
+    assert generate(other, "analytic").text == generate(suite_stack("three_rough"), "analytic").text

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The baked tier against the truth it was fitted to, between the knots it was fitted at."""
+
+import numpy as np
+import pytest
+
+from lamina.reference_py import presets
+from lamina.reference_py.frame import spherical
+from lamina.reference_py.models import make_model
+from lamina.reference_py.models.adding.model import Adding
+from lamina.reference_py.network.baking import BakedNetwork
+from lamina.reference_py.network.baking.fit import non_negative
+from lamina.reference_py.network.closure import lobe_energy
+from lamina.reference_py.network.lobe import DiffuseLobe
+from lamina.reference_py.stack import Stack
+from lamina.reference_py.suite import suite_stack
+
+# Between knots, and not where fits begin.
+VIEWS_DEG = np.array([3.0, 25.0, 42.0, 61.0, 73.0, 80.0])
+# Largest albedo error that was measured over presets and suite is .7 %.
+ALBEDO_TOLERANCE = 0.01
+STACKS = {
+    "frosted_paint": presets.load("frosted_paint"),
+    "patina_copper": presets.load("patina_copper"),
+    "smooth_coat": suite_stack("plastic_grey_0"),
+    "plastic": suite_stack("plastic_grey_0_4"),
+}
+
+
+def energy(network, cos_o):
+    return sum(lobe_energy(lobe, cos_o) for lobe in network.lobes(cos_o))
+
+
+@pytest.mark.parametrize("name", STACKS)
+def test_albedo_is_the_truth(name):
+    theta = np.radians(VIEWS_DEG)
+    exact = Adding(STACKS[name]).albedo(spherical(theta, 0.0))
+    gap = np.max(np.abs(energy(BakedNetwork(STACKS[name]), np.cos(theta)) - exact) / exact)
+    print(f"{name}: albedo {100 * gap:.2f} %")
+    assert gap <= ALBEDO_TOLERANCE
+
+
+def test_coated_grey_is_right_where_stock_coats_are_two_thirds_too_bright():
+    """The headline: n = 1.5 smooth over Lambert .5, seen along the normal, reflects .316."""
+    baked = BakedNetwork(suite_stack("plastic_grey_0"))
+    assert energy(baked, np.ones(1))[0, 1] == pytest.approx(0.316, abs=0.003)
+
+
+@pytest.mark.parametrize("count", [1, 3, 8])
+@pytest.mark.parametrize("alpha", [0.0, 0.3, 1.0])
+def test_white_stacks_are_white(count, alpha):
+    layers = [{"kind": "dielectric", "ior": (1.5, 1.3)[i % 2], "roughness": alpha**0.5} for i in range(count)]
+    white = Stack.from_dict({"layers": layers, "base": {"kind": "lambert", "color": [1.0, 1.0, 1.0]}})
+    cos_o = np.cos(np.radians([0.0, 30.0, 60.0, 75.0, 85.0]))
+    assert energy(BakedNetwork(white, glossy=1), cos_o) == pytest.approx(1.0, abs=0.005)
+
+
+def test_more_lobes_come_closer():
+    few, more = (BakedNetwork(STACKS["patina_copper"], glossy=k).bake.shape_error.mean() for k in (1, 3))
+    assert more < few
+
+
+def test_weights_are_never_negative_and_alphas_stay_in_range():
+    for name, stack in STACKS.items():
+        for lobe in BakedNetwork(stack).lobes(np.linspace(0.0, 1.0, 101)):
+            assert np.all(lobe.weight >= 0.0), name
+            assert isinstance(lobe, DiffuseLobe) or np.all((lobe.alpha_x >= 0.0) & (lobe.alpha_x <= 1.2)), name
+
+
+def test_progress_is_reported_and_can_cancel():
+    shares = []
+
+    def cancel(share):
+        shares.append(share)
+        if len(shares) == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        BakedNetwork(suite_stack("plastic_grey_0_2"), glossy=1, progress=cancel)
+    assert shares == sorted(shares)
+
+
+def test_non_negative_least_squares_beats_every_other_choice():
+    rng = np.random.default_rng(3)
+    columns, goal = rng.normal(size=(4, 30)), rng.normal(size=(30, 3))
+    gram = np.repeat((columns @ columns.T)[None], 3, axis=0)
+    best = non_negative(gram, (columns @ goal).T)
+    lowest = np.sum(np.square(goal - columns.T @ best.T), axis=0)
+    for _ in range(500):
+        other = np.maximum(best + rng.normal(scale=0.05, size=best.shape), 0.0)
+        assert np.all(np.sum(np.square(goal - columns.T @ other.T), axis=0) >= lowest - 1e-12)
+
+
+def test_mirror_evaluates_the_bake():
+    stack = STACKS["smooth_coat"]
+    wo = spherical(np.radians([20.0, 70.0]), 0.0)
+    expected = energy(BakedNetwork(stack), wo[:, 2])
+    assert make_model("mirror", stack, tier="baked").albedo(wo) == pytest.approx(expected, rel=2e-3)
