@@ -51,7 +51,7 @@ blends: $(READY)
 
 charts: $(READY)
 	$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[figures]'
-	for chart in network error stress suite; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
+	for chart in network tiers error stress suite; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
 	$(VENV)/bin/lamina figures --out figures/paper
 
 clean:

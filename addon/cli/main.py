@@ -93,7 +93,8 @@ def build_parser() -> argparse.ArgumentParser:
     demo.add_argument("--size", type=_pixels, default=288, metavar="PIXELS", help="width of a tile (default: %(default)s)")
     chart = _command(commands, "chart", "chart", "measure a chart's numbers, print the table and draw it")
     chart.add_argument("chart", choices=("network", "tiers", "error", "stress", "suite"), help=(
-        "network: what Cycles is told against the exact model; tiers: the same, in every tier, against the truth; error: every model against the truth, by angle; "
+        "network: what Cycles is told against the exact model; tiers: the same in every tier against the truth; "
+        "error: every model against the truth, by angle; "
         "stress: every model in every hard case; suite: the two truths against each other"))
     chart.add_argument("-o", "--output", default=".", metavar="FOLDER", help="folder for table and picture (default: %(default)s)")
 

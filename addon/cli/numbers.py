@@ -60,18 +60,13 @@ def models(options) -> None:
 def albedo(options) -> None:
     """Directional albedo by view angle."""
     theta = view_angles(options.theta)
-    model, given = _model(options)
+    model, how = _model(options)
     wo = spherical(np.radians(theta), 0.0)
     if model.stochastic:
         value, stderr = model.albedo_stderr(wo, progress=_progress(options.command))
     else:
         value, stderr = model.albedo(wo), None
-    print_albedo(options.model, theta, value, stderr, options.json, _how(options, given))
-
-
-def _how(options, given: dict) -> dict:
-    """What somebody needs to get the same numbers again; options that are not named are the defaults of this version."""
-    return {"stack": load_stack(options.stack).to_dict(), "options": given, "version": version()}
+    print_albedo(options.model, theta, value, stderr, options.json, how)
 
 
 def print_albedo(
@@ -91,7 +86,7 @@ def print_albedo(
 def eval(options) -> None:  # noqa: A001  (the command is called eval)
     """f for one view and any number of light directions."""
     wo, wi = directions([options.wo])[0], directions(options.wi)
-    model, given = _model(options)
+    model, how = _model(options)
     if note := getattr(model, "f_note", None):
         print(f"lamina: {note}", file=sys.stderr)
     wo_all = np.broadcast_to(wo, wi.shape)
@@ -100,7 +95,7 @@ def eval(options) -> None:  # noqa: A001  (the command is called eval)
     else:
         value, stderr = model.f(wo_all, wi), None
     if options.json:
-        result = {"model": options.model, **_how(options, given), "wo_deg": _numbers(options.wo), "wi_deg": [_numbers(w) for w in options.wi],
+        result = {"model": options.model, **how, "wo_deg": _numbers(options.wo), "wi_deg": [_numbers(w) for w in options.wi],
                   "f": value.tolist()}
         print(json.dumps(result if stderr is None else {**result, "stderr": stderr.tolist()}))
         return
@@ -199,6 +194,7 @@ def _progress(command: str):
 
 
 def _model(options):
+    """The model, and what somebody needs to get its numbers again; options that are not named are this version's defaults."""
     pairs = {"surface": options.surface} if options.surface else {}
     for text in options.option:
         key, separator, value = text.partition("=")
@@ -207,4 +203,5 @@ def _model(options):
         if key in pairs:
             raise LaminaError(f"--option {text!r}: {key} is given already, as {pairs[key]!r}")
         pairs[key] = value
-    return make_model(options.model, load_stack(options.stack), **pairs), pairs
+    stack = load_stack(options.stack)
+    return make_model(options.model, stack, **pairs), {"stack": stack.to_dict(), "options": pairs, "version": version()}

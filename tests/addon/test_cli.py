@@ -3,6 +3,7 @@
 
 import json
 import os
+import shlex
 import signal
 import stat
 import subprocess
@@ -11,9 +12,11 @@ import sys
 import numpy as np
 import pytest
 
+from lamina import version
 from lamina.reference_py import presets
 from lamina.reference_py.frame import spherical
 from lamina.reference_py.models import MODELS, make_model
+from lamina.reference_py.stack import Stack
 
 RUN = [sys.executable, "-c", "from lamina.addon.cli.main import main; main()"]
 
@@ -48,6 +51,48 @@ def test_eval_prints_f_for_every_light_direction():
     wi = spherical(np.radians([30, 50]), np.radians([180, 90]))
     wo = np.broadcast_to(spherical(np.radians(30), 0.0), wi.shape)
     assert np.array(data["f"]) == pytest.approx(make_model("mirror", presets.load("frosted_paint")).f(wo, wi))
+
+
+def test_json_says_how_to_get_the_numbers_again():
+    out, _ = lamina("albedo", "glazed_mug", "--model", "adding", "--option", "nodes=40", "--surface", "single", "--theta", 0, "--json")
+    data = json.loads(out)
+    assert data["options"] == {"surface": "single", "nodes": "40"} and data["version"] == version()
+    again = make_model("adding", Stack.from_dict(data["stack"]), surface="single", nodes=40)
+    assert np.array(data["albedo"][0]) == pytest.approx(again.albedo(np.array([0.0, 0.0, 1.0])))
+
+
+def test_an_option_given_twice_is_refused():
+    _, err = lamina("albedo", "glazed_mug", "--model", "adding", "--surface", "single", "--option", "surface=multiple", code=2)
+    assert err.count("\n") == 1 and "surface is given already, as 'single'" in err
+
+
+def test_a_misspelt_layers_is_named_once(tmp_path):
+    path = tmp_path / "typo.json"
+    path.write_text('{"layer": [{"kind": "dielectric"}], "base": {"kind": "lambert"}}')
+    _, err = lamina("albedo", path, "--theta", 0)
+    assert err.count("did you mean 'layers'?") == 1
+
+
+def test_eval_says_when_a_truth_is_out_of_its_depth():
+    _, err = lamina("eval", "metal_foil", "--model", "adding", "--wo", "30,0", "--wi", "30,180")
+    assert "position_free" in err
+
+
+def test_version_and_closed_pipes():
+    assert lamina("--version")[0] == f"lamina {version()}\n"
+    first = subprocess.run(f"{shlex.join(RUN)} schema | head -1", shell=True, capture_output=True, text=True, timeout=60)
+    assert "Traceback" not in first.stderr
+    with open("/dev/full", "w") as full:
+        result = subprocess.run([*RUN, "schema"], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
+    assert result.returncode == 1 and result.stderr == "lamina: cannot write the output: No space left on device\n"
+
+
+def test_explain_says_what_was_tried_and_chosen():
+    out, _ = lamina("explain", "glazed_mug", "--json")
+    data = json.loads(out)
+    assert data["chosen"] in [row["tier"] for row in data["tried"]]
+    assert all(row["albedo_error"] < 0.01 for row in data["tried"] if row["tier"].startswith("baked"))
+    assert "chosen: " in lamina("explain", "glazed_mug")[0]
 
 
 def test_lists():
