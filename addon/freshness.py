@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shaders that hold values are made anew before a render or a save shows old ones."""
+"""Shaders that hold values are made anew before a save, and a render of old values is announced."""
 
 import bpy
 from bpy.app.handlers import persistent
@@ -11,25 +11,39 @@ from .material import is_stale, refresh
 @persistent
 def refresh_stale(*_) -> None:
     """Refresh every stale material of this file; one that cannot be is named, as handlers cannot report otherwise."""
-    for material in bpy.data.materials:
-        if material.library is None and material.lamina.is_layered:
-            try:
-                if is_stale(material):
-                    print(f"Lamina: {material.name}: values changed, its shader is made anew")
-                    refresh(material)
-            except LaminaError as error:
-                print(f"Lamina: {material.name} keeps its old shader: {error}")
+    for material in _layered():
+        try:
+            if is_stale(material):
+                print(f"Lamina: {material.name}: values changed, its shader is made anew")
+                refresh(material)
+        except LaminaError as error:
+            print(f"Lamina: {material.name} keeps its old shader: {error}")
 
 
-def _handlers() -> list[list]:
-    return [bpy.app.handlers.render_init, bpy.app.handlers.save_pre]
+@persistent
+def announce_stale(*_) -> None:
+    """Name what a render shows with old values. Blender 5.2 crashes when nodes change once a render has begun."""
+    for material in _layered():
+        try:
+            if is_stale(material):
+                print(f"Lamina: {material.name} renders old values: save the file, or press Update in its panel")
+        except LaminaError as error:
+            print(f"Lamina: {material.name} keeps its old shader: {error}")
+
+
+def _layered() -> list[bpy.types.Material]:
+    return [m for m in bpy.data.materials if m.library is None and m.lamina.is_layered]
+
+
+def _handlers() -> list[tuple]:
+    return [(bpy.app.handlers.save_pre, refresh_stale), (bpy.app.handlers.render_init, announce_stale)]
 
 
 def register() -> None:
-    for handlers in _handlers():
-        handlers.append(refresh_stale)
+    for handlers, handler in _handlers():
+        handlers.append(handler)
 
 
 def unregister() -> None:
-    for handlers in _handlers():
-        handlers.remove(refresh_stale)
+    for handlers, handler in _handlers():
+        handlers.remove(handler)

@@ -394,13 +394,16 @@ def test_structure_survives_a_session_without_lamina(layered, registered_lamina)
     assert material.stack_of(layered) == stack
 
 
-def test_a_render_never_shows_values_that_a_baked_shader_no_longer_has(blender):
+def test_a_render_of_old_values_is_announced_until_they_are_refreshed(blender, capsys):
     baked = blender.data.materials.new("baked")
     material.apply_stack(baked, suite_stack("plastic_grey_0"), "baked")
     elements.node_of(baked.lamina.base).inputs["Color"].default_value = (0.9, 0.9, 0.9, 1.0)
     assert material.is_stale(baked)
+    render_furnace(baked, (0.0,), samples=1, size=8)
+    assert "baked renders old values" in capsys.readouterr().out
+    material.refresh(baked)
     measured, _ = render_furnace(baked, (0.0,), samples=64, size=16)
-    assert not material.is_stale(baked)
+    assert not material.is_stale(baked) and "old values" not in capsys.readouterr().out
     truth = Adding(material.stack_of(baked)).albedo(np.array([0.0, 0.0, 1.0]))
     assert measured[0] == pytest.approx(truth, rel=0.01)
 
