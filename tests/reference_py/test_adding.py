@@ -363,3 +363,11 @@ def test_narrow_lobes_are_named_to_who_reads_f():
     assert "position_free" in Adding(suite_stack("narrow_over_narrow")).f_note
     assert Adding(suite_stack("narrow_over_narrow"), nodes=96, modes=256).f_note is None
     assert Adding(suite_stack("plastic_grey_0_4")).f_note is None
+
+
+def test_a_wide_lobe_has_no_stripes_in_azimuth():
+    """Too few azimuths of its quadrature aliased the highest modes."""
+    wi = spherical(np.radians(20.0), np.radians(np.arange(60.0, 80.0)))
+    wo = np.broadcast_to(spherical(np.radians(20.0), 0.0), wi.shape)
+    f = Adding(presets.load("metallic_car_paint")).f(wo, wi)[:, 1]
+    assert np.all(np.abs(np.diff(f, 2)) < 1e-3 * f[1:-1])
