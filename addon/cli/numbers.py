@@ -133,7 +133,7 @@ def explain(options) -> None:
         print(f"{c.label:18} {row['closures']:8d} {c.cost:5.2f}x {100 * row['albedo_error']:7.2f} % {100 * row['soft_light_error']:9.2f} %"
               f" {100 * row['shape_error']:6.2f} %")
     print(f"chosen: {choice.chosen.label}, {choice.reason}")
-    print("cost: CPU time over a plain glossy node. albedo: worst view. soft light and shape (L1 of f): mean over a ball's pixels.")
+    print("cost: CPU time over a plain glossy node, estimated from the closures. albedo: worst view. soft light and shape (L1 of f): mean over a ball's pixels.")
 
 
 def _tried(candidate) -> dict:

@@ -18,7 +18,7 @@ DEFAULT_TOLERANCE = 0.02
 
 @dataclass(frozen=True)
 class Candidate:
-    """One way to tell Cycles, its errors, and its cost in units of a plain glossy node's."""
+    """One way to tell Cycles, its errors, and its estimated cost in units of a plain glossy node's."""
 
     label: str
     network: object
@@ -58,15 +58,14 @@ def choose(
     stack: Stack,
     truth,
     tolerance: float = DEFAULT_TOLERANCE,
-    cosines: np.ndarray | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Choice:
-    """The cheapest candidate whose error at the views `cosines` is at most `tolerance`, or the closest if none is.
+    """The cheapest candidate whose error over the pixels of a ball is at most `tolerance`, or the closest if none is.
 
     Candidates are tried from the cheapest; `progress` gets the share done and may raise to cancel.
     """
     report = progress or (lambda share: None)
-    judge = Judge(stack, truth, ball_cosines() if cosines is None else cosines)
+    judge = Judge(stack, truth, ball_cosines())
     report(0.2)
     tried: list[Candidate] = []
     baker = Baker(stack, truth)
@@ -88,7 +87,7 @@ def choose(
 
 
 def cost(network) -> float:
-    """CPU time of a frame-filling object over that of a plain glossy node, from the number of closures (figures/pareto.csv)."""
+    """An estimate of the CPU time of a frame-filling object over that of a plain glossy node, from its closures alone."""
     lobes = network.lobes(np.ones(1))
     diffuse = sum(isinstance(lobe, DiffuseLobe) for lobe in lobes)
     glossy = len(lobes) - diffuse

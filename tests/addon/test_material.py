@@ -400,7 +400,7 @@ def test_a_render_of_old_values_is_announced_until_they_are_refreshed(blender, c
     elements.node_of(baked.lamina.base).inputs["Color"].default_value = (0.9, 0.9, 0.9, 1.0)
     assert material.is_stale(baked)
     render_furnace(baked, (0.0,), samples=1, size=8)
-    assert "baked renders old values" in capsys.readouterr().out
+    assert "baked: renders old values" in capsys.readouterr().out
     material.refresh(baked)
     measured, _ = render_furnace(baked, (0.0,), samples=64, size=16)
     assert not material.is_stale(baked) and "old values" not in capsys.readouterr().out
