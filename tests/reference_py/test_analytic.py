@@ -90,13 +90,14 @@ def test_stress(name):
 
 
 # Stacks without absorption over a diffuse base are exact but for the tables; more surfaces and metals are fitted.
+# Bounds are the measured errors (printed) and a quarter.
 @pytest.mark.parametrize(
     "name, bound",
     [
-        ("plastic_grey_0", 0.002), ("plastic_grey_0_1", 0.015), ("plastic_grey_1", 0.015), ("plastic_oren_nayar", 0.02),
-        ("three_smooth", 0.002), ("twenty_smooth", 0.002), ("plastic_tinted", 0.03), ("lambert_1_5_0_3_over_1_8_0", 0.02),
-        ("lambert_1_8_0_over_1_33_0_3", 0.03), ("gold_rough", 0.02), ("chromium_mirror", 0.002),
-        ("gold_coat_0_1_metal_0_1", 0.05), ("silver_coat_0_2_metal_0_4", 0.03), ("car_paint_blue", 0.05), ("brass_coat_0_metal_0_4", 0.08),
+        ("plastic_grey_0", 0.0005), ("plastic_grey_0_1", 0.002), ("plastic_grey_1", 0.003), ("plastic_oren_nayar", 0.0045),
+        ("three_smooth", 0.0005), ("twenty_smooth", 0.0005), ("plastic_tinted", 0.0065), ("lambert_1_5_0_3_over_1_8_0", 0.0035),
+        ("lambert_1_8_0_over_1_33_0_3", 0.0025), ("gold_rough", 0.017), ("chromium_mirror", 0.0005),
+        ("gold_coat_0_1_metal_0_1", 0.027), ("silver_coat_0_2_metal_0_4", 0.005), ("car_paint_blue", 0.044), ("brass_coat_0_metal_0_4", 0.088),
     ],
 )  # fmt: skip
 def test_albedo_against_adding(name, bound):
@@ -109,14 +110,14 @@ def test_albedo_against_adding(name, bound):
 def test_albedo_of_the_suite():
     errors = np.array([worst_error(stack) for stack in [*suite().values(), *map(presets.load, presets.names())]])
     print(f"median {100 * np.median(errors):.2f} %, worst {100 * errors.max():.1f} %, within 3 % {np.sum(errors <= 0.03)} of {len(errors)}")
-    assert np.median(errors) <= 0.015
-    assert np.mean(errors <= 0.05) >= 0.85
-    assert errors.max() <= 0.15
+    assert np.median(errors) <= 0.012
+    assert np.mean(errors <= 0.03) >= 0.73
+    assert errors.max() <= 0.14
 
 
 @pytest.mark.slow
 def test_shape():
-    for name, bound in (("plastic_grey_0_1", 0.12), ("silver_coat_0_2_metal_0_4", 0.25)):
+    for name, bound in (("plastic_grey_0_1", 0.053), ("silver_coat_0_2_metal_0_4", 0.17)):
         stack = suite_stack(name)
         shape = distance(stack, mirror(stack), make_model("adding", stack), np.radians([10.0, 60.0])).shape
         print(f"{name}: {np.round(100 * shape, 1)} %")
