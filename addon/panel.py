@@ -124,6 +124,9 @@ def _draw_status(layout, context, material) -> None:
         return
     if material is None or not material.lamina.is_layered:
         return
+    if _is_stale(material):
+        box = _draw_message(layout, context, "values changed; the shader holds the old ones", "INFO")
+        box.operator(ops.LAMINA_OT_regenerate.bl_idname, text="Update")
     if backend_of(material) != OSL:
         if told := notice(material.lamina.backend):
             _draw_message(layout, context, told, "INFO")
@@ -219,10 +222,6 @@ def _draw_shader(layout, material) -> None:
     lamina = material.lamina
     _draw_choice(layout, lamina, "tier")
     layout.prop(lamina, "backend")
-    if _is_stale(material):
-        row = layout.row()
-        row.label(text="Values changed; the shader holds the old ones", icon="ERROR")
-        row.operator(ops.LAMINA_OT_regenerate.bl_idname, text="Update")
     node = material.node_tree.nodes.get(lamina.shader_node)
     code = node and (node.script if backend_of(material) == OSL else node.node_tree)
     _draw_fact(layout, "Lobes", str(lamina.lobe_count))

@@ -341,3 +341,14 @@ def test_panel_says_what_keeps_it_from_working(layered, monkeypatch):
     assert "Tint" in drawn("socket")
     layered.active_material.node_tree.nodes.remove(node_of(layered.active_material.lamina.base))
     assert any("was deleted" in text for text in drawn("label"))
+
+
+def test_panel_offers_to_update_a_shader_of_old_values(layered):
+    with properties.quietly():
+        layered.active_material.lamina.backend = "nodes"
+    bpy.ops.lamina.regenerate()
+    assert "old ones" not in " ".join(drawn("label"))
+    node_of(layered.active_material.lamina.layers[0]).inputs["Roughness"].default_value = 0.77
+    assert "Values changed; the shader holds the old ones" in " ".join(drawn("label"))
+    bpy.ops.lamina.regenerate()
+    assert "old ones" not in " ".join(drawn("label"))
