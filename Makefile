@@ -8,7 +8,7 @@ READY := $(VENV)/ready
 RUN := $(VENV)/bin/python
 SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py' -o -name '*.osl' -o -name '*.h' -o -name '*.json' \))
 
-.PHONY: help demo test bench zip validate blends charts clean
+.PHONY: help demo test bench zip validate blends charts pareto clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -18,6 +18,7 @@ help:
 	@echo "make validate  build it and check it with Blender's own tool"
 	@echo "make blends    build the .blend files of demo_blend/ anew"
 	@echo "make charts    measure the tables of figures/ anew and draw them"
+	@echo "make pareto    measure error against cost in Cycles anew and draw it (half an hour, best on a quiet machine)"
 	@echo "make clean     remove what was built (not $(VENV))"
 
 $(READY): tools/setup.sh tools/check_bpy.py pyproject.toml setup.py $(wildcard requirements/*.txt)
@@ -53,6 +54,10 @@ charts: $(READY)
 	$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[figures]'
 	for chart in network tiers error stress suite; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
 	$(VENV)/bin/lamina figures --out figures/paper
+
+pareto: $(READY)
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[figures]'
+	$(VENV)/bin/lamina chart pareto -o figures
 
 clean:
 	rm -rf build dist .pytest_cache .hypothesis

@@ -41,4 +41,4 @@ def notice(wanted: str) -> str:
     """One line for the user where `wanted` leaves the choice and it fell on stock nodes; empty when it did not."""
     if wanted != AUTO or backend_here(wanted) == OSL:
         return ""
-    return f"made of stock nodes, because {environment.osl_available()[1]}; textures and animation of layers have no effect"
+    return f"made of stock nodes, because {environment.osl_available()[1]}; of all textures and animation of layers only a coverage's has an effect"

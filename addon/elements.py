@@ -9,9 +9,9 @@ import numpy as np
 
 from ..reference_py.colour import artist_color, artist_index, conductor_rgb
 from ..reference_py.errors import LaminaError
-from ..reference_py.schema import COLOR, FLOAT, SCHEMA, Kind, Parameter
+from ..reference_py.schema import COLOR, FLOAT, SCHEMA, Feature, Kind, Parameter
 from ..reference_py.stack import Element
-from .kind_groups import group_of
+from .kind_groups import declare_missing, group_of
 
 _FLOAT32_DIGITS = 7
 
@@ -32,6 +32,13 @@ def node_of(element) -> bpy.types.ShaderNodeGroup:
     return node
 
 
+def bring_up_to_date(element) -> None:
+    """Give an element's node the sockets that came after the version which made it."""
+    tree = node_of(element).node_tree
+    if tree is not None and tree.library is None:
+        declare_missing(tree, kind_of(element))
+
+
 def show_name(element) -> None:
     """Write the element's name on its node, if it has one."""
     tree = element.id_data.node_tree
@@ -39,18 +46,34 @@ def show_name(element) -> None:
         tree.nodes[element.node].label = element.name
 
 
+def use_of(feature: Feature) -> str:
+    """The property that says whether an element has a feature."""
+    return f"use_{feature.name}"
+
+
+def used_features(element) -> tuple[Feature, ...]:
+    """The optional features that a layer or base has."""
+    return tuple(feature for feature in kind_of(element).features if getattr(element, use_of(feature)))
+
+
 def shown_parameters(kind: Kind, given: str) -> tuple[Parameter, ...]:
-    """The parameters that describe an element: those of the alternative `given` first, then the ones of every element."""
+    """The parameters that every element of a kind has: those of the alternative `given` first, then the others."""
     chosen = [kind.parameter(name) for group, choice in zip(kind.alternatives, kind.given_choices) if choice == given
               for name in group]
     alternative = {name for group in kind.alternatives for name in group}
     return (*chosen, *(p for p in kind.parameters if p.name not in alternative))
 
 
+def element_parameters(element, kind: Kind, given: str) -> tuple[Parameter, ...]:
+    """The parameters that describe an element, those of its features last."""
+    return (*shown_parameters(kind, given), *(p for feature in used_features(element) for p in feature.parameters))
+
+
 def structure_dict(element, kind: Kind) -> dict:
     """An element as JSON without values: the schema's defaults stand in, since only structure is asked for."""
     values = {
-        p.name: getattr(element, p.name) if p.is_structural else p.default for p in shown_parameters(kind, element.given)
+        p.name: getattr(element, p.name) if p.is_structural else p.default
+        for p in element_parameters(element, kind, element.given)
     }
     return {"kind": element.kind, **values}
 
@@ -68,7 +91,9 @@ def fill_element(tree: bpy.types.NodeTree, element, source: Element, kind: Kind)
     for group, choice in zip(kind.alternatives, kind.given_choices):
         if group[0] in source:
             element.given = choice
-    for parameter in kind.parameters:
+    for feature in kind.features:
+        setattr(element, use_of(feature), source.has(feature))
+    for parameter in kind.all_parameters:
         if parameter.name not in source:
             continue
         value = source[parameter.name]
@@ -86,7 +111,7 @@ def read_element(element, kind: Kind) -> dict:
     node = node_of(element)
     given = "eta+k" if element.given == "metal" and _index_differs(element, kind) else element.given
     data = {"kind": element.kind}
-    for parameter in shown_parameters(kind, given):
+    for parameter in element_parameters(element, kind, given):
         if parameter.is_structural:
             data[parameter.name] = getattr(element, parameter.name)
         else:

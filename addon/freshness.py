@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shaders that hold values are made anew before a save, and a render of old values is announced."""
+"""Shaders that hold values, or that stand in for a bake, are made anew before a save; a render of them is announced."""
 
 from collections.abc import Callable
 
@@ -7,36 +7,45 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..reference_py.errors import LaminaError
-from .material import is_stale, refresh
+from .material import is_settled, is_stale, refresh
 
 
 @persistent
-def refresh_stale(*_) -> None:
-    """Refresh every stale material of this file."""
-    _for_each_stale(refresh, "values changed, its shader is made anew")
+def make_ready(*_) -> None:
+    """Make every material of this file what its tier stands for. With a window, bakes are left to `bakes`."""
+    _for_each(lambda material: is_stale(material) or not is_settled(material), _make_ready)
+
+
+def _make_ready(material) -> None:
+    if bpy.app.background:
+        print(f"Lamina: {material.name}: its shader is made for the present values")
+    refresh(material, settle=bpy.app.background)
 
 
 @persistent
-def announce_stale(*_) -> None:
-    """Name what a render shows with old values. Blender 5.2 crashes when nodes change once a render has begun."""
-    _for_each_stale(lambda material: None, "renders old values: save the file, or press Update in its panel")
+def announce(*_) -> None:
+    """Name what a render shows with old values or provisionally. Blender 5.2 crashes when nodes change once a render has begun."""
+    _for_each(is_stale, lambda material: print(f"Lamina: {material.name}: renders old values: save the file, or press Update in its panel"))
+    _for_each(
+        lambda material: not is_stale(material) and not is_settled(material),
+        lambda material: print(f"Lamina: {material.name}: renders with the tier analytic, as its bake is not done; a save without a window makes it"),
+    )
 
 
-def _for_each_stale(act: Callable[[bpy.types.Material], None], words: str) -> None:
+def _for_each(concerns: Callable[[bpy.types.Material], bool], act: Callable[[bpy.types.Material], None]) -> None:
     """Handlers cannot report, so what is done, or cannot be, is said on the console."""
     for material in bpy.data.materials:
         if material.library is not None or not material.lamina.is_layered:
             continue
         try:
-            if is_stale(material):
-                print(f"Lamina: {material.name}: {words}")
+            if concerns(material):
                 act(material)
         except LaminaError as error:
             print(f"Lamina: {material.name} keeps its old shader: {error}")
 
 
 def _handlers() -> list[tuple]:
-    return [(bpy.app.handlers.save_pre, refresh_stale), (bpy.app.handlers.render_init, announce_stale)]
+    return [(bpy.app.handlers.save_pre, make_ready), (bpy.app.handlers.render_init, announce)]
 
 
 def register() -> None:

@@ -7,7 +7,7 @@ there whatever happens to the order. Interfaces are append-only, so files of old
 
 import bpy
 
-from ..reference_py.schema import COLOR, FLOAT, Kind, Parameter
+from ..reference_py.schema import COLOR, FLOAT, NORMAL, Kind, Parameter
 
 KIND_KEY = "lamina_kind"
 _SOCKET_TYPES = {FLOAT: "NodeSocketFloat", COLOR: "NodeSocketColor"}
@@ -21,13 +21,18 @@ def group_of(kind: Kind) -> bpy.types.NodeTree:
         tree[KIND_KEY] = kind.name
         tree.nodes.new("NodeGroupInput").location = (-200, 0)
         tree.nodes.new("NodeGroupOutput").location = (200, 0)
+    declare_missing(tree, kind)
+    return tree
+
+
+def declare_missing(tree: bpy.types.NodeTree, kind: Kind) -> None:
+    """Give a kind's group, as an older file has it, the sockets that came later, at its end."""
     present = {item.name for item in tree.interface.items_tree if item.in_out == "INPUT"}
     missing = [p for p in kind.sockets if p.label not in present]
     for parameter in missing:
         _declare(tree, parameter)
     if missing:
         _pass_through(tree)
-    return tree
 
 
 def _declare(tree, parameter: Parameter) -> None:
@@ -41,6 +46,8 @@ def _declare(tree, parameter: Parameter) -> None:
         socket.min_value = parameter.minimum
         # a socket has one maximum for slider and typing; the schema's hard range is checked when a stack is read
         socket.max_value = parameter.maximum
+        # a direction has no value to type: it is linked, or the surface's own
+        socket.hide_value = parameter is NORMAL.parameters[0]
         if parameter.type == FLOAT and (parameter.minimum, parameter.maximum) == (0.0, 1.0):
             socket.subtype = "FACTOR"
     tree.interface.new_socket(parameter.label, in_out="OUTPUT", socket_type=socket_type)

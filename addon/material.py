@@ -7,26 +7,29 @@ raises LaminaError, not at all.
 """
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import bpy
 
 from ..reference_py.errors import LaminaError
-from ..reference_py.network import DEFAULT_TIER, HOLD_VALUES, make_network, require_tier
-from ..reference_py.network.baking.memory import content
+from ..reference_py.network import DEFAULT_TIER, HOLD_VALUES, PROVISIONAL_TIER, TIERS, AutoNetwork, make_network, require_tier
+from ..reference_py.network.memory import content
+from ..reference_py.network.mixture import holds_values
 from ..reference_py.network.tabulate import tabulate
 from ..reference_py.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
 from ..reference_py.stack import MAX_LAYERS, Stack
 from .backend import NODES, OSL, backend_here, notice
-from .elements import carry_metal, fill_element, kind_of, node_of, read_element, shown_parameters, structure_dict
+from .elements import bring_up_to_date, carry_metal, fill_element, kind_of, node_of, read_element, shown_parameters, structure_dict
+from .live_values import live_values
 from .network.inputs import BASE, layer_owner
 from .network.osl import generate
-from .network.stock_nodes import HAS_DIELECTRIC
+from .network.stock_nodes import HAS_DIELECTRIC, closure_count, left_out
 from .properties import quietly
 from .rendering.settings import node_tree
 from .script_node import enable_osl
-from .shader_node import backend_of, group_with, script_with
+from .shader_node import backend_of, group_with, script_with, tangent_owner
 from .snapshot import restore, snapshot
 
 _COLUMN, _ROW = 320, 240
@@ -77,7 +80,8 @@ def stack_of(material: bpy.types.Material, hidden: bool = False) -> Stack:
     return Stack.from_dict(
         {
             **json.loads(lamina.unknown or "{}"),
-            "schema_version": lamina.schema_version,
+            # older files' sockets mean what they mean now; a newer one's may not
+            "schema_version": max(lamina.schema_version, SCHEMA_VERSION),
             "name": lamina.stack_name,
             "source": lamina.source,
             "layers": [read_element(e, kind_of(e)) for e in lamina.layers if e.visible or hidden],
@@ -196,38 +200,84 @@ def _remove_nodes(tree, names: set[str]) -> None:
         tree.nodes.remove(node)
 
 
-def refresh(material: bpy.types.Material) -> None:
+def refresh(material: bpy.types.Material, settle: bool = False, progress: Callable[[float], None] | None = None) -> None:
     """Make the shader follow the structure, and, where it holds values (tables), the present values.
 
-    Wires the visible layers to a shader that reads them. Raises LaminaError; then the shader is as before.
+    Wires the visible layers to a shader that reads them. Tiers that compute the truth first take seconds: until that is
+    done, here with `settle` or by `bakes` in the background, the shader is that of the tier analytic. `progress` gets the
+    share done and may raise to cancel. Raises LaminaError; then the shader is as before.
     """
     lamina = material.lamina
     backend = backend_here(lamina.backend)
     layers = [element for element in lamina.layers if element.visible]
+    for element in (*layers, lamina.base):
+        bring_up_to_date(element)
     owners = {layer_owner(i): node_of(e) for i, e in enumerate(layers)} | {BASE: node_of(lamina.base)}
-    if holds_values(material):
+    waits = lamina.tier in HOLD_VALUES
+    if waits or backend == NODES:
         told = stack_of(material)
     else:
         elements = [structure_dict(e, kind_of(e)) for e in (*layers, lamina.base)]
         told = Stack.from_dict({"layers": elements[:-1], "base": elements[-1]}, f"material {material.name}")
-    network = make_network(told, lamina.tier)
+    wanted = wanted_network(material) if waits else None
+    settled = wanted is None or settle or wanted.is_known()
+    network = make_network(told, PROVISIONAL_TIER) if not settled else wanted.make(progress) if waits else make_network(told, lamina.tier)
     if backend == NODES:
         tables = tabulate(network.resolved, HAS_DIELECTRIC)
-        shader, lamina.lobe_count = group_with(material, tables), tables.lobe_count
+        shader, lamina.lobe_count = group_with(material, tables, owners), closure_count(tables)
     else:
-        shader, lamina.lobe_count = script_with(material, generate(told, lamina.tier), owners), network.lobe_count
-    lamina.told = content(told) if holds_values(material) else ""
+        text = generate(network)
+        shader, lamina.lobe_count = script_with(material, text, owners | tangent_owner(material, text.inputs)), text.lobe_count
+    holds = backend == NODES or holds_values(network)
+    lamina.told = content(told, live_values(material) if backend == OSL else ()) if holds else ""
+    lamina.settled = wanted.key if wanted and settled else ""
+    notes = [network.reason if wanted and settled else "", left_out(told) if backend == NODES else ""]
+    lamina.note = "; ".join(filter(None, notes))
     _arrange(lamina, shader)
 
 
-def holds_values(material: bpy.types.Material) -> bool:
-    """Whether the shader holds the sockets' values instead of reading them."""
-    return backend_here(material.lamina.backend) == NODES or material.lamina.tier in HOLD_VALUES
+@dataclass(frozen=True)
+class Wanted:
+    """The network that a material's tier stands for, before it is made."""
+
+    stack: Stack
+    tier: str
+    live: tuple[tuple[int, str], ...]
+    tolerance: float
+
+    @property
+    def _options(self) -> dict:
+        return {"live": self.live} | ({"tolerance": self.tolerance} if self.tier == AutoNetwork.tier else {})
+
+    @property
+    def key(self) -> str:
+        return TIERS[self.tier].key(self.stack, **self._options)
+
+    def is_known(self) -> bool:
+        return TIERS[self.tier].is_known(self.stack, **self._options)
+
+    def make(self, progress: Callable[[float], None] | None = None):
+        return TIERS[self.tier](self.stack, progress=progress, **self._options)
+
+
+def wanted_network(material: bpy.types.Material) -> Wanted:
+    """What a material's tier, one of HOLD_VALUES, wants for its present values. Raises LaminaError for bad values."""
+    lamina = material.lamina
+    live = live_values(material) if backend_here(lamina.backend) == OSL else ()
+    return Wanted(stack_of(material), lamina.tier, live, 0.01 * lamina.tolerance)
 
 
 def is_stale(material: bpy.types.Material) -> bool:
-    """Whether values changed since the shader that holds them was made."""
-    return bool(material.lamina.told) and material.lamina.told != content(stack_of(material))
+    """Whether the shader holds values that are no longer those of the sockets."""
+    if not material.lamina.told:
+        return False
+    live = live_values(material) if backend_here(material.lamina.backend) == OSL else ()
+    return material.lamina.told != content(stack_of(material), live)
+
+
+def is_settled(material: bpy.types.Material) -> bool:
+    """Whether the shader is what its tier stands for, and not what stands in for it."""
+    return material.lamina.tier not in HOLD_VALUES or material.lamina.settled == wanted_network(material).key
 
 
 def _arrange(lamina, shader) -> None:

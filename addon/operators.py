@@ -9,6 +9,7 @@ from ..reference_py import presets
 from ..reference_py.errors import LaminaError
 from ..reference_py.schema import SCHEMA
 from ..reference_py.stack import Stack
+from . import bakes
 from . import material as materials
 from .script_node import enable_osl
 
@@ -204,6 +205,26 @@ class LAMINA_OT_regenerate(LayeredOperator, bpy.types.Operator):
         materials.regenerate(material_of(context))
 
 
+class LAMINA_OT_cancel_bake(LayeredOperator, bpy.types.Operator):
+    bl_idname = "lamina.cancel_bake"
+    bl_label = "Cancel Bake"
+    bl_description = "Stop computing; the material stays as the tier analytic shows it until a value changes"
+    bl_options = {"REGISTER"}
+
+    def run(self, context):
+        bakes.cancel(material_of(context))
+
+
+class LAMINA_OT_retry_bake(LayeredOperator, bpy.types.Operator):
+    bl_idname = "lamina.retry_bake"
+    bl_label = "Bake Again"
+    bl_description = "Compute what the material's tier stands for, in the background"
+    bl_options = {"REGISTER"}
+
+    def run(self, context):
+        bakes.retry(material_of(context))
+
+
 class LAMINA_OT_enable_osl(LaminaOperator, bpy.types.Operator):
     bl_idname = "lamina.enable_osl"
     bl_label = "Use Cycles with OSL"
@@ -223,5 +244,7 @@ CLASSES = (
     LAMINA_OT_layer_move,
     LAMINA_OT_set_base,
     LAMINA_OT_regenerate,
+    LAMINA_OT_cancel_bake,
+    LAMINA_OT_retry_bake,
     LAMINA_OT_enable_osl,
 )

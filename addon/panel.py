@@ -6,12 +6,14 @@ import textwrap
 import bpy
 
 from ..reference_py.errors import LaminaError
+from ..reference_py.network import AutoNetwork
 from ..reference_py.optics.microfacet import slope_deg_from_roughness
 from ..reference_py.schema import COLOR
+from . import bakes
 from . import material as materials
 from . import operators as ops
 from .backend import OSL, backend_here, notice
-from .elements import kind_of, node_of, shown_parameters
+from .elements import kind_of, node_of, shown_parameters, use_of, used_features
 from .rendering import environment
 from .script_node import device_problem, scene_problem
 from .shader_node import backend_of
@@ -108,7 +110,7 @@ class LAMINA_PT_material(bpy.types.Panel):
         header, body = layout.panel("lamina_shader", default_closed=True)
         header.label(text="Shader")
         if body:
-            _draw_shader(body, material)
+            _draw_shader(body, context, material)
 
 
 def _draw_status(layout, context, material) -> None:
@@ -127,6 +129,7 @@ def _draw_status(layout, context, material) -> None:
     if _is_stale(material):
         box = _draw_message(layout, context, "values changed; the shader holds the old ones", "INFO")
         box.operator(ops.LAMINA_OT_regenerate.bl_idname, text="Update")
+    _draw_bake(layout, material)
     if backend_of(material) != OSL:
         if told := notice(material.lamina.backend):
             _draw_message(layout, context, told, "INFO")
@@ -138,6 +141,17 @@ def _draw_status(layout, context, material) -> None:
         box.operator(ops.LAMINA_OT_enable_osl.bl_idname)
     elif problem := device_problem(context.scene, context.preferences):
         _draw_message(layout, context, problem, "INFO")
+
+
+def _draw_bake(layout, material) -> None:
+    """A running bake with its progress, or why there is none."""
+    row = layout.row(align=True)
+    if bake := bakes.bake_of(material):
+        row.progress(factor=bake.share, text="Computing the truth; shown by tier analytic")
+        row.operator(ops.LAMINA_OT_cancel_bake.bl_idname, text="", icon="CANCEL")
+    elif reason := bakes.given_up(material):
+        row.label(text=f"Shown by tier analytic; bake {reason}", icon="INFO")
+        row.operator(ops.LAMINA_OT_retry_bake.bl_idname, text="", icon="FILE_REFRESH")
 
 
 def _draw_message(layout, context, message: str, icon: str):
@@ -185,12 +199,23 @@ def _draw_element(layout, element) -> None:
         if parameter.is_structural:
             _draw_choice(column, element, parameter.name)
             continue
-        socket = node.inputs[parameter.label]
-        # Blender's own drawing of a socket: a dot to link a texture, what it is linked to, and a keyframe button
-        column.template_node_view(element.id_data.node_tree, node, socket)
+        socket = _draw_socket(column, element, node, parameter)
         if parameter.name == "roughness" and not socket.is_linked:
             slope = slope_deg_from_roughness(socket.default_value, element.distribution)
             _draw_fact(column, "", f"Mean slope {slope:.1f}\N{DEGREE SIGN}")
+    used = used_features(element)
+    for feature in kind.features:
+        _draw_choice(column, element, use_of(feature))
+        for parameter in feature.parameters if feature in used else ():
+            _draw_socket(column, element, node, parameter)
+
+
+def _draw_socket(layout, element, node, parameter):
+    """Blender's own drawing of a socket: a dot to link a texture, what it is linked to, and a keyframe button."""
+    socket = node.inputs.get(parameter.label)
+    if socket is not None:  # a file of an older version has it once its shader is made anew
+        layout.template_node_view(element.id_data.node_tree, node, socket)
+    return socket
 
 
 def _draw_choice(layout, owner, name: str, **options) -> None:
@@ -218,12 +243,16 @@ def _is_stale(material) -> bool:
         return False
 
 
-def _draw_shader(layout, material) -> None:
+def _draw_shader(layout, context, material) -> None:
     lamina = material.lamina
     _draw_choice(layout, lamina, "tier")
+    if lamina.tier == AutoNetwork.tier:
+        layout.prop(lamina, "tolerance")
     layout.prop(lamina, "backend")
     node = material.node_tree.nodes.get(lamina.shader_node)
     code = node and (node.script if backend_of(material) == OSL else node.node_tree)
+    if lamina.note:
+        _draw_message(layout, context, f"chosen: {lamina.note}", "INFO")
     _draw_fact(layout, "Lobes", str(lamina.lobe_count))
     _draw_fact(layout, "Code", code.name if code is not None else "missing; regenerate the shader")
     if lamina.source:

@@ -9,9 +9,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import bpy
-from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from ..reference_py.network import DEFAULT_TIER, TIERS
+from ..reference_py.network.choice import DEFAULT_TOLERANCE
 from ..reference_py.schema import SCHEMA, SCHEMA_VERSION, Kind, Schema
 from .backend import AUTO, BACKENDS, DEFAULT_BACKEND, NODES, OSL
 
@@ -69,13 +70,18 @@ def _enum(name: str, items: list[tuple[str, str]], label: str, help_text: str, d
 
 
 def structure_annotations(schema: Schema) -> dict:
-    """One enum per structural parameter of the schema, and `given`, which says which alternative describes a kind."""
+    """One enum per structural parameter of the schema, one switch per feature, and `given`, the alternative that describes a kind."""
     kinds = (*schema.layers.values(), *schema.bases.values())
     annotations = {
         p.name: _enum(p.name, [(c, choice_label(c)) for c in p.choices], p.label, p.help, p.default)
         for kind in kinds
         for p in kind.structure
     }
+    for feature in {f.name: f for kind in kinds for f in kind.features}.values():
+        name = f"use_{feature.name}"
+        annotations[name] = BoolProperty(
+            name=feature.label, description=feature.help, options=_NOT_ANIMATABLE, update=_update(name)
+        )
     given = [
         (choice, " and ".join(kind.parameter(name).label for name in group))
         for kind in kinds
@@ -130,12 +136,24 @@ class LaminaMaterial(bpy.types.PropertyGroup):
         options=_NOT_ANIMATABLE,
         update=_update("backend"),
     )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        description="The largest error that the tier auto may show, as a share of the reflected light",
+        min=0.1,
+        max=100.0,
+        default=100.0 * DEFAULT_TOLERANCE,
+        subtype="PERCENTAGE",
+        options=_NOT_ANIMATABLE,
+        update=_update("tolerance"),
+    )
     stack_name: StringProperty(name="Name", description="Name of the stack")
     source: StringProperty(name="Source", description="Where the stack's numbers come from")
     unknown: StringProperty(description="JSON of the keys that this version does not know")
     schema_version: IntProperty(default=SCHEMA_VERSION)
     shader_node: StringProperty(description="Name of the node that is the shader")
     told: StringProperty(description="Hash of the values that the shader holds; empty where it reads them")
+    settled: StringProperty(description="What the shader was computed for, in tiers that compute first; empty until it is done")
+    note: StringProperty(description="What was chosen, and why")
     lobe_count: IntProperty(description="Lobes of the generated shader")
     problem: StringProperty(description="Why the shader does not follow the structure", options={"SKIP_SAVE"})
 

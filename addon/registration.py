@@ -3,7 +3,9 @@
 
 import bpy
 
-from . import freshness, operators, panel, properties
+from ..reference_py.network.memory import keep_in
+from . import bakes, freshness, operators, panel, properties
+from .cache import cache_folder
 from .cli.main import run
 
 # Kept for unregister: Blender gives the command as a handle.
@@ -19,10 +21,13 @@ def register() -> None:
         bpy.utils.register_class(cls)
     bpy.types.Material.lamina = bpy.props.PointerProperty(type=properties.LaminaMaterial)
     _command = bpy.utils.register_cli_command("lamina", run)
+    keep_in(cache_folder())
     freshness.register()
+    bakes.register()
 
 
 def unregister() -> None:
+    bakes.unregister()
     freshness.unregister()
     bpy.utils.unregister_cli_command(_command)
     del bpy.types.Material.lamina

@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The node that is a material's shader: a Script node, or a group of stock nodes. It is replaced, never changed."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import bpy
 
 from ..reference_py.errors import LaminaError
+from ..reference_py.network.mixture import PatchNetwork
 from ..reference_py.network.table import TableNetwork
 from .backend import NODES, OSL
+from .network.inputs import TANGENT, ShaderInput
 from .network.osl import Shader
-from .network.stock_nodes import drop_group, network_group
+from .network.stock_nodes import drop_group, group_inputs, network_group
 from .script_node import drop_text, holds, set_script
 
 _DISTANCE = 320
 _SCRIPT, _GROUP = "ShaderNodeScript", "ShaderNodeGroup"
+_TANGENT_NODE = "Lamina Tangent"
 
 
 def backend_of(material: bpy.types.Material) -> str:
@@ -35,14 +38,37 @@ def script_with(material: bpy.types.Material, shader: Shader, owners: dict[str, 
     return script
 
 
-def group_with(material: bpy.types.Material, network: TableNetwork) -> bpy.types.ShaderNodeGroup:
-    """The material's group node of this network."""
+def tangent_owner(material: bpy.types.Material, inputs: Sequence[ShaderInput]) -> dict[str, bpy.types.Node]:
+    """The Tangent node of a material whose shader has such an input, made if there is none. The user may set it otherwise.
+
+    Its default is the unwrapped U of the active UV map.
+    """
+    if not any(i.owner == TANGENT for i in inputs):
+        return {}
+    tree = material.node_tree
+    node = tree.nodes.get(_TANGENT_NODE)
+    if node is None:
+        node = tree.nodes.new("ShaderNodeTangent")
+        node.name = node.label = _TANGENT_NODE
+        node.direction_type = "UV_MAP"
+    return {TANGENT: node}
+
+
+def group_with(
+    material: bpy.types.Material, network: TableNetwork | PatchNetwork, owners: dict[str, bpy.types.Node]
+) -> bpy.types.ShaderNodeGroup:
+    """The material's group node of this network, wired to the nodes of the values that it reads live."""
     group = network_group(network)
 
     def give(node) -> None:
         node.node_tree = group
 
-    return _shader_node(material, _GROUP, lambda node: node.node_tree == group, give)
+    node = _shader_node(material, _GROUP, lambda node: node.node_tree == group, give)
+    inputs = group_inputs(network)
+    owners = owners | tangent_owner(material, inputs)
+    for given in inputs:
+        material.node_tree.links.new(owners[given.owner].outputs[given.parameter.label], node.inputs[given.osl_name])
+    return node
 
 
 def _shader_node(material, kind: str, holds_it: Callable[[bpy.types.Node], bool], give: Callable[[bpy.types.Node], None]):

@@ -9,7 +9,7 @@ from mathutils import Vector
 
 from ..addon.blend_files import save_copy
 from ..addon.cli.session import blender, say
-from ..addon.material import apply_stack
+from ..addon.material import apply_stack, refresh
 from ..addon.rendering.geometry import STAND_FLOOR
 from ..addon.rendering.settings import add_object, remove_scene
 from ..addon.rendering.studio import build_ball_scene
@@ -33,6 +33,7 @@ def build() -> bpy.types.Scene:
         location = Vector(((column - (COLUMNS - 1) / 2) * SPACING[0], row * SPACING[1] - 0.6, -STAND_FLOOR * SCALE))
         material = bpy.data.materials.new(presets.label(name))
         apply_stack(material, presets.load(name))
+        refresh(material, settle=True)
         for part, label in ((ball, presets.label(name)), (stand, f"{presets.label(name)} stand")):
             copy = add_object(scene, label, part.data)
             copy.location, copy.scale = location, (SCALE,) * 3

@@ -1,91 +1,81 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A metal base: its lobe at a few directions from its visible facets, each carried out through the layers.
-// See reference_py/network/analytic/base.py. `reflected` and `escaped` are the layers' for uniform light from below.
-color metal_energy(float table[], float n[], float alpha[], int kind[], int beckmann[], color tau[], int count,
-                   float p, float variance, float base_alpha, int base_kind, int base_beckmann, int spread_beckmann,
-                   color eta, color k, color reflected, color escaped)
+// See reference_py/network/analytic/base.py.
+struct Lobe {
+    // of the beam that arrives: cosine, sine, spread as an alpha, and the spread of p that the lobe has
+    float c;
+    float s;
+    float widened;
+    float spread;
+    // sums over the nodes
+    float seen;
+    float hidden;
+    color once;
+    color again;
+    color first;
+    color returned;
+    color out_again;
+    color back_again;
+};
+
+// A node of the cap and the share of the lobe that it stands for; p: where it goes.
+void lobe_node(output Lobe m, float u, float weight, float turn_x, float turn_y, float alpha, int beckmann, int spread_beckmann,
+               color eta, color k, output color share, output float radius)
 {
-@LOBE_NODES@
-@MEAN_NODES@
-    float n_base = n[count];
-    float c = cosine(p, n_base);
-    float s = min(p / n_base, 1.0);
-    float widened = sqrt(variance * EXIT_SPREAD) / (2.0 * n_base * c);
-    float total_alpha = min(sqrt(base_alpha * base_alpha + widened * widened), 1.0);
-    float node_width = NODE_SPREAD * 2.0 * n_base * c * total_alpha;
-    float all_seen = 0.0;
-    float all_hidden = 0.0;
-    color once = color(0.0);
-    color again = color(0.0);
-    color first = color(0.0);
-    color returned = color(0.0);
-    color out_again = color(0.0);
-    color back_again = color(0.0);
-    for (int q = 0; q < @LOBE_COUNT@; ++q) {
-        float u = lobe_u[q];
-        float ggx = sqrt(u / (1.0 - u));
-        float gauss = sqrt(-log(1.0 - u));
-        float own = base_beckmann ? gauss : ggx;
-        float above = widened * (spread_beckmann ? gauss : ggx);
-        float stretch = base_alpha * own / ggx;
-        float apart = sqrt(base_alpha * base_alpha * own * own + above * above) - base_alpha * own;
-        float size = sqrt(stretch * stretch * s * s + c * c);
-        float ax = stretch * s / size;
-        float az = c / size;
-        float hz = (1.0 - u) * (1.0 + az);
-        float ring = sqrt(max(1.0 - (hz - az) * (hz - az), 0.0));
-        float hx = stretch * (ring * lobe_x[q] + ax);
-        float hy = stretch * ring * lobe_y[q];
-        size = sqrt(hx * hx + hy * hy + hz * hz);
-        hx /= size;
-        hy /= size;
-        hz /= size;
-        float cos_om = s * hx + c * hz;
-        float iz = 2.0 * cos_om * hz - c;
-        float lambda_o = smith_lambda(c, stretch, 0);
-        float seen = iz > 0.0 ? (1.0 + lambda_o) / (1.0 + lambda_o + smith_lambda(max(iz, LEAST_COS), stretch, 0)) : 0.0;
-        float ix = 2.0 * cos_om * hx - s + 2.0 * c * apart * lobe_x[q];
-        float iy = 2.0 * cos_om * hy + 2.0 * c * apart * lobe_y[q];
-        color fresnel = fresnel_conductor(min(cos_om, 1.0), eta, k);
-        float hidden = lobe_w[q] * (1.0 - seen);
-        seen *= lobe_w[q];
-        all_seen += seen;
-        all_hidden += hidden;
-        again += hidden * fresnel;
-        color share = seen * fresnel;
-        once += share;
-        if (count > 0) {
-            color back, out;
-            float p_out = n_base * min(sqrt(ix * ix + iy * iy), MOST_LOBE_SHARE);
-            send_from_base(table, n, alpha, kind, beckmann, tau, count, p_out, node_width * node_width, back, out);
-            first += share * out;
-            returned += share * back;
-            out_again += share * back * out;
-            back_again += share * back * back;
-        }
-    }
-    // the nodes know the lobe's shape, the table its energy
-    float energy = closure_energy(table, base_kind, c, base_alpha);
-    float keep = energy / all_seen;
-    color mean = color(0.0);
-    for (int q = 0; q < @MEAN_COUNT@; ++q)
-        mean += mean_w[q] * fresnel_conductor(mean_c[q], eta, k);
-    float lost = BASE_LOSS * base_alpha * base_alpha / (1.0 + (1.0 + BASE_LOSS) * base_alpha * base_alpha);
-    color facets = again * (1.0 - energy) / max(all_hidden, 1e-9) * mean * (1.0 - lost) / (1.0 - mean * lost);
-    once = once * keep + facets;
-    if (count == 0)
-        return once;
-    color scale = max(returned, color(1e-12));
-    out_again /= scale;
-    back_again /= scale;
-    float roughest = 0.0;
-    for (int j = 0; j < count; ++j)
-        roughest = max(roughest, n[j] != n[j + 1] ? alpha[j] : 0.0);
-    color kept = out_again * (1.0 - KEPT_ORDER * roughest / (roughest + KEPT_SCALE));
-    back_again += out_again - kept;
-    float stirred = total_alpha / (total_alpha + STIR_SCALE);
-    out_again = mix(kept, escaped, stirred);
-    back_again = mix(back_again, reflected, stirred);
-    color later = (returned * keep + facets * reflected) * once * out_again / (1.0 - once * back_again);
-    return first * keep + facets * escaped + later;
+    float ggx = sqrt(u / (1.0 - u));
+    float gauss = sqrt(-log(1.0 - u));
+    float own = beckmann ? gauss : ggx;
+    float above = m.widened * (spread_beckmann ? gauss : ggx);
+    float stretch = alpha * own / ggx;
+    float apart = sqrt(alpha * alpha * own * own + above * above) - alpha * own;
+    float size = sqrt(stretch * stretch * m.s * m.s + m.c * m.c);
+    float ax = stretch * m.s / size;
+    float az = m.c / size;
+    float hz = (1.0 - u) * (1.0 + az);
+    float ring = sqrt(max(1.0 - (hz - az) * (hz - az), 0.0));
+    float hx = stretch * (ring * turn_x + ax);
+    float hy = stretch * ring * turn_y;
+    size = sqrt(hx * hx + hy * hy + hz * hz);
+    hx /= size;
+    hy /= size;
+    hz /= size;
+    float cos_om = m.s * hx + m.c * hz;
+    float iz = 2.0 * cos_om * hz - m.c;
+    float lambda_o = smith_lambda(m.c, stretch, 0);
+    float seen = iz > 0.0 ? (1.0 + lambda_o) / (1.0 + lambda_o + smith_lambda(max(iz, LEAST_COS), stretch, 0)) : 0.0;
+    color fresnel = fresnel_conductor(min(cos_om, 1.0), eta, k);
+    float ix = 2.0 * cos_om * hx - m.s + 2.0 * m.c * apart * turn_x;
+    float iy = 2.0 * cos_om * hy + 2.0 * m.c * apart * turn_y;
+    radius = min(sqrt(ix * ix + iy * iy), MOST_LOBE_SHARE);
+    m.seen += weight * seen;
+    m.hidden += weight * (1.0 - seen);
+    m.again += weight * (1.0 - seen) * fresnel;
+    share = weight * seen * fresnel;
+    m.once += share;
+}
+
+void start_lobe(output Lobe m, float p, float variance, float n, float alpha)
+{
+    m.c = cosine(p, n);
+    m.s = min(p / n, 1.0);
+    m.widened = sqrt(variance * EXIT_SPREAD) / (2.0 * n * m.c);
+    m.spread = NODE_SPREAD * 2.0 * n * m.c * min(sqrt(alpha * alpha + m.widened * m.widened), 1.0);
+    m.seen = 0.0;
+    m.hidden = 0.0;
+    m.once = color(0.0);
+    m.again = color(0.0);
+    m.first = color(0.0);
+    m.returned = color(0.0);
+    m.out_again = color(0.0);
+    m.back_again = color(0.0);
+}
+
+// What facets let go only after they met another, and `keep`: the nodes know the lobe's shape, the table its energy.
+color later_facets(float table[], int kind, Lobe m, float alpha, color eta, color k, output float keep)
+{
+    float energy = closure_energy(table, kind, m.c, alpha);
+    keep = energy / m.seen;
+    color mean_fresnel = @MEAN@;
+    float lost = BASE_LOSS * alpha * alpha / (1.0 + (1.0 + BASE_LOSS) * alpha * alpha);
+    return m.again * (1.0 - energy) / max(m.hidden, 1e-9) * mean_fresnel * (1.0 - lost) / (1.0 - mean_fresnel * lost);
 }

@@ -2,7 +2,7 @@
 // What T12 a t of Weidlich and Wilkie 2007 (eq. 2) leaves of light that crosses the first `depth` interfaces on its way in
 // and out. All interfaces share the outer half vector, so the inner directions have a closed form:
 // w_k = w / n_k + (cos_h_k - cos_h / n_k) h. Cosines z_i and z_o and cos_h are replaced by the inner ones.
-color carried_through(int depth, float n[], float alpha[], int beckmann[], color tau[], float z_h,
+color carried_through(int depth, float n[], float alpha[], int beckmann[], color tau[], @FILM_PARAMETERS@float z_h,
                       output float cos_h, output float z_i, output float z_o)
 {
     color carried = color(1.0);
@@ -10,7 +10,7 @@ color carried_through(int depth, float n[], float alpha[], int beckmann[], color
     float outer_i = z_i;
     float outer_o = z_o;
     for (int j = 0; j < depth; ++j) {
-        float t12 = 1.0 - fresnel_dielectric(cos_h, n[j + 1] / n[j]);
+        @T12@
         float g = masking_g2(z_i, z_o, alpha[j], beckmann[j]);
         cos_h = sqrt(max(1.0 - (1.0 - outer_h * outer_h) / (n[j + 1] * n[j + 1]), 0.0));
         float shift = (cos_h - outer_h / n[j + 1]) * z_h;

@@ -7,7 +7,7 @@ float diffuse_lobe(float cos_io, float z_i, float z_o, float sigma)
 }
 
 // What `depth` interfaces leave of a diffuse base's energy, averaged over fixed light directions of cosine density.
-color weight_diffuse(int depth, float n[], float alpha[], int beckmann[], color tau[], float view_z, float sigma)
+color weight_diffuse(int depth, float n[], float alpha[], int beckmann[], color tau[], @FILM_PARAMETERS@float view_z, float sigma)
 {
 @NODES@
     float view_sin = sqrt(max(1.0 - view_z * view_z, 0.0));
@@ -20,7 +20,7 @@ color weight_diffuse(int depth, float n[], float alpha[], int beckmann[], color 
         float cos_h = sqrt(max(0.5 * (1.0 + cos_io), 0.0));
         float z_h = 0.5 * (z_i + view_z) / max(cos_h, 1e-6);
         float z_o = view_z;
-        color carried = carried_through(depth, n, alpha, beckmann, tau, z_h, cos_h, z_i, z_o);
+        color carried = carried_through(depth, n, alpha, beckmann, tau, @FILM_ARGUMENTS@z_h, cos_h, z_i, z_o);
         component += node_weight[s] * carried * diffuse_lobe(2.0 * cos_h * cos_h - 1.0, z_i, z_o, sigma);
     }
     return component / closure_energy;

@@ -2,7 +2,7 @@
 // Weight of a microfacet closure below `depth` interfaces: the component's energy over the closure's own, averaged
 // over fixed facet normals of density D cos(h).
 color weight_glossy(int depth, float lobe_alpha, int lobe_beckmann, float n[], float alpha[], int beckmann[],
-                    color tau[], float view_z, @FRESNEL_PARAMETERS@)
+                    color tau[], @FILM_PARAMETERS@float view_z@FRESNEL_PARAMETERS@)
 {
 @NODES@
     float view_sin = sqrt(max(1.0 - view_z * view_z, 0.0));
@@ -20,7 +20,7 @@ color weight_glossy(int depth, float lobe_alpha, int lobe_beckmann, float n[], f
             float inner_h = cos_h;
             float inner_i = z_i;
             float inner_o = view_z;
-            color carried = carried_through(depth, n, alpha, beckmann, tau, z_h, inner_h, inner_i, inner_o);
+            color carried = carried_through(depth, n, alpha, beckmann, tau, @FILM_ARGUMENTS@z_h, inner_h, inner_i, inner_o);
             float inner = masking_g2(inner_i, inner_o, lobe_alpha, lobe_beckmann) * z_i * view_z / (inner_i * inner_o);
             component += weight * inner * carried * @FRESNEL@;
         }

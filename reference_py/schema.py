@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 from .errors import LaminaError
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 
 FLOAT, COLOR, VECTOR, CHOICE = "float", "color", "vector", "choice"
 
@@ -78,10 +78,23 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Kind:
-    """A kind of layer or base: its parameters in socket order.
+class Feature:
+    """Something that a layer or base may have: it has it where a stack gives any of the feature's parameters.
 
-    Node interfaces are append-only: new parameters go to the end.
+    It is structure: it changes the generated shader's text, and what lacks it pays nothing for it.
+    """
+
+    name: str
+    label: str
+    help: str
+    parameters: tuple[Parameter, ...]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of layer or base: its own parameters, and those of its optional features, in socket order.
+
+    Node interfaces are append-only: new parameters go to the end, and nodes keep the order in which they got them.
     `alternatives` names groups of parameters of which a stack gives exactly one group.
     """
 
@@ -90,14 +103,20 @@ class Kind:
     help: str
     parameters: tuple[Parameter, ...]
     alternatives: tuple[tuple[str, ...], ...] = ()
+    features: tuple[Feature, ...] = ()
+
+    @property
+    def all_parameters(self) -> tuple[Parameter, ...]:
+        """The kind's parameters, then those of its features."""
+        return (*self.parameters, *(p for feature in self.features for p in feature.parameters))
 
     def parameter(self, name: str) -> Parameter:
-        return next(p for p in self.parameters if p.name == name)
+        return next(p for p in self.all_parameters if p.name == name)
 
     @property
     def sockets(self) -> tuple[Parameter, ...]:
         """The parameters whose values live in node sockets."""
-        return tuple(p for p in self.parameters if not p.is_structural)
+        return tuple(p for p in self.all_parameters if not p.is_structural)
 
     @property
     def given_choices(self) -> tuple[str, ...]:
@@ -141,6 +160,38 @@ _DISTRIBUTION = Parameter(
     "Statistics of the microfacets: GGX has long tails, Beckmann is a Gaussian of slopes",
     choices=("ggx", "beckmann"),
 )
+ANISOTROPY = Feature(
+    "anisotropy", "Anisotropy", "Facets that are rougher along one direction of the surface, as brushing leaves them",
+    (
+        Parameter("anisotropy", FLOAT, 0.0, "Anisotropy",
+                  "How much rougher along the tangent than across: the alphas' ratio is 1 - 0.9 anisotropy"),
+        Parameter("rotation", FLOAT, 0.0, "Rotation", "Turns the tangent about the normal; 1 is a full turn", unit="turns"),
+    ),
+)
+THIN_FILM = Feature(
+    "thin_film", "Thin Film", "A film on the interface, so thin that light interferes in it",
+    (
+        Parameter("film_thickness", FLOAT, 0.0, "Film Thickness", "Thickness of the film; 0 is no film",
+                  maximum=2000.0, unit="nm"),
+        Parameter("film_ior", FLOAT, 1.33, "Film IOR", "Absolute index of refraction of the film", minimum=1.0, maximum=4.0),
+    ),
+)
+COVERAGE = Feature(
+    "coverage", "Coverage", "A layer that is only on part of the surface, in patches smaller than a pixel",
+    (
+        Parameter("coverage", FLOAT, 1.0, "Coverage",
+                  "Share of the surface that has the layer: link a mask; where it is 0 the layer is gone, its medium too"),
+    ),
+)
+NORMAL = Feature(
+    "normal", "Normal", "A normal of its own, such as a normal map or bumps give",
+    (
+        Parameter("normal", VECTOR, (0.0, 0.0, 0.0), "Normal",
+                  "Normal in world space to link; zero is the surface's own. The reference models ignore it",
+                  minimum=-1.0, maximum=1.0),
+    ),
+)
+
 _COLOR = Parameter("color", COLOR, (0.8, 0.8, 0.8), "Color", "Share of light that the opaque base reflects, linear RGB")
 
 DIELECTRIC = Kind(
@@ -155,8 +206,9 @@ DIELECTRIC = Kind(
                   maximum=1000.0),
         _DISTRIBUTION,
     ),
+    features=(COVERAGE, ANISOTROPY, THIN_FILM, NORMAL),
 )
-LAMBERT = Kind("lambert", "Lambert", "An ideally diffuse, opaque base", (_COLOR,))
+LAMBERT = Kind("lambert", "Lambert", "An ideally diffuse, opaque base", (_COLOR,), features=(NORMAL,))
 OREN_NAYAR = Kind(
     "oren_nayar", "Oren-Nayar", "A rough diffuse, opaque base that scatters back to the light",
     (
@@ -165,6 +217,7 @@ OREN_NAYAR = Kind(
                   "Standard deviation of the facets' inclination (Oren and Nayar 1994)",
                   maximum=90.0, unit="degrees"),
     ),
+    features=(NORMAL,),
 )
 CONDUCTOR = Kind(
     "conductor", "Conductor", "A metal: named, or given by its complex index, or by reflectance and edge color",
@@ -182,6 +235,7 @@ CONDUCTOR = Kind(
         _DISTRIBUTION,
     ),
     alternatives=(("metal",), ("eta", "k"), ("reflectance", "edge_color")),
+    features=(ANISOTROPY, THIN_FILM, NORMAL),
 )
 
 SCHEMA = Schema(

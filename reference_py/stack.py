@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 from .atomic import write_text
 from .errors import LaminaError
-from .schema import SCHEMA, SCHEMA_VERSION, Kind, Schema
+from .schema import SCHEMA, SCHEMA_VERSION, Feature, Kind, Schema
 
 MAX_FILE_BYTES = 4_000_000
 MAX_LAYERS = 64
@@ -34,6 +34,10 @@ class Element:
 
     def __contains__(self, name: str) -> bool:
         return name in self.values
+
+    def has(self, feature: Feature) -> bool:
+        """Whether it has an optional feature."""
+        return feature.parameters[0].name in self.values
 
     def with_values(self, **values) -> "Element":
         """A copy with some values replaced; not validated until it enters a Stack by `Stack.from_dict`."""
@@ -58,6 +62,7 @@ class Stack:
     def from_dict(cls, data, where: str = "stack", schema: Schema = SCHEMA) -> "Stack":
         """Validate a plain dictionary. Missing keys take the schema's defaults, unknown keys are kept.
 
+        Keys of a version-1 stack that meant nothing then and would now are kept under another name, "coverage_v1".
         Raises LaminaError naming `where`, the key, the value and the choices.
         """
         if not isinstance(data, Mapping):
@@ -79,8 +84,8 @@ class Stack:
                 raise LaminaError(f"{where}: {key} must be text, not {data[key]!r}")
         known = {"schema_version", "name", "source", "layers", "base"}
         return cls(
-            layers=tuple(_element(d, f"{where}: layer {i}", schema.layer) for i, d in enumerate(layers)),
-            base=_element(data["base"], f"{where}: base", schema.base),
+            layers=tuple(_element(d, f"{where}: layer {i}", schema.layer, version) for i, d in enumerate(layers)),
+            base=_element(data["base"], f"{where}: base", schema.base, version),
             name=data.get("name", ""),
             source=data.get("source", ""),
             unknown=_frozen({k: v for k, v in data.items() if k not in known}),
@@ -103,7 +108,7 @@ class Stack:
         for where, element, kind in [*named, ("base", self.base, SCHEMA.bases[self.base.kind])]:
             for key in element.unknown:
                 if key != "name":
-                    messages.append(_no_effect(where, key, [p.name for p in kind.parameters]))
+                    messages.append(_no_effect(where, key, [p.name for p in kind.all_parameters]))
         return messages
 
     @classmethod
@@ -167,19 +172,25 @@ def _no_constant(token: str):
     raise LaminaError(f"{token} is not a number that a stack can hold")
 
 
-def _element(data, where: str, kind_of) -> Element:
+def _element(data, where: str, kind_of, version: int) -> Element:
     if not isinstance(data, Mapping):
         raise LaminaError(f"{where}: must be a JSON object with a 'kind', not {data!r}")
     kind: Kind = kind_of(data.get("kind"), where)
+    if version == 1:
+        new = {p.name for feature in kind.features for p in feature.parameters}
+        data = {f"{key}_v1" if key in new else key: value for key, value in data.items()}
     names = _given_names(kind, data, where)
-    values = {p.name: p.check(data.get(p.name, p.default), where) for p in kind.parameters if p.name in names}
-    known = {"kind"} | {p.name for p in kind.parameters}
+    values = {p.name: p.check(data.get(p.name, p.default), where) for p in kind.all_parameters if p.name in names}
+    known = {"kind"} | {p.name for p in kind.all_parameters}
     return Element(kind.name, _frozen(values), _frozen({k: v for k, v in data.items() if k not in known}))
 
 
 def _given_names(kind: Kind, data: Mapping, where: str) -> set[str]:
-    """The parameters that this element uses: of the kind's alternatives just the one that is given."""
+    """The parameters that this element uses: of the kind's alternatives just the one that is given, of its features those."""
     names = {p.name for p in kind.parameters}
+    for feature in kind.features:
+        if any(p.name in data for p in feature.parameters):
+            names |= {p.name for p in feature.parameters}
     if not kind.alternatives:
         return names
     given = [group for group in kind.alternatives if any(name in data for name in group)]

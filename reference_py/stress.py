@@ -14,6 +14,8 @@ import numpy as np
 from .errors import LaminaError
 from .frame import normalize, reflect, spherical
 from .models import MODELS, make_model
+from .models.mirror import Mirror
+from .network import TIERS, AutoNetwork
 from .optics.quadrature import points
 from .stack import Stack
 from .suite import suite_stack
@@ -127,6 +129,11 @@ REFUSED: Mapping[str, dict] = MappingProxyType({
 })
 
 
+# Every model, and what Cycles renders in every tier; auto is one of the others.
+_MIRRORS = tuple(f"{Mirror.name}:{tier}" for tier in TIERS if tier != AutoNetwork.tier)
+SUBJECTS = tuple(subject for name in MODELS for subject in (_MIRRORS if name == Mirror.name else (name,)))
+
+
 def is_refused(data: dict) -> bool:
     """Whether `Stack` refuses the data, so that no model has to answer for it."""
     try:
@@ -161,9 +168,13 @@ def pairs(case: Case) -> tuple[np.ndarray, np.ndarray]:
     return wo, wi
 
 
-def options(name: str) -> dict:
-    """Options that a model is tried with: the default ones, but few walks."""
-    return {"walks": WALKS} if MODELS[name].stochastic else {}
+def make_subject(name: str, stack: Stack, walks: int = WALKS):
+    """The model of a subject, with default options, but few walks. Raises LaminaError on an unknown name."""
+    model, _, tier = name.partition(":")
+    options = {"tier": tier} if tier else {}
+    if model in MODELS and MODELS[model].stochastic:
+        options["walks"] = walks
+    return make_model(model, stack, **options)
 
 
 def f_and_error(model, wo: np.ndarray, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -194,8 +205,8 @@ def energy_excess(model, wo: np.ndarray) -> float:
 
 
 def measure(name: str, case: Case) -> Row:
-    """One row of the table. Raises LaminaError on an unknown model."""
-    model = make_model(name, case.stack, **options(name))
+    """One row of the table for a subject. Raises LaminaError on an unknown one."""
+    model = make_subject(name, case.stack)
     wo, wi = pairs(case)
     view = views(case) * (np.array([1.0, 1.0, -1.0]) if case.directions == "below" else 1.0)
     with np.errstate(all="ignore"):  # what is not finite is counted, not said

@@ -7,6 +7,12 @@ import sys
 import pytest
 
 
+@pytest.fixture(scope="session", autouse=True)
+def bakes_of_this_session_alone(tmp_path_factory):
+    """Nothing that was computed by other runs is used, and nothing is left in the user's cache."""
+    os.environ["LAMINA_CACHE"] = str(tmp_path_factory.mktemp("bakes"))
+
+
 @pytest.fixture(scope="session")
 def registered_lamina():
     """Lamina, registered once in the bpy wheel."""

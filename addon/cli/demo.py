@@ -8,9 +8,9 @@ import numpy as np
 
 from ...reference_py import presets
 from ...reference_py.atomic import output_folder, write_text
-from ...reference_py.compare import distance
-from ...reference_py.models import make_model
-from ...reference_py.network import DEFAULT_TIER, make_network
+from ...reference_py.network import DEFAULT_TIER, AutoNetwork
+from ...reference_py.network.judge import Judge
+from ...reference_py.network.memory import truth_of
 from .session import blender, say
 
 THETA_DEG = np.array([0.0, 30.0, 60.0, 75.0])
@@ -26,14 +26,16 @@ def demo(options) -> None:
     with blender(report):
         seconds = _render(stacks, sheet, options, report)
     lines = [
-        f"Tier {DEFAULT_TIER} against the exact model of the paper, worst of the view angles "
-        f"{', '.join(f'{t:g}' for t in THETA_DEG)} degrees",
-        f"{'preset':20} {'lobes':>5} {'seconds':>8} {'albedo error':>13} {'shape error':>12}",
+        f"Tier {DEFAULT_TIER} against the truth, worst of the view angles {', '.join(f'{t:g}' for t in THETA_DEG)} degrees",
+        f"{'preset':20} {'chosen':18} {'closures':>8} {'seconds':>8} {'albedo error':>13} {'shape error':>12}",
     ]
     for name, stack in stacks.items():
-        gap = distance(stack, make_model("mirror", stack), make_model("weidlich_wilkie", stack), np.radians(THETA_DEG))
-        lobes = make_network(stack).lobe_count
-        lines.append(f"{name:20} {lobes:5} {seconds[name]:8.1f} {100 * gap.albedo.max():11.2f} % {100 * gap.shape.max():10.1f} %")
+        network = AutoNetwork(stack)
+        errors = Judge(stack, truth_of(stack), np.cos(np.radians(THETA_DEG))).errors(network)
+        lines.append(
+            f"{name:20} {network.choice.chosen.label:18} {network.lobe_count:8} {seconds[name]:8.1f}"
+            f" {100 * errors.albedo.max():11.2f} % {100 * errors.shape.max():10.1f} %"
+        )
     text = "\n".join(lines) + "\n"
     write_text(table, text)
     print(text, end="")
@@ -44,13 +46,15 @@ def _render(stacks, sheet: Path, options, report) -> dict[str, float]:
     """Render the page; returns wall seconds per preset."""
     import bpy
 
-    from ..material import apply_stack
+    from ..material import apply_stack, refresh
     from ..rendering.sheet import Tile, render_sheet
 
     tiles = []
-    for name, stack in stacks.items():
+    for i, (name, stack) in enumerate(stacks.items()):
+        report(f"{100 * i // len(stacks):3} % of the bakes, {name}")
         material = bpy.data.materials.new(name)
         apply_stack(material, stack)
+        refresh(material, settle=True)
         layers = f"{len(stack.layers)} layer{'s' * (len(stack.layers) != 1)} over {stack.base.kind.replace('_', '-')}"
         tiles.append(Tile(presets.label(name), material, layers))
     marks = [time.monotonic()]

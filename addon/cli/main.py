@@ -76,10 +76,12 @@ def build_parser() -> argparse.ArgumentParser:
     apply.add_argument("--object", required=True, metavar="NAME", help="object that gets the material")
     apply.add_argument("input", metavar="IN.blend")
     apply.add_argument("-o", "--output", required=True, metavar="OUT.blend")
-    explain = _command(commands, "explain", "numbers", "say which tier the tier auto chooses for a stack, at which error and cost, and why")
+    explain = _command(commands, "explain", "explain", "say which tier the tier auto chooses for a stack, at which error and cost, and why")
     explain.add_argument("stack", metavar="STACK", help=STACK_HELP)
     explain.add_argument("--tolerance", type=float, default=None, metavar="PERCENT",
                          help="largest error that may be seen, in percent of the reflected light (default: 2)")
+    explain.add_argument("--blend", metavar="FILE", help="judge by what the scene's camera sees of an object, at the render's size")
+    explain.add_argument("--object", metavar="NAME", help="the object in that file")
     shader = _command(commands, "shader", "numbers", "print the OSL shader that is generated for a stack")
     shader.add_argument("stack", metavar="STACK", help=STACK_HELP)
     for command in (render, apply, shader):
@@ -92,11 +94,14 @@ def build_parser() -> argparse.ArgumentParser:
     demo.add_argument("--samples", type=_samples, default=48, metavar="N", help="samples per pixel (default: %(default)s)")
     demo.add_argument("--size", type=_pixels, default=288, metavar="PIXELS", help="width of a tile (default: %(default)s)")
     chart = _command(commands, "chart", "chart", "measure a chart's numbers, print the table and draw it")
-    chart.add_argument("chart", choices=("network", "tiers", "error", "stress", "suite"), help=(
+    chart.add_argument("chart", choices=("network", "tiers", "error", "stress", "suite", "pareto"), help=(
         "network: what Cycles is told against the exact model; tiers: the same in every tier against the truth; "
         "error: every model against the truth, by angle; "
-        "stress: every model in every hard case; suite: the two truths against each other"))
+        "stress: every model in every hard case; suite: the two truths against each other; "
+        "pareto: error against cost of every way to render a surface in Cycles"))
     chart.add_argument("-o", "--output", default=".", metavar="FOLDER", help="folder for table and picture (default: %(default)s)")
+    chart.add_argument("--surface", nargs="+", metavar="NAME", help="pareto: presets or stacks of the suite (default: six surface types)")
+    chart.add_argument("--rounds", type=_between(1, 1000), metavar="N", help="pareto: rounds of timing (default: 5)")
 
     figures = _command(commands, "figures", "figures", "compute the paper's figures and check its sentences about them")
     figures.add_argument("-o", "--out", dest="output", default="figures", metavar="FOLDER",
@@ -115,11 +120,19 @@ def _command(commands, name: str, module: str, summary: str) -> argparse.Argumen
     return command
 
 
+def _keep_bakes() -> None:
+    from ...reference_py.network.memory import keep_in
+    from ..cache import cache_folder
+
+    keep_in(cache_folder())
+
+
 def run(arguments: Sequence[str]) -> int:
     """Run one command; returns its exit code. Bad input is one line on stderr."""
     try:
         options = build_parser().parse_args(arguments)
         handler = getattr(_module(options.module), options.command)
+        _keep_bakes()
         code = handler(options) or DONE
         sys.stdout.flush()
         return code

@@ -13,7 +13,7 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.frame import spherical
 from ...reference_py.models import MODELS, make_model
 from ...reference_py.schema import SCHEMA, SCHEMA_VERSION
-from .session import say
+from .session import say, tenths
 
 
 def presets(options) -> None:
@@ -31,7 +31,7 @@ def schema(options) -> None:
     """Every kind and parameter of the schema."""
     groups = {"layers": SCHEMA.layers, "base": SCHEMA.bases}
     if options.json:
-        rows = {group: {k.name: {p.name: _row(p) for p in k.parameters} for k in kinds.values()} for group, kinds in groups.items()}
+        rows = {group: {k.name: {p.name: _row(p) for p in k.all_parameters} for k in kinds.values()} for group, kinds in groups.items()}
         print(json.dumps({"schema_version": SCHEMA_VERSION, **rows}))
         return
     for group, kinds in groups.items():
@@ -39,9 +39,16 @@ def schema(options) -> None:
             print(f'{group}: "kind": "{kind.name}"   {kind.help}')
             if kind.alternatives:
                 print(f"  given by one of: {', '.join(kind.given_choices)}")
-            for p in kind.parameters:
-                default = list(p.default) if isinstance(p.default, tuple) else p.default
-                print(f"  {p.name:13} {p.allowed:32} default {json.dumps(default):18} {p.help}")
+            _print_parameters(kind.parameters)
+            for feature in kind.features:
+                print(f"  optional: {feature.help}")
+                _print_parameters(feature.parameters, "  ")
+
+
+def _print_parameters(parameters, indent: str = "") -> None:
+    for p in parameters:
+        default = list(p.default) if isinstance(p.default, tuple) else p.default
+        print(f"{indent}  {p.name:13} {p.allowed:32} default {json.dumps(default):18} {p.help}")
 
 
 def _row(parameter) -> dict:
@@ -63,7 +70,7 @@ def albedo(options) -> None:
     model, how = _model(options)
     wo = spherical(np.radians(theta), 0.0)
     if model.stochastic:
-        value, stderr = model.albedo_stderr(wo, progress=_progress(options.command))
+        value, stderr = model.albedo_stderr(wo, progress=tenths(say(options.command)))
     else:
         value, stderr = model.albedo(wo), None
     print_albedo(options.model, theta, value, stderr, options.json, how)
@@ -91,7 +98,7 @@ def eval(options) -> None:  # noqa: A001  (the command is called eval)
         print(f"lamina: {note}", file=sys.stderr)
     wo_all = np.broadcast_to(wo, wi.shape)
     if model.stochastic:
-        value, stderr = model.f_stderr(wo_all, wi, progress=_progress(options.command))
+        value, stderr = model.f_stderr(wo_all, wi, progress=tenths(say(options.command)))
     else:
         value, stderr = model.f(wo_all, wi), None
     if options.json:
@@ -109,43 +116,8 @@ def shader(options) -> None:
     from ...reference_py.network import DEFAULT_TIER, make_network
     from ..network.osl import generate
 
-    stack = load_stack(options.stack)
-    tier = make_network(stack, options.tier or DEFAULT_TIER).tier
-    sys.stdout.write(generate(stack, tier).text)
-
-
-def explain(options) -> None:
-    """What the tier `auto` tries and chooses."""
-    from ...reference_py.models.adding.model import Adding
-    from ...reference_py.network.choice import DEFAULT_TOLERANCE, choose
-
-    tolerance = DEFAULT_TOLERANCE if options.tolerance is None else 0.01 * options.tolerance
-    if not 0.0 < tolerance <= 1.0:
-        raise LaminaError(f"--tolerance {options.tolerance:g}: choose more than 0 and at most 100 percent")
-    stack = load_stack(options.stack)
-    choice = choose(stack, Adding(stack), tolerance, progress=_progress(options.command))
-    if options.json:
-        print(json.dumps({"chosen": choice.chosen.label, "reason": choice.reason, "tried": [_tried(c) for c in choice.tried]}))
-        return
-    print(f"{'tried':18} {'closures':>8} {'cost':>6} {'albedo':>9} {'soft light':>11} {'shape':>8}")
-    for c in choice.tried:
-        row = _tried(c)
-        print(f"{c.label:18} {row['closures']:8d} {c.cost:5.2f}x {100 * row['albedo_error']:7.2f} % {100 * row['soft_light_error']:9.2f} %"
-              f" {100 * row['shape_error']:6.2f} %")
-    print(f"chosen: {choice.chosen.label}, {choice.reason}")
-    print("cost: CPU time over a plain glossy node, estimated from the closures. albedo: worst view. soft light and shape (L1 of f): mean over a ball's pixels.")
-
-
-def _tried(candidate) -> dict:
-    errors = candidate.errors
-    return {
-        "tier": candidate.label,
-        "closures": candidate.network.lobe_count,
-        "cost": candidate.cost,
-        "albedo_error": float(np.max(errors.albedo)),
-        "soft_light_error": float(np.mean(errors.soft_light)),
-        "shape_error": float(np.mean(errors.shape)),
-    }
+    network = make_network(load_stack(options.stack), options.tier or DEFAULT_TIER, progress=tenths(say(options.command)))
+    sys.stdout.write(generate(network).text)
 
 
 def load_stack(name_or_path: str):
@@ -178,19 +150,6 @@ def _numbers(text: str) -> list[float]:
     except ValueError:
         raise LaminaError(f"direction {text!r}: give THETA,PHI in degrees, theta from 0 to 180, such as 30,90") from None
     return [theta, phi]
-
-
-def _progress(command: str):
-    """A progress callback that says every tenth of the way on stderr."""
-    report, said = say(command), 0
-
-    def progress(done: float) -> None:
-        nonlocal said
-        if done < 1.0 and int(10 * done) > said:
-            said = int(10 * done)
-            report(f"{10 * said} %")
-
-    return progress
 
 
 def _model(options):

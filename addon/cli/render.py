@@ -7,10 +7,10 @@ from pathlib import Path
 
 from ...reference_py.atomic import replacing, require_writable
 from ...reference_py.errors import LaminaError
-from ...reference_py.network import DEFAULT_TIER, make_network
+from ...reference_py.network import DEFAULT_TIER, require_tier
 from ..backend import OSL, backend_here, notice
 from .numbers import load_stack, print_albedo, view_angles
-from .session import blender, say
+from .session import blender, say, tenths
 
 SUN_THETA_DEG = 45.0
 SIZE = {"sphere": 256, "ball": 256, "furnace": 32}
@@ -19,7 +19,6 @@ SIZE = {"sphere": 256, "ball": 256, "furnace": 32}
 def render(options) -> None:
     """One stack in one scene, to a picture or, for the furnace, to numbers."""
     stack, tier = load_stack(options.stack), _tier(options)
-    make_network(stack, tier)
     _refuse_what_has_no_effect(options)
     options.size = options.size or SIZE[options.scene]
     if options.scene == "furnace":
@@ -48,16 +47,19 @@ def _refuse_what_has_no_effect(options) -> None:
 
 
 def _tier(options) -> str:
-    return options.tier or DEFAULT_TIER
+    return require_tier(options.tier or DEFAULT_TIER)
 
 
 def _material(stack, tier, backend, report):
     import bpy
 
-    from ..material import apply_stack
+    from ..material import apply_stack, refresh
 
     material = bpy.data.materials.new(stack.name or "Lamina")
     apply_stack(material, stack, tier, backend)
+    refresh(material, settle=True, progress=tenths(report))
+    if material.lamina.note:
+        report(f"tier {tier}: {material.lamina.note}")
     if told := notice(backend):
         report(f"the material is {told}")
     return material
@@ -115,7 +117,6 @@ def _ball(material, output: Path, options) -> None:
 def apply(options) -> None:
     """Open IN.blend, give the object a new material with the stack, and write OUT.blend."""
     stack, tier = load_stack(options.stack), _tier(options)
-    make_network(stack, tier)
     source, output = Path(options.input), Path(options.output)
     if output.suffix.lower() != ".blend":
         raise LaminaError(f"{output}: apply writes a Blender file; choose a name that ends in .blend")

@@ -119,3 +119,16 @@ def say(command: str) -> Callable[[str], None]:
         print(f"lamina {command}: {text}", file=sys.stderr, flush=True)
 
     return report
+
+
+def tenths(report: Callable[[str], None]) -> Callable[[float], None]:
+    """A progress callback that says every tenth of the way."""
+    said = 0
+
+    def progress(done: float) -> None:
+        nonlocal said
+        if done < 1.0 and int(10 * done) > said:
+            said = int(10 * done)
+            report(f"{10 * said} %")
+
+    return progress

@@ -1,147 +1,137 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shader body of the tier `analytic`: every value comes in through a parameter, tables are array parameters."""
+"""What the tier `analytic` writes for a stack: every value comes in through a parameter, tables are an array parameter.
 
-from functools import cache
+Of a stack's features, an anisotropic layer shapes its own lobe, its energies are those of the isotropic surface that stands
+for it; a layer with a normal of its own has the energy of that normal's view.
+"""
 
-import numpy as np
+from collections.abc import Sequence
+from dataclasses import replace
 
-from ...reference_py.network.analytic import base, calibration, tables
-from ...reference_py.network.analytic.network import ALBEDO_NODES, MIN_COS_O
+from ...reference_py.network.analytic import base
+from ...reference_py.network.analytic.network import ALBEDO_NODES
 from ...reference_py.optics.material import TINT_FLOOR
-from ...reference_py.stack import Stack
-from .inputs import ShaderInput, layer_owner
-from .parts import beckmann, declaration, fill, listed, narrow, numbers, right_nested
+from ...reference_py.schema import ANISOTROPY
+from ...reference_py.stack import Element, Stack
+from .analytic_layers import beam_of, below_text, layers_text, roughest, view_text
+from .analytic_tables import Tables, constants
+from .block import Block, Closure
+from .inputs import BASE
+from .parts import beckmann, fill, numbers
+from .surface import Surface, diffuse_closure, surface_of, top_closure
 
-_BLOCKS = ("thin", "dense", "diffuse", "gain", "closure")
+NOTE = "Adding over the interfaces at every shading point."
 
 
-def analytic_text(stack: Stack, inputs: tuple[ShaderInput, ...]) -> str:
-    """The text of the shader, its name still @SHADER@."""
-    count = len(stack.layers)
-    kinds = _kinds(stack)
-    table = _table(kinds)
-    # OSL has no empty arrays: an uncoated base carries one unused surface
-    surfaces = range(count)
-    return fill(
-        "analytic.osl",
-        TITLE=_title(stack),
-        FUNCTIONS=_functions(stack, kinds),
-        PARAMETERS="\n".join(declaration(i.osl_name, i.parameter) for i in inputs),
-        TABLE_SIZE=table.count(",") + 1,
-        TABLE=table,
-        MEDIA=count + 1,
-        INDICES="".join(f", {layer_owner(i)}Ior" for i in surfaces),
-        SURFACES=max(count, 1),
-        ALPHAS=listed(f"{layer_owner(i)}Roughness * {layer_owner(i)}Roughness" for i in surfaces) or "0.0",
-        KINDS=listed(str(kinds.index(layer["distribution"])) for layer in stack.layers) or "0",
-        BECKMANNS=listed(beckmann(layer) for layer in stack.layers) or "0",
-        TAUS=listed(f"optical_depth({layer_owner(i)}Tint, {layer_owner(i)}Thickness)" for i in surfaces) or "color(0.0)",
-        MIN_COS_O=f"{MIN_COS_O:g}",
-        TANGENT=fill("tangent.osl") if kinds else "",
-        LAYERS=fill("analytic_layers.osl", COUNT=count) if count else "",
-        LOBES="".join(_lobes(stack, kinds)),
-        SUM=right_nested(["lobe_top"] * (count > 0) + ["lobe_inner"] * (count > 1) + ["lobe_base"]),
+def analytic_block(stack: Stack, owners: Sequence[str]) -> Block:
+    """The block of a stack whose layers' shader parameters begin with `owners`."""
+    surfaces = [surface_of(element, owner) for element, owner in zip((*stack.layers, stack.base), (*owners, BASE))]
+    told = Tables.of(stack)
+    body, closures = [], []
+    if stack.layers:
+        body.append(layers_text(stack, owners, surfaces, told))
+        body += [view_text(stack, told, view) for view in dict.fromkeys((surfaces[1].view, surfaces[-1].view))]
+        weight = f"top_gain({told.arguments(stack.layers[0]['distribution'])}, {surfaces[0].view}, alpha_0, n_1)"
+        closures.append(Closure(weight, top_closure(surfaces[0], stack.layers[0], owners[0])))
+    if len(stack.layers) > 1:
+        layer, surface = stack.layers[1], surfaces[1]
+        table = told.arguments(layer["distribution"])
+        body.append(fill("analytic_inner.osl", BEAM=beam_of(surface.view), VIEW=surface.view, TABLE=table))
+        closures.append(Closure("weight_inner", _wider(layer, surface, "alpha_inner", "n_1"), is_local=True))
+    text, closure, common = _metal(stack, surfaces[-1], told) if stack.base.kind == "conductor" else _diffuse(stack, surfaces[-1])
+    return Block(
+        functions=(*(text for surface in surfaces for text in surface.functions), *_functions(stack)),
+        arrays=told.arrays,
+        common=(*(text for surface in surfaces for text in surface.common), *common),
+        body="".join([*body, text]),
+        closures=(*closures, closure),
     )
 
 
-def _title(stack: Stack) -> str:
-    parts = [f"{layer.kind} ({layer['distribution']})" for layer in stack.layers]
-    parts.append(stack.base.kind + (f" ({stack.base['distribution']})" if "distribution" in stack.base else ""))
-    return f"Lamina shader, tier analytic, from the top: {', '.join(parts)}."
-
-
-def _kinds(stack: Stack) -> tuple[str, ...]:
-    """The distributions in use, each once: a shader carries tables of no others."""
-    return tuple(sorted({e["distribution"] for e in (*stack.layers, stack.base) if "distribution" in e}))
-
-
-@cache
-def _table(kinds: tuple[str, ...]) -> str:
-    values = [f"{v:g}" for v in (*tables.RHO, *tables.ALPHA)]
-    for kind in kinds:
-        values += [f"{v:.6g}" for name in _BLOCKS for v in np.round(tables.tables()[kind][name].ravel(), 4)]
-    return ",".join(value.removeprefix("0") if value.startswith("0.") else value for value in values)
-
-
-def _functions(stack: Stack, kinds: tuple[str, ...]) -> str:
-    """The parts that this structure calls, each once, callees first."""
+def _functions(stack: Stack) -> list[str]:
+    """The parts that this structure calls, callees first."""
     texts = []
-    if kinds:
-        texts += [narrow(), _constants(kinds), fill("fresnel_dielectric.h"), fill("analytic_tables.h"), _beam(), fill("analytic_lobe.h")]
+    if stack.layers or stack.base.kind == "conductor":
+        texts += [constants(), fill("fresnel_dielectric.h"), _own("analytic_tables.h"), _own("analytic_cosine.h")]
     if stack.layers:
-        texts.append(fill("medium.h", TINT_FLOOR=f"{TINT_FLOOR:g}"))
-    if stack.base.kind == "oren_nayar" and stack.layers:
-        texts.append(fill("oren_nayar_albedo.h"))
+        texts += [fill("medium.h", TINT_FLOOR=f"{TINT_FLOOR:g}"), _own("analytic_beam.h"), _own("analytic_lobe.h")]
+        if any(element.has(ANISOTROPY) for element in (*stack.layers[1:2], stack.base)):
+            texts.append(fill("brushed.h"))
+        if stack.base.kind == "oren_nayar":
+            texts.append(fill("oren_nayar_albedo.h"))
     if stack.base.kind == "conductor":
-        texts += [fill("masking.h"), fill("fresnel_conductor.h"), _metal()]
+        mean = " + ".join(f"{w:g} * fresnel_conductor({c:g}, eta, k)" for c, w in zip(base.MEAN_COSINES, base.MEAN_WEIGHTS))
+        texts += [fill("masking.h"), fill("fresnel_conductor.h"), _own("analytic_metal.h", MEAN=mean)]
+        if stack.layers:
+            texts += [_own("analytic_below.h", **below_text()), _own("analytic_coated_metal.h")]
         if "reflectance" in stack.base:
             texts.append(fill("artist_index.h"))
-    return "\n".join(texts)
+    return texts
 
 
-def _constants(kinds: tuple[str, ...]) -> str:
-    """Sizes of the tables and the tier's calibration as preprocessor constants."""
-    sizes = {name: tables.tables()[kinds[0]][name].size for name in _BLOCKS}
-    starts = np.cumsum([0, *sizes.values()])
-    constants: dict[str, float] = {
-        "RHO_KNOTS": len(tables.RHO), "ALPHA_KNOTS": len(tables.ALPHA), "T_KNOTS": len(tables.T), "V_KNOTS": len(tables.V),
-        "CLOSURE_CELLS": tables.CLOSURE_CELLS, "TABLES": len(tables.RHO) + len(tables.ALPHA), "TABLES_OF_KIND": int(starts[-1]),
-        **{name.upper(): int(start) for name, start in zip(_BLOCKS, starts)},
-    }  # fmt: skip
-    for name, value in vars(calibration).items():
-        if name.isupper():
-            constants |= {f"{name}_{i}": v for i, v in enumerate(value)} if isinstance(value, tuple) else {name: value}
-    return "".join(f"#define {name} {value if isinstance(value, int) else format(float(value), '#.9g')}\n" for name, value in constants.items())
+def _own(name: str, **values: str) -> str:
+    """One of the tier's own parts, without the comments, which are for those who read `osl/`: texts are long as it is."""
+    return "".join(line for line in fill(name, **values).splitlines(keepends=True) if not line.lstrip().startswith("//"))
 
 
-def _nodes(name: str, values: dict[str, np.ndarray]) -> str:
-    return "\n".join(f"    float {name}_{axis}[{len(v)}] = {{{numbers(v)}}};" for axis, v in values.items())
+def _wider(element: Element, surface: Surface, alpha: str, n: str) -> str:
+    """The closure of a lobe of width `alpha` that an element below index n makes: along its axes as far as the width is its own."""
+    widths = alpha, f"across({alpha})"
+    if element.has(ANISOTROPY):
+        widths = tuple(
+            f"brushed_alpha({alpha}, {surface.alpha}, {own} / max({surface.alpha}, 1e-12), {n}, {surface.view})"
+            for own in (surface.alpha_x, surface.alpha_y)
+        )
+    return replace(surface, alpha_x=widths[0], alpha_y=widths[1]).microfacet(element["distribution"])
 
 
-def _beam() -> str:
-    escaping, trapped = (dict(zip("uw", base.gauss(count))) for count in (base.ESCAPING, base.TRAPPED))
-    return fill(
-        "analytic_beam.h", ESCAPING=base.ESCAPING, TRAPPED=base.TRAPPED,
-        ESCAPING_NODES=_nodes("escaping", escaping), TRAPPED_NODES=_nodes("trapped", trapped),
-    )  # fmt: skip
+def _diffuse(stack: Stack, surface: Surface) -> tuple[str, Closure, tuple[str, ...]]:
+    """Statements for the weight of a diffuse base, its closure, and the statements at the shader's top that it needs besides."""
+    closure, color, common = diffuse_closure(stack.base, surface)
+    if not stack.layers:
+        return "", Closure(color, closure), common
+    beam = beam_of(surface.view)
+    if stack.base.kind == "lambert":
+        return "", Closure(f"{beam}.transmitted * escaped / (1.0 - {color} * reflected) * {color}", closure), common
+    u, w = base.gauss(ALBEDO_NODES)
+    mean = " + ".join(f"{2.0 * wi * ui:.9g} * oren_nayar_albedo({ui:.9g}, BaseColor, base_sigma)" for ui, wi in zip(u, w))
+    text = fill("analytic_oren_nayar.osl", BEAM=beam, VIEW=surface.view, N_BASE=f"n_{len(stack.layers)}", MEAN=mean)
+    return text, Closure("weight_base", closure), common
 
 
-def _metal() -> str:
-    u, w, x, y = base.lobe_nodes()
-    return fill(
-        "analytic_metal.h", LOBE_COUNT=len(u), LOBE_NODES=_nodes("lobe", {"u": u, "w": w, "x": x, "y": y}),
-        MEAN_COUNT=len(base.MEAN_COSINES), MEAN_NODES=_nodes("mean", {"c": base.MEAN_COSINES, "w": base.MEAN_WEIGHTS}),
-    )  # fmt: skip
-
-
-def _lobes(stack: Stack, kinds: tuple[str, ...]) -> list[str]:
-    lobes, count = [], len(stack.layers)
-    if count:
-        lobes.append(fill("analytic_top.osl", DISTRIBUTION=stack.layers[0]["distribution"]))
-    if count > 1:
-        lobes.append(fill("analytic_inner.osl", DISTRIBUTION=stack.layers[1]["distribution"]))
-    return lobes + [_base_lobe(stack, kinds)]
-
-
-def _base_lobe(stack: Stack, kinds: tuple[str, ...]) -> str:
+def _metal(stack: Stack, surface: Surface, told: Tables) -> tuple[str, Closure, tuple[str, ...]]:
+    """The same of a metal base."""
     element, count = stack.base, len(stack.layers)
-    if element.kind == "lambert":
-        return fill("analytic_lambert.osl", LEFT="transmitted * escaped / (1.0 - BaseColor * reflected)" if count else "color(1.0)")
-    if element.kind == "oren_nayar":
-        u, w = base.gauss(ALBEDO_NODES)
-        coated = fill("analytic_oren_nayar_weight.osl", COUNT=count, MEAN_COUNT=len(u), MEAN_NODES=_nodes("albedo", {"u": u, "w": w}))
-        return fill("analytic_oren_nayar.osl", WEIGHT=coated if count else "    color weight_base = color(1.0);")
-    return fill(
+    if count:
+        n, beam = f"n_{count}", beam_of(surface.view)
+        arrives = f"{beam}.p, {beam}.variance"
+        energy = f"{beam}.transmitted * metal_energy(lobe, facets, keep, {surface.alpha}, {roughest(count)}, reflected, escaped)"
+        alpha = f"lobe_alpha(2.0 * {beam}.variance + pow(2.0 * {n} * lobe.c * {surface.alpha}, 2.0), {surface.view})"
+        closure = _wider(element, surface, "alpha_base", n)
+    else:
+        n, arrives, energy = "1.0", f"sqrt(1.0 - {surface.view} * {surface.view}), 0.0", "(lobe.once * keep + facets)"
+        alpha, closure = surface.alpha, surface.microfacet(element["distribution"])
+    text = fill(
         "analytic_conductor.osl",
-        BASE_INDEX=fill("index_artist.osl" if "reflectance" in element else "index_complex.osl"),
-        COUNT=count,
-        KIND=kinds.index(element["distribution"]),
-        BECKMANN=beckmann(element),
-        SPREAD_BECKMANN=beckmann(stack.layers[-1] if count else element),
-        BEFORE="    float slope_base = 2.0 * n[%d] * cosine(p, n[%d]) * base_alpha;" % (count, count)
-        if count
-        else "    float variance = 0.0;\n    color reflected = color(0.0);\n    color escaped = color(1.0);",
-        ALPHA="lobe_alpha(2.0 * variance + slope_base * slope_base, view_z)" if count else "base_alpha",
-        TRANSMITTED="transmitted * " if count else "",
-        DISTRIBUTION=element["distribution"],
+        N_BASE=n,
+        ARRIVES=arrives,
+        SURFACE_ALPHA=surface.alpha,
+        NODES=_lobe_nodes(stack, surface),
+        TABLE=told.arguments(element["distribution"]),
+        ENERGY=energy,
+        ALPHA=alpha,
+        VIEW=surface.view,
     )
+    index = fill("index_artist.osl" if "reflectance" in element else "index_complex.osl")
+    return text, Closure("weight_base", closure, is_local=True), (index,)
+
+
+def _lobe_nodes(stack: Stack, surface: Surface) -> str:
+    above = stack.layers[-1] if stack.layers else stack.base
+    lines = []
+    for u, w, x, y, cell in zip(*base.lobe_nodes()):
+        node = f"{numbers((u, w, x, y))}, {surface.alpha}, {beckmann(stack.base)}, {beckmann(above)}"
+        lines.append(f"lobe_node(lobe, {node}, eta, k, node_share, radius);")
+        if stack.layers:
+            lines.append(f"carry_node(lobe, below, node_share, radius, {cell:.9g});")
+    return "\n".join(f"    {line}" for line in lines)

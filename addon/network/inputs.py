@@ -4,21 +4,28 @@
 from dataclasses import dataclass
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.schema import SCHEMA, Parameter, Schema
+from ...reference_py.schema import ANISOTROPY, SCHEMA, VECTOR, Parameter, Schema
 from ...reference_py.stack import Element, Stack
 
 BASE = "Base"
+# The direction that anisotropy of rotation 0 follows: a node of the material gives it.
+TANGENT = "Tangent"
 # Blender 5.2 aborts on a shader of more than 128 parameters, the output among them.
 MAX_INPUTS = 127
 
 
 @dataclass(frozen=True)
 class ShaderInput:
-    """One shader parameter: its OSL name, whose it is ("Layer1", ..., "Base"), and its schema row."""
+    """One shader parameter: its OSL name, whose it is ("Layer1", ..., "Base", "Tangent"), and its schema row."""
 
     osl_name: str
     owner: str
     parameter: Parameter
+
+
+TANGENT_INPUT = ShaderInput(
+    TANGENT, TANGENT, Parameter("tangent", VECTOR, (0.0, 0.0, 0.0), TANGENT, "Direction that anisotropic surfaces are rougher along")
+)
 
 
 def layer_owner(index: int) -> str:
@@ -34,17 +41,17 @@ def used_sockets(element: Element, kind) -> tuple[Parameter, ...]:
 
 
 def shader_inputs(stack: Stack, schema: Schema = SCHEMA) -> tuple[ShaderInput, ...]:
-    """Every parameter of the shader of this stack, layers from the top, then the base.
+    """Every parameter of the shader of this stack, layers from the top, then the base, then the tangent.
 
     Raises LaminaError for more layers than Cycles can take.
     """
     owners = [(layer_owner(i), layer, schema.layers[layer.kind]) for i, layer in enumerate(stack.layers)]
     owners.append((BASE, stack.base, schema.bases[stack.base.kind]))
-    inputs = tuple(
-        ShaderInput(owner + p.osl_name, owner, p) for owner, element, kind in owners for p in used_sockets(element, kind)
-    )
+    inputs = [ShaderInput(owner + p.osl_name, owner, p) for owner, element, kind in owners for p in used_sockets(element, kind)]
+    if any(element.has(ANISOTROPY) for _, element, _ in owners):
+        inputs.append(TANGENT_INPUT)
     if len(inputs) > MAX_INPUTS:
         raise LaminaError(
             f"{len(stack.layers)} layers need {len(inputs)} shader parameters, and Cycles takes {MAX_INPUTS}; choose fewer layers"
         )
-    return inputs
+    return tuple(inputs)

@@ -1,40 +1,83 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writes one self-contained OSL shader for a stack from the parts in `osl/`. Does not need bpy.
 
-A live tier's text depends on structure only (kinds, distributions): values come in through the shader's parameters,
-stacks of one structure share one text, and moving a slider never changes it. A baked text holds the values.
+A live tier's text depends on structure only (kinds, distributions, features): values come in through the shader's
+parameters, stacks of one structure share one text, and moving a slider never changes it. A baked text holds the values.
 """
 
 import hashlib
 from dataclasses import dataclass
 
-from ...reference_py.network import AnalyticNetwork, make_network
+from ...reference_py.network import AnalyticNetwork
+from ...reference_py.network.grid import GridNetwork
+from ...reference_py.network.memory import ALWAYS_LIVE
+from ...reference_py.network.mixture import PatchNetwork
 from ...reference_py.network.table import TableNetwork
 from ...reference_py.schema import SCHEMA, Schema
-from ...reference_py.stack import Stack
-from .analytic import analytic_text
-from .inputs import ShaderInput, shader_inputs
-from .table import table_text
-from .weidlich_wilkie import weidlich_wilkie_text
+from ...reference_py.stack import Element, Stack
+from . import analytic, grid, table, weidlich_wilkie
+from .block import Block, Share, shader_text
+from .inputs import BASE, ShaderInput, layer_owner, shader_inputs
 
 
 @dataclass(frozen=True)
 class Shader:
-    """A generated shader: its name (unique per text), its text and its inputs in order."""
+    """A generated shader: its name (unique per text), its text, its inputs in order, and its number of closures."""
 
     name: str
     text: str
     inputs: tuple[ShaderInput, ...]
+    lobe_count: int
 
 
-def generate(stack: Stack, tier: str, schema: Schema = SCHEMA) -> Shader:
-    """The shader of a stack in the given tier (a key of `TIERS`). Raises LaminaError for more layers than Cycles can take."""
-    network = make_network(stack, tier).resolved
-    if isinstance(network, TableNetwork):
-        inputs: tuple[ShaderInput, ...] = ()
-        body = table_text(network, f"Lamina shader, tier {tier}, {network.lobe_count} closures.")
+def generate(network, schema: Schema = SCHEMA) -> Shader:
+    """The shader of a network (`make_network`). Raises LaminaError for more layers than Cycles can take."""
+    told = network.resolved
+    stack = network.stack
+    if isinstance(told, PatchNetwork):
+        parts = [(patch.layers, patch.covered, part.resolved) for patch, part in told.parts]
     else:
-        inputs = shader_inputs(stack, schema)
-        body = (analytic_text if isinstance(network, AnalyticNetwork) else weidlich_wilkie_text)(stack, inputs)
+        parts = [(tuple(range(len(stack.layers))), (), told)]
+    is_live = any(not isinstance(part, TableNetwork | GridNetwork) for _, _, part in parts)
+    followed = {(owner, axis.parameter) for layers, _, part in parts if isinstance(part, GridNetwork) for owner, axis in _axes(part, layers)}
+    inputs = tuple(
+        i for i in shader_inputs(stack, schema) if is_live or i.parameter.name in ALWAYS_LIVE or (i.owner, i.parameter.name) in followed
+    )
+    blocks = []
+    for number, (layers, covered, part) in enumerate(parts):
+        share = Share(tuple((layer_owner(i), there) for i, there in covered))
+        blocks.append((share, _block(part, [layer_owner(i) for i in layers], f"{number}_" if len(parts) > 1 else "")))
+    title = f"Lamina shader, tier {network.tier}, from the top: {_words(stack)}." if is_live else f"Lamina shader, tier {network.tier}."
+    body, closures = shader_text(title, _note(parts), blocks, inputs)
     name = "lamina_" + hashlib.sha256(body.encode()).hexdigest()[:12]
-    return Shader(name, body.replace("@SHADER@", name), inputs)
+    return Shader(name, body.replace("@SHADER@", name), inputs, closures)
+
+
+def _axes(network: GridNetwork, layers: tuple[int, ...]):
+    return [(BASE if axis.index < 0 else layer_owner(layers[axis.index]), axis) for axis in network.axes]
+
+
+def _block(network, owners: list[str], prefix: str) -> Block:
+    if isinstance(network, TableNetwork):
+        return table.table_block(network, prefix)
+    if isinstance(network, GridNetwork):
+        return grid.grid_block(network, owners, prefix)
+    if isinstance(network, AnalyticNetwork):
+        return analytic.analytic_block(network.stack, owners)
+    return weidlich_wilkie.weidlich_wilkie_block(network.stack, owners)
+
+
+def _note(parts) -> str:
+    notes = []
+    for *_, part in parts:
+        module = table if isinstance(part, TableNetwork) else grid if isinstance(part, GridNetwork) else analytic if isinstance(part, AnalyticNetwork) else weidlich_wilkie
+        notes.append(module.NOTE)
+    return " ".join(dict.fromkeys(notes))
+
+
+def _words(stack: Stack) -> str:
+    return ", ".join(_word(element) for element in (*stack.layers, stack.base))
+
+
+def _word(element: Element) -> str:
+    return element.kind + (f" ({element['distribution']})" if "distribution" in element else "")

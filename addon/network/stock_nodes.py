@@ -11,10 +11,14 @@ import json
 import bpy
 import numpy as np
 
+from ...reference_py.network.mixture import PatchNetwork
 from ...reference_py.network.table import KNOTS, MIN_COS_O, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork
 from ...reference_py.network.tabulate import is_grey_dielectric
 from ...reference_py.optics.diffuse import fujii_roughness
 from ...reference_py.optics.microfacet import SPECULAR_ALPHA
+from ...reference_py.schema import COVERAGE, FLOAT, NORMAL
+from ...reference_py.stack import Stack
+from .inputs import TANGENT, TANGENT_INPUT, ShaderInput, shader_inputs
 from .node_builder import Builder
 
 GROUP_KEY = "lamina_network"
@@ -36,8 +40,8 @@ _NEARLY_ISOTROPIC = 1e-3
 _SOME_DIRECTION = (5.7e-7, 3.1e-7, 7.6e-7)
 
 
-def network_group(network: TableNetwork) -> bpy.types.NodeTree:
-    """The node group of a network that `tabulate` made: no inputs, one output "BSDF".
+def network_group(network: TableNetwork | PatchNetwork) -> bpy.types.NodeTree:
+    """The node group of a network that `tabulate` made: one output "BSDF", and `group_inputs`.
 
     Networks of equal tables share one group of this file. A group that somebody edited is left alone.
     """
@@ -54,6 +58,27 @@ def network_group(network: TableNetwork) -> bpy.types.NodeTree:
             return other
     tree.name, tree[GROUP_KEY] = f"Lamina Network {content}", content
     return tree
+
+
+def group_inputs(network: TableNetwork | PatchNetwork) -> tuple[ShaderInput, ...]:
+    """What the group reads live: the coverage of every layer that has one, and the tangent."""
+    if isinstance(network, TableNetwork):
+        framed = any(getattr(table, "frame", None) is not None for table in network.tables)
+        return (TANGENT_INPUT,) if framed else ()
+    covers = [i for i in shader_inputs(network.stack) if i.parameter in COVERAGE.parameters]
+    return (*covers, *dict.fromkeys(i for _, part in network.parts for i in group_inputs(part)))
+
+
+def left_out(stack: Stack) -> str:
+    """What these nodes leave out of a stack, in words; empty where it is nothing."""
+    elements = [*((f"layer {i}", e) for i, e in enumerate(stack.layers)), ("the base", stack.base)]
+    bent = [where for where, element in elements if element.has(NORMAL)]
+    return f"stock nodes leave out the normal of {', '.join(bent)}" if bent else ""
+
+
+def closure_count(network: TableNetwork | PatchNetwork) -> int:
+    """Closures of the group: patches share none."""
+    return network.lobe_count if isinstance(network, TableNetwork) else sum(part.lobe_count for _, part in network.parts)
 
 
 def drop_group(tree: bpy.types.NodeTree | None) -> None:
@@ -86,14 +111,40 @@ def _plain(value):
     return list(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
 
 
-def _build(tree, network: TableNetwork) -> None:
+def _build(tree, network: TableNetwork | PatchNetwork) -> None:
     build = Builder(tree)
-    view = _View(build)
-    lobes = [_LOBES[type(table)](build, view, table) for table in network.tables]
+    inputs = group_inputs(network)
+    for given in inputs:
+        socket_type = "NodeSocketFloat" if given.parameter.type == FLOAT else "NodeSocketVector"
+        tree.interface.new_socket(given.osl_name, in_out="INPUT", socket_type=socket_type)
+    sockets = {}
+    if inputs:
+        node = build.node("NodeGroupInput")
+        sockets = {given.osl_name: node.outputs[given.osl_name] for given in inputs}
+    view = _View(build, sockets.pop(TANGENT, None))
+    if isinstance(network, TableNetwork):
+        closure = _closure_of(build, view, network)
+    else:
+        closure = _mixed(build, list(sockets.values()), [_closure_of(build, view, part) for _, part in network.parts])
     tree.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
     output = build.node("NodeGroupOutput")
-    build.link(_sum(build, lobes), output.inputs["BSDF"])
+    build.link(closure, output.inputs["BSDF"])
     build.arrange()
+
+
+def _closure_of(build: Builder, view: "_View", network: TableNetwork) -> bpy.types.NodeSocket:
+    return _sum(build, [_LOBES[type(table)](build, view, table) for table in network.tables])
+
+
+def _mixed(build: Builder, coverages: list, patches: list) -> bpy.types.NodeSocket:
+    """Patches as `coverage.patches` orders them: the first half has the first covered layer."""
+    if not coverages:
+        return patches[0]
+    half = len(patches) // 2
+    there, gone = (_mixed(build, coverages[1:], part) for part in (patches[:half], patches[half:]))
+    mix = build.shader("ShaderNodeMixShader", coverages[0], gone)
+    build.link(there, mix.node.inputs[2])
+    return mix
 
 
 def _sum(build: Builder, closures: list[bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
@@ -104,8 +155,8 @@ def _sum(build: Builder, closures: list[bpy.types.NodeSocket]) -> bpy.types.Node
 class _View:
     """What lobes need of the view, made when the first of them asks."""
 
-    def __init__(self, build: Builder):
-        self._build = build
+    def __init__(self, build: Builder, given_tangent: bpy.types.NodeSocket | None = None):
+        self._build, self.given_tangent = build, given_tangent
         geometry = build.node("ShaderNodeNewGeometry")
         self.normal, self._incoming = geometry.outputs["Normal"], geometry.outputs["Incoming"]
         self._cosine = build.vector("DOT_PRODUCT", self.normal, self._incoming)
@@ -154,7 +205,9 @@ def _glossy(build: Builder, view: _View, table: GlossyTable) -> bpy.types.NodeSo
         sockets["Roughness"] = build.math("SQRT", build.math("SQRT", build.math("MULTIPLY", alpha_x, alpha_y)))
         anisotropy = _anisotropy(build, alpha_x, alpha_y)
     sockets["Anisotropy"] = _kept_apart(build, anisotropy, table.shape[:, :2])
-    if sockets["Anisotropy"] != 0.0:
+    if table.frame is not None:
+        sockets["Tangent"], sockets["Rotation"] = view.given_tangent, table.frame / (2.0 * np.pi)
+    elif sockets["Anisotropy"] != 0.0:
         sockets["Tangent"] = view.tangent
     if np.any(table.shape[:, 2]):
         sockets["Normal"] = build.vector("MULTIPLY_ADD", view.side, slope, view.normal)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shader of a network in tables: constants over the view, and no parameters that make sockets.
+"""What a network in tables writes: constants over the view, and no parameters that make sockets.
 
 Tables are array parameters: they stay at their defaults, take no time per shading, and make no sockets.
 """
@@ -7,49 +7,55 @@ Tables are array parameters: they stay at their defaults, take no time per shadi
 import numpy as np
 
 from ...reference_py.network.lobe import DielectricCurve
-from ...reference_py.network.table import KNOTS, MIN_COS_O, DiffuseTable, GlossyTable, TableNetwork
-from .parts import fill, listed, narrow, numbers, right_nested
+from ...reference_py.network.table import KNOTS, DiffuseTable, GlossyTable, TableNetwork
+from .block import Block, Closure
+from .parts import fill, listed, narrow, numbers
+from .surface import view
+
+NOTE = "Tables hold the values that the stack had."
 
 
-def table_text(network: TableNetwork, title: str) -> str:
-    """The text of the shader, its name still @SHADER@."""
-    lobes = [_lobe(i, table) for i, table in enumerate(network.tables)]
+def table_block(network: TableNetwork, prefix: str = "") -> Block:
+    """The block of a network; its array parameters begin with `prefix`."""
+    arrays: list[str] = []
+    widths: list[str] = []
+    closures = tuple(_closure(arrays, widths, f"{prefix}{i}", table) for i, table in enumerate(network.tables))
     glossy = any(isinstance(t, GlossyTable) for t in network.tables)
-    return fill(
-        "table.osl",
-        TITLE=title,
-        FUNCTIONS=narrow() if glossy else "",
-        PARAMETERS="\n".join(p for parameters, _ in lobes for p in parameters),
-        CELLS=KNOTS - 1,
-        LAST=KNOTS - 2,
-        MIN_COS_O=f"{MIN_COS_O:g}",
-        FRAME=fill("tangent.osl") + fill("plane_of_incidence.osl") if glossy else "",
-        LOBES="".join(body for _, body in lobes),
-        SUM=right_nested([f"lobe_{i}" for i in range(len(lobes))]),
+    frame = (fill("tangent.osl"), fill("plane_of_incidence.osl")) if glossy else ()
+    return Block(
+        functions=(narrow(),) if glossy else (),
+        arrays=tuple(arrays),
+        common=(view(), fill("table_place.osl", CELLS=KNOTS - 1, LAST=KNOTS - 2), *frame, *widths),
+        body="",
+        closures=closures,
     )
 
 
-def _lobe(index: int, table: GlossyTable | DiffuseTable) -> tuple[list[str], str]:
-    """Array parameters of a lobe and the statements that make its closure."""
-    parameters: list[str] = []
-    weight = _value(parameters, f"Weight{index}", table.weight)
+def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable | DiffuseTable) -> Closure:
+    """A lobe; its array parameters are added to `arrays`, the statement of a varying width to `widths`."""
+    weight = _value(arrays, f"Weight{name}", table.weight)
     if isinstance(table, DiffuseTable):
-        return parameters, fill("table_diffuse.osl", INDEX=index, WEIGHT=weight)
-    alpha_x, alpha_y, slope = (_value(parameters, f"{name}{index}", column) for name, column in zip(("AlphaX", "AlphaY", "Tilt"), table.shape.T))
-    values = dict(INDEX=index, WEIGHT=weight, DISTRIBUTION=table.distribution, ALPHA_X=alpha_x)
+        return Closure(weight, "diffuse(N)")
+    alpha_x, alpha_y, slope = (_value(arrays, f"{part}{name}", column) for part, column in zip(("AlphaX", "AlphaY", "Tilt"), table.shape.T))
+    if np.any(table.shape[:, 0] != table.shape[0, 0]):
+        widths.append(f"    float alpha_{name} = {alpha_x};\n")
+        alpha_x = f"alpha_{name}"
     if isinstance(table.fresnel, DielectricCurve):
-        return parameters, fill("table_dielectric.osl", ETA=f"{table.fresnel.eta:.9g}", **values)
+        eta, kind = f"{table.fresnel.eta:.9g}", table.distribution
+        return Closure(weight, f'dielectric_bsdf(N, tangent, color(1.0), color(0.0), {alpha_x}, across({alpha_x}), {eta}, "{kind}")')
     if not np.any(table.shape[:, 2]) and np.all(table.shape[:, 0] == table.shape[:, 1]):
-        return parameters, fill("table_isotropic.osl", **values)
-    return parameters, fill("table_anisotropic.osl", ALPHA_Y=alpha_y, TILT=slope, **values)
+        frame, alpha_y = "N, tangent", f"across({alpha_x})"
+    else:
+        frame = f"normalize(N + {slope} * side), along"
+    return Closure(weight, f'microfacet("{table.distribution}", {frame}, {alpha_x}, {alpha_y}, 1.0, 0)')
 
 
-def _value(parameters: list[str], name: str, column: np.ndarray) -> str:
+def _value(arrays: list[str], name: str, column: np.ndarray) -> str:
     """An expression for a column (KNOTS,) or (KNOTS, 3) at the view; a table becomes an array parameter."""
     color = column.ndim == 2
     if np.all(column == column[0]):
         return f"color({numbers(column[0])})" if color else f"{column[0]:.9g}"
     kind = "color" if color else "float"
     entries = listed(f"color({numbers(row)})" if color else f"{row:.9g}" for row in column)
-    parameters.append(f"    {kind} {name}[{KNOTS}] = {{{entries}}},")
+    arrays.append(f"    {kind} {name}[{KNOTS}] = {{{entries}}},")
     return f"mix({name}[cell], {name}[cell + 1], between)"

@@ -1,69 +1,93 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shader body of the tier `weidlich_wilkie`: every value comes in through a parameter."""
+"""What the tier `weidlich_wilkie` writes for a stack: every value comes in through a parameter."""
 
-from ...reference_py.network.weidlich_wilkie import MIN_COS_O, NODE_COUNT, nodes
+from collections.abc import Sequence
+
+from ...reference_py.network.weidlich_wilkie import NODE_COUNT, nodes
 from ...reference_py.optics.material import TINT_FLOOR
+from ...reference_py.optics.thin_film import THINNEST_NM
+from ...reference_py.schema import THIN_FILM
 from ...reference_py.stack import Stack
-from .inputs import ShaderInput, layer_owner
-from .parts import beckmann, declaration, fill, listed, narrow, numbers, right_nested
+from .block import Block, Closure
+from .film import FILM, NO_FILM, FilmWords, film_arguments, film_arrays, film_functions, film_table, has_film
+from .inputs import BASE
+from .parts import beckmann, fill, listed, numbers
+from .surface import Surface, diffuse_closure, surface_of, top_closure
 
-def weidlich_wilkie_text(stack: Stack, inputs: tuple[ShaderInput, ...]) -> str:
-    """The text of the shader, its name still @SHADER@."""
-    count = len(stack.layers)
-    surfaces = range(count)
-    # OSL has no empty arrays: an uncoated base carries one unused surface
-    return fill(
-        "weidlich_wilkie.osl",
-        TITLE=_title(stack),
-        FUNCTIONS=_functions(stack),
-        PARAMETERS="\n".join(declaration(i.osl_name, i.parameter) for i in inputs),
-        MEDIA=count + 1,
-        INDICES="".join(f", {layer_owner(i)}Ior" for i in surfaces),
-        SURFACES=max(count, 1),
-        ALPHAS=listed(f"{layer_owner(i)}Roughness * {layer_owner(i)}Roughness" for i in surfaces) or "0.0",
-        BECKMANNS=listed(beckmann(layer) for layer in stack.layers) or "0",
-        TAUS=listed(f"optical_depth({layer_owner(i)}Tint, {layer_owner(i)}Thickness)" for i in surfaces) or "color(0.0)",
-        MIN_COS_O=f"{MIN_COS_O:g}",
-        TANGENT=fill("tangent.osl") if _has_glossy(stack) else "",
-        LOBES="".join(_lobes(stack)),
-        SUM=right_nested([f"lobe_{i}" for i in range(count + 1)]),
+NOTE = 'Layered after Weidlich and Wilkie 2007, "Arbitrarily Layered Micro-Facet Surfaces".'
+
+
+def weidlich_wilkie_block(stack: Stack, owners: Sequence[str]) -> Block:
+    """The block of a stack whose layers' shader parameters begin with `owners`."""
+    film = has_film(stack)
+    surfaces = [surface_of(element, owner) for element, owner in zip((*stack.layers, stack.base), (*owners, BASE))]
+    base, common = _base_closure(stack, surfaces[-1])
+    return Block(
+        functions=(*(text for surface in surfaces for text in surface.functions), *_functions(stack)),
+        arrays=(film_table(),) if film else (),
+        common=(*(text for surface in surfaces for text in surface.common), *common),
+        body=_body(stack, owners, surfaces),
+        closures=(*(_interface_closure(stack, i, *told) for i, told in enumerate(zip(surfaces[:-1], owners))), base),
     )
 
 
-def _title(stack: Stack) -> str:
-    parts = [f"{layer.kind} ({layer['distribution']})" for layer in stack.layers]
-    parts.append(stack.base.kind + (f" ({stack.base['distribution']})" if "distribution" in stack.base else ""))
-    return f"Lamina shader, tier weidlich_wilkie, from the top: {', '.join(parts)}."
+def _body(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface]) -> str:
+    if not stack.layers and stack.base.kind != "conductor":
+        return ""
+    # OSL has no empty arrays: an uncoated metal carries one unused surface
+    return fill(
+        "weidlich_wilkie.osl",
+        MEDIA=len(owners) + 1,
+        INDICES="".join(f", {owner}Ior" for owner in owners),
+        SURFACES=max(len(owners), 1),
+        ALPHAS=listed(surface.alpha for surface in surfaces[:-1]) or "0.0",
+        BECKMANNS=listed(beckmann(layer) for layer in stack.layers) or "0",
+        FILMS=film_arrays(stack, owners),
+        TAUS=listed(f"optical_depth({owner}Tint, {owner}Thickness)" for owner in owners) or "color(0.0)",
+    )
 
 
-def _functions(stack: Stack) -> str:
-    """The parts that this structure calls, each once, callees first."""
+def _functions(stack: Stack) -> list[str]:
+    """The parts that this structure calls, callees first."""
     texts = []
-    conductor = stack.base.kind == "conductor"
-    if _has_glossy(stack):
-        texts.append(narrow())
-        texts += [fill("fresnel_dielectric.h"), fill("masking.h"), fill("carried.h")]
+    film = FILM if has_film(stack) else NO_FILM
+    if stack.layers or stack.base.kind == "conductor":
+        texts += [fill("fresnel_dielectric.h"), fill("masking.h")]
+        if has_film(stack):
+            texts.append(film_functions())
+        texts.append(fill("carried.h", T12=f"{film.type} t12 = 1.0 - {film.reflectance};", **film.words))
     if stack.layers:
         texts.append(fill("medium.h", TINT_FLOOR=f"{TINT_FLOOR:g}"))
     if len(stack.layers) > 1:
-        texts.append(_weight_glossy("float eta", "fresnel_dielectric(inner_h, eta)"))
-    if conductor:
+        if any(layer.has(THIN_FILM) for layer in stack.layers[1:]):
+            fresnel = "interface_reflectance(sensitivity, film_nm[depth], film_ior[depth], inner_h, n[depth], n[depth + 1])"
+        else:
+            fresnel = "fresnel_dielectric(inner_h, n[depth + 1] / n[depth])"
+        texts.append(_weight_glossy(film, "", fresnel))
+    if stack.base.kind == "conductor":
         texts.append(fill("fresnel_conductor.h"))
-        texts.append(_weight_glossy("color eta, color k", "fresnel_conductor(inner_h, eta, k)"))
+        fresnel = "fresnel_conductor(inner_h, eta / n[depth], k / n[depth])"
+        if stack.base.has(THIN_FILM):
+            fresnel = (
+                f"(film_nm[depth] <= {THINNEST_NM:g} ? {fresnel} : "
+                "film_reflectance(sensitivity, film_nm[depth], film_ior[depth], inner_h, n[depth], eta, k))"
+            )
+        texts.append(_weight_glossy(film, ", color eta, color k", fresnel))
         if "reflectance" in stack.base:
             texts.append(fill("artist_index.h"))
     elif stack.layers:
-        texts.append(fill("weight_diffuse.h", NODE_COUNT=NODE_COUNT, NODES=_node_arrays()))
-    return "\n".join(texts)
+        texts.append(fill("weight_diffuse.h", NODE_COUNT=NODE_COUNT, NODES=_node_arrays(), **film.words))
+    return texts
 
 
-def _has_glossy(stack: Stack) -> bool:
-    return bool(stack.layers) or stack.base.kind == "conductor"
-
-
-def _weight_glossy(parameters: str, fresnel: str) -> str:
+def _weight_glossy(film: FilmWords, parameters: str, fresnel: str) -> str:
     return fill(
-        "weight_glossy.h", NODE_COUNT=NODE_COUNT, NODES=_node_arrays(), FRESNEL_PARAMETERS=parameters, FRESNEL=fresnel
+        "weight_glossy.h",
+        NODE_COUNT=NODE_COUNT,
+        NODES=_node_arrays(),
+        FRESNEL_PARAMETERS=parameters,
+        FRESNEL=fresnel,
+        **film.words,
     )
 
 
@@ -73,24 +97,28 @@ def _node_arrays() -> str:
     return "\n".join(rows)
 
 
-def _lobes(stack: Stack) -> list[str]:
-    lobes = []
-    for index, layer in enumerate(stack.layers):
-        part = "lobe_interface.osl" if index else "lobe_dielectric.osl"
-        lobes.append(fill(part, INDEX=index, DISTRIBUTION=layer["distribution"], BECKMANN=beckmann(layer)))
-    base, index = stack.base, len(stack.layers)
+def _interface_closure(stack: Stack, index: int, surface: Surface, owner: str) -> Closure:
+    layer = stack.layers[index]
+    if index == 0:  # the closure has the exact Fresnel curve: nothing is folded
+        return Closure("", top_closure(surface, layer, owner))
+    weight = (
+        f"weight_glossy({index}, alpha[{index}], {beckmann(layer)}, n, alpha, beckmann, tau, "
+        f"{film_arguments(stack)}{surface.view})"
+    )
+    return Closure(weight, surface.microfacet(layer["distribution"]))
+
+
+def _base_closure(stack: Stack, surface: Surface) -> tuple[Closure, tuple[str, ...]]:
+    """The closure of the base, and the statements at the shader's top that it needs besides."""
+    base, count = stack.base, len(stack.layers)
     if base.kind == "conductor":
-        lobes.append(
-            fill(
-                "lobe_conductor.osl",
-                INDEX=index,
-                DISTRIBUTION=base["distribution"],
-                BECKMANN=beckmann(base),
-                BASE_INDEX=fill("index_artist.osl" if "reflectance" in base else "index_complex.osl"),
-            )
+        weight = (
+            f"weight_glossy({count}, {surface.alpha}, {beckmann(base)}, n, alpha, beckmann, tau, "
+            f"{film_arguments(stack)}{surface.view}, base_eta, base_k)"
         )
-    else:
-        sigma = "base_sigma" if base.kind == "oren_nayar" else "0.0"
-        left = f"weight_diffuse({index}, n, alpha, beckmann, tau, view_z, {sigma})" if stack.layers else "color(1.0)"
-        lobes.append(fill(f"lobe_{base.kind}.osl", INDEX=index, LEFT=left))
-    return lobes
+        index = fill("index_artist.osl" if "reflectance" in base else "index_complex.osl")
+        return Closure(weight, surface.microfacet(base["distribution"])), (index,)
+    rough = base.kind == "oren_nayar"
+    left = f"weight_diffuse({count}, n, alpha, beckmann, tau, {film_arguments(stack)}{surface.view}, {'base_sigma' if rough else '0.0'})" if count else ""
+    closure, color, common = diffuse_closure(base, surface)
+    return Closure(" * ".join(filter(None, (color, left))), closure), common

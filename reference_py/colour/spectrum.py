@@ -60,6 +60,13 @@ def resample(wavelength_nm: np.ndarray, values: np.ndarray, new_wavelength_nm: n
     return values @ _interpolation(wavelength_nm, np.asarray(new_wavelength_nm, float))
 
 
+def observer_rgb() -> tuple[np.ndarray, np.ndarray]:
+    """Wavelengths (81,) and the color matching functions (81, 3) of linear Rec.709 on them, without an illuminant."""
+    table = json.loads(OBSERVER_FILE.read_text(encoding="utf-8"))
+    observer = np.array([table["x_bar"], table["y_bar"], table["z_bar"]]).T
+    return standard_wavelengths(), observer @ _rgb_from_xyz().T
+
+
 def rgb_weights(wavelength_nm: np.ndarray) -> np.ndarray:
     """Weights (n, 3): `reflectance @ weights` is linear Rec.709 for a reflectance on these wavelengths (n,).
 

@@ -11,10 +11,12 @@ import numpy as np
 from ..errors import LaminaError
 from ..frame import dot, half_vector, normalize, reflect
 from ..network import DEFAULT_TIER, make_network
-from ..network.closure import distribution, fresnel, is_mirror, lobe_f
+from ..network.closure import fresnel, is_mirror, lobe_f
 from ..network.lobe import DiffuseLobe, GlossyLobe
+from ..optics.microfacet import anisotropic_distribution
 from ..optics.quadrature import cosine_directions, directional_albedo
 from ..optics.sampling import components, projected_area, sample_visible_normals, vectors
+from ..schema import ANISOTROPY, THIN_FILM
 from ..stack import Stack
 
 
@@ -27,6 +29,7 @@ class Mirror:
 
     name = "mirror"
     stochastic = False
+    features = (ANISOTROPY, THIN_FILM)
 
     def __init__(self, stack: Stack, **options: str):
         for key in options:
@@ -47,7 +50,7 @@ class Mirror:
         wo = np.asarray(wo, float)
         lobes = self.network.lobes(wo[..., 2])
         glossy = [lobe for lobe in lobes if isinstance(lobe, GlossyLobe)]
-        widths = [(lobe.distribution, float(np.max(lobe.alpha_x))) for lobe in glossy]
+        widths = [(lobe.distribution, float(np.max(alpha))) for lobe in glossy for alpha in (lobe.alpha_x, lobe.alpha_y)]
         total = directional_albedo(self.f, wo, widths)
         for lobe in glossy:
             if is_mirror(lobe):
@@ -101,7 +104,7 @@ def _sample_lobe(lobe, wo, rng) -> np.ndarray:
     """wi (n, 3) of one lobe; below the surface where its facets send it there."""
     if isinstance(lobe, DiffuseLobe):
         return cosine_directions(rng.random(len(wo)), rng.random(len(wo)))
-    axes = _lobe_frame(wo, lobe.tilt)
+    axes = _lobe_frame(wo, lobe)
     stretched, _ = _stretched(lobe, wo, axes)
     # a surface of alphas (x, y) is one of alpha 1, compressed: so are its visible normals (Heitz14)
     mx, my, mz = components(sample_visible_normals(stretched, 1.0, lobe.distribution, rng))
@@ -113,10 +116,10 @@ def _lobe_density(lobe, wo, wi) -> np.ndarray:
     """Density (n,) in 1/sr of `_sample_lobe`."""
     if isinstance(lobe, DiffuseLobe):
         return np.maximum(wi[:, 2], 0.0) / np.pi
-    x, y, n = axes = _lobe_frame(wo, lobe.tilt)
+    x, y, n = axes = _lobe_frame(wo, lobe)
     stretched, length = _stretched(lobe, wo, axes)
     wh = half_vector(wi, wo)
-    d = distribution(lobe.distribution, lobe.alpha_x, lobe.alpha_y, dot(wh, x), dot(wh, y), dot(wh, n))
+    d = anisotropic_distribution(lobe.distribution, lobe.alpha_x, lobe.alpha_y, dot(wh, x), dot(wh, y), dot(wh, n))
     return d / (4.0 * length * projected_area(stretched, 1.0, lobe.distribution))
 
 
@@ -128,8 +131,12 @@ def _stretched(lobe, wo, axes):
     return w / length[:, None], length
 
 
-def _lobe_frame(wo, tilt):
-    """Axes along and across the plane of incidence and the lobe's normal, turned by `tilt` to the viewer."""
+def _lobe_frame(wo, lobe: GlossyLobe):
+    """The lobe's axes (n, 3): along and across the plane of incidence, or its own frame, and its normal."""
+    if lobe.frame is not None:
+        c, s = np.cos(lobe.frame), np.sin(lobe.frame)
+        return np.broadcast_to([c, s, 0.0], wo.shape), np.broadcast_to([-s, c, 0.0], wo.shape), np.broadcast_to([0.0, 0.0, 1.0], wo.shape)
+    tilt = lobe.tilt
     sin_o = np.hypot(wo[..., 0], wo[..., 1])[..., None]
     along = np.where(sin_o > 1e-12, wo * np.array([1.0, 1.0, 0.0]) / np.maximum(sin_o, 1e-12), np.array([1.0, 0.0, 0.0]))
     up = np.array([0.0, 0.0, 1.0])

@@ -5,15 +5,20 @@ A tier turns a stack into a network. `lobes(cos_theta_o)` gives the lobes for vi
 evaluates them exactly as Cycles does, and `addon.network` writes them as a shader.
 """
 
+from collections.abc import Callable
+
 from ..errors import LaminaError
 from ..stack import Stack
 from .analytic import AnalyticNetwork
 from .baking import BakedNetwork
 from .choice import AutoNetwork
+from .mixture import PatchTier
 from .weidlich_wilkie import WeidlichWilkieNetwork
 
-TIERS = {network.tier: network for network in (WeidlichWilkieNetwork, AnalyticNetwork, BakedNetwork, AutoNetwork)}
-DEFAULT_TIER = WeidlichWilkieNetwork.tier
+TIERS = {network.tier: PatchTier(network) for network in (WeidlichWilkieNetwork, AnalyticNetwork, BakedNetwork, AutoNetwork)}
+DEFAULT_TIER = AutoNetwork.tier
+# What stands in for a tier that takes time until it is there.
+PROVISIONAL_TIER = AnalyticNetwork.tier
 # Shaders of these hold a stack's values and not only its structure.
 HOLD_VALUES = (BakedNetwork.tier, AutoNetwork.tier)
 
@@ -25,6 +30,16 @@ def require_tier(tier: str) -> str:
     return tier
 
 
-def make_network(stack: Stack, tier: str = DEFAULT_TIER):
-    """The network of a stack. Raises LaminaError on an unknown tier."""
-    return TIERS[require_tier(tier)](stack)
+def make_network(
+    stack: Stack,
+    tier: str = DEFAULT_TIER,
+    live: tuple[tuple[int, str], ...] = (),
+    progress: Callable[[float], None] | None = None,
+):
+    """The network of a stack. Raises LaminaError on an unknown tier.
+
+    `live` names the values that a texture or an animation gives, as (index of the layer or -1, parameter): shaders
+    that hold values must not hold these. `progress` gets the share done and may raise to cancel.
+    """
+    network = TIERS[require_tier(tier)]
+    return network(stack, live=live, progress=progress) if tier in HOLD_VALUES else network(stack)

@@ -2,48 +2,99 @@
 """Tier `auto`: the cheapest way to tell Cycles about a stack whose error stays under a tolerance."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
+from ..errors import LaminaError
 from ..stack import Stack
-from .baking import MAX_GLOSSY, Baker
-from .baking.memory import remembered, truth_of
-from .judge import Errors, Judge, ball_cosines
+from .analytic import AnalyticNetwork
+from .baking import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, axes_of, baked, described, pack_network, unpack_network
+from .closure import is_mirror
+from .grid import GridNetwork
+from .judge import SOFT_LIGHT_DEG, Errors, Judge, ball_cosines
 from .lobe import DiffuseLobe, GlossyLobe
+from .memory import content, known, remembered, truth_of
+from .table import TableNetwork
 from .weidlich_wilkie import WeidlichWilkieNetwork
 
 DEFAULT_TOLERANCE = 0.02
+_LIVE_TIERS = {network.tier: network for network in (WeidlichWilkieNetwork, AnalyticNetwork)}
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """One way to tell Cycles, its errors, and its estimated cost in units of a plain glossy node's."""
+    """One way to tell Cycles: closures, estimated cost in units of a plain glossy node's, errors as shares of the light.
+
+    `albedo` is the worst view's, `soft_light` and `shape` are means over the views; all of the worst channel.
+    """
 
     label: str
-    network: object
-    errors: Errors
+    closures: int
     cost: float
+    albedo: float
+    soft_light: float
+    shape: float
+
+    @property
+    def seen(self) -> float:
+        return max(self.albedo, self.soft_light)
+
+    def __str__(self) -> str:
+        return f"{self.label}, error {100.0 * self.seen:.2g} %, cost {self.cost:.2g}x"
 
 
 @dataclass(frozen=True)
 class Choice:
-    """What was chosen, what was tried, and why as a sentence."""
+    """What was chosen and its network, what was tried, and why as a sentence."""
 
     chosen: Candidate
+    network: object
     tried: tuple[Candidate, ...]
     reason: str
 
 
 class AutoNetwork:
-    """What `choose` chose for a stack with its default tolerance. Stacks of equal content share one choice in memory."""
+    """What `choose` chose for a stack. Stacks of equal content share one choice (`memory`).
+
+    `live` names the values that a texture or an animation gives, as (index of the layer or -1, parameter).
+    """
 
     tier = "auto"
 
-    def __init__(self, stack: Stack, progress: Callable[[float], None] | None = None):
+    def __init__(
+        self,
+        stack: Stack,
+        live: tuple[tuple[int, str], ...] = (),
+        tolerance: float = DEFAULT_TOLERANCE,
+        progress: Callable[[float], None] | None = None,
+    ):
         self.stack = stack
-        self.choice = remembered(stack, ("auto",), lambda: choose(stack, truth_of(stack), progress=progress))
-        self.resolved = self.choice.chosen.network
+        self.choice = remembered(
+            self.key(stack, live, tolerance), lambda: choose(stack, truth_of(stack), live, tolerance, progress=progress), _pack,
+            lambda data: _unpack(data, stack),
+        )  # fmt: skip
+        self.resolved = _with_values_of(stack, self.choice.network)
+        self.reason = f"{self.choice.chosen}: {self.choice.reason}"
+
+    @staticmethod
+    def key(stack: Stack, live: tuple[tuple[int, str], ...] = (), tolerance: float = DEFAULT_TOLERANCE) -> str:
+        """What a choice is remembered by."""
+        return f"auto {content(stack, live)} {tolerance:g}"
+
+    @classmethod
+    def is_known(cls, stack: Stack, live: tuple[tuple[int, str], ...] = (), tolerance: float = DEFAULT_TOLERANCE) -> bool:
+        """Whether making the network takes no time, as it was made before."""
+        return known(cls.key(stack, live, tolerance), lambda data: _unpack(data, stack)) is not None
+
+    def packed(self) -> dict:
+        """The choice as JSON's types, for `remember`."""
+        return _pack(self.choice)
+
+    @classmethod
+    def remember(cls, key: str, stack: Stack, data: dict) -> None:
+        """Remember what `packed` gave in another process."""
+        remembered(key, lambda: _unpack(data, stack), _pack, lambda packed: _unpack(packed, stack))
 
     @property
     def lobe_count(self) -> int:
@@ -57,38 +108,92 @@ class AutoNetwork:
 def choose(
     stack: Stack,
     truth,
+    live: tuple[tuple[int, str], ...] = (),
     tolerance: float = DEFAULT_TOLERANCE,
+    cosines: np.ndarray | None = None,
+    light_deg: float = SOFT_LIGHT_DEG,
     progress: Callable[[float], None] | None = None,
 ) -> Choice:
-    """The cheapest candidate whose error over the pixels of a ball is at most `tolerance`, or the closest if none is.
+    """The cheapest candidate whose error is at most `tolerance`, or the closest if none is.
 
-    Candidates are tried from the cheapest; `progress` gets the share done and may raise to cancel.
+    Judged at view `cosines` (n,), those of a ball's pixels unless given, under lights `light_deg` wide. Where values
+    are live, the only bake is the one that follows them, if there is one. `progress` gets the share done and may raise to cancel.
+    Raises LaminaError for a tolerance outside 0 to 1.
     """
+    if not 0.0 < tolerance <= 1.0:
+        raise LaminaError(f"tolerance {100.0 * tolerance:g} percent: choose more than 0 and at most 100")
     report = progress or (lambda share: None)
-    judge = Judge(stack, truth, ball_cosines())
+    judge = Judge(stack, truth, ball_cosines() if cosines is None else cosines, light_deg)
     report(0.2)
-    tried: list[Candidate] = []
-    baker = Baker(stack, truth)
-    makers = [("weidlich_wilkie", lambda: WeidlichWilkieNetwork(stack))]
-    makers += [(f"baked, {k} glossy", lambda k=k: baker.bake(k).network) for k in range(1, MAX_GLOSSY + 1)]
+    axes = axes_of(stack, live)
+    makers = [(tier, lambda network=network: network(stack)) for tier, network in _LIVE_TIERS.items()]
+    if not live:
+        baker = Baker(stack, truth)
+        makers += [(f"baked, {k} glossy", lambda k=k: baker.bake(k).network) for k in range(1, MAX_GLOSSY + 1)]
+    elif axes is not None:
+        makers.append((f"baked over {described(live)}", lambda: baked(stack, axes, DEFAULT_GLOSSY, lambda share: report(0.4 + 0.6 * share))))
+    tried: list[tuple[Candidate, object]] = []
     for done, (label, make) in enumerate(makers):
         network = make()
-        tried.append(Candidate(label, network, judge.errors(network), cost(network)))
+        tried.append((_candidate(label, network, judge.errors(network), bool(live)), network))
         report(0.2 + 0.8 * (done + 1) / len(makers))
-        if tried[-1].errors.seen <= tolerance:
-            break  # later ones cost more
-    if tried[-1].errors.seen <= tolerance:
-        chosen = tried[-1]
+        if label not in _LIVE_TIERS and tried[-1][0].seen <= tolerance:
+            break  # more lobes cost more
+    good = [t for t in tried if t[0].seen <= tolerance]
+    if good:
+        chosen, network = min(good, key=lambda t: t[0].cost)
         reason = f"the cheapest whose error is at most {100.0 * tolerance:g} %"
     else:
-        chosen = min(tried, key=lambda c: c.errors.seen)
+        chosen, network = min(tried, key=lambda t: t[0].seen)
         reason = f"the closest of {len(tried)}; none reaches {100.0 * tolerance:g} %"
-    return Choice(chosen, tuple(tried), reason)
+    if live and axes is None:
+        reason += f"; a bake cannot follow {described(live)}"
+    return Choice(chosen, network, tuple(candidate for candidate, _ in tried), reason)
 
 
-def cost(network) -> float:
-    """An estimate of the CPU time of a frame-filling object over that of a plain glossy node, from its closures alone."""
+def _with_values_of(stack: Stack, network):
+    """A remembered network with a stack's own live values."""
+    if isinstance(network, TableNetwork):
+        return network
+    return replace(network, stack=stack) if isinstance(network, GridNetwork) else type(network)(stack)
+
+
+def _candidate(label: str, network, errors: Errors, live: bool) -> Candidate:
+    means = float(np.mean(errors.soft_light)), float(np.mean(errors.shape))
+    return Candidate(label, network.lobe_count, cost(network, live), float(np.max(errors.albedo)), *means)
+
+
+def cost(network, live: bool = False) -> float:
+    """An estimate of the CPU time of a frame-filling object over that of a plain glossy node, good to a quarter.
+
+    Of closures and of the adding in the tier analytic, from what `lamina chart pareto` measured; OSL folds that adding where
+    parameters are constant and layers few.
+    """
     lobes = network.lobes(np.ones(1))
     diffuse = sum(isinstance(lobe, DiffuseLobe) for lobe in lobes)
-    glossy = len(lobes) - diffuse
-    return 0.85 + 0.28 * glossy + 0.1 * diffuse
+    mirrors = sum(is_mirror(lobe) for lobe in lobes if isinstance(lobe, GlossyLobe))
+    total = 0.85 + 0.07 * diffuse + 0.1 * mirrors + 0.2 * (len(lobes) - diffuse - mirrors)
+    if isinstance(network, AnalyticNetwork):
+        folds = not live and len(network.stack.layers) <= 3
+        over_metal = network.stack.base.kind == "conductor"
+        total += len(network.stack.layers) * ((0.9 if over_metal else 0.15) if folds else (2.4 if over_metal else 0.8))
+    elif isinstance(network, WeidlichWilkieNetwork):
+        total += 0.25 * len(network.stack.layers)
+    return total
+
+
+def _pack(choice: Choice) -> dict:
+    live = choice.chosen.label in _LIVE_TIERS
+    return {
+        "chosen": choice.tried.index(choice.chosen),
+        "network": None if live else pack_network(choice.network),
+        "tried": [asdict(candidate) for candidate in choice.tried],
+        "reason": choice.reason,
+    }
+
+
+def _unpack(data: dict, stack: Stack) -> Choice:
+    tried = tuple(Candidate(**candidate) for candidate in data["tried"])
+    chosen = tried[data["chosen"]]
+    network = unpack_network(data["network"], stack) if data["network"] else _LIVE_TIERS[chosen.label](stack)
+    return Choice(chosen, network, tried, str(data["reason"]))

@@ -2,17 +2,21 @@
 """What Cycles makes of one lobe: its f, and its energy.
 
 The lobe's frame: x along the plane of incidence, z the lobe's normal, which is N turned by `tilt` towards the viewer.
+A lobe with a `frame` has x in the surface instead, that angle from the tangent, and no tilt.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
 from ..optics.diffuse import oren_nayar
 from ..optics.fresnel import fresnel_dielectric
-from ..optics.microfacet import GGX, is_specular, smith_lambda_stretched
+from ..optics.microfacet import GGX, anisotropic_distribution, is_specular, smith_lambda_stretched
 from ..frame import normalize, reflect
 from ..optics.quadrature import cosine_directions, points
 from ..optics.sampling import ggx_visible_normals
-from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe, SchlickCurve
+from ..optics.thin_film import film_reflectance
+from .lobe import DielectricCurve, DiffuseLobe, FilmCurve, GlossyLobe, SchlickCurve
 
 
 # Cycles drops a closure whose mean weight is below this.
@@ -28,12 +32,12 @@ def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np
         return weight * oren_nayar(wi, wo, np.array(lobe.color), lobe.sigma_deg)
     if is_mirror(lobe):
         return np.zeros(wi.shape)
-    value, cos_ih = unit_glossy(lobe.distribution, lobe.alpha_x, lobe.alpha_y, lobe.tilt, wo, wi)
+    value, cos_ih = unit_glossy(lobe.distribution, lobe.alpha_x, lobe.alpha_y, lobe.tilt, wo, wi, lobe.frame)
     return weight * value[..., None] * fresnel(lobe, cos_ih)
 
 
 def is_mirror(lobe: GlossyLobe) -> bool:
-    return is_specular(np.max(lobe.alpha_x))
+    return is_specular(np.max(np.sqrt(lobe.alpha_x * lobe.alpha_y)))
 
 
 def fresnel(lobe: GlossyLobe, cos_h: np.ndarray) -> np.ndarray:
@@ -43,26 +47,30 @@ def fresnel(lobe: GlossyLobe, cos_h: np.ndarray) -> np.ndarray:
     if isinstance(lobe.fresnel, SchlickCurve):
         rise = np.power(np.clip(1.0 - cos_h, 0.0, 1.0), 5)[..., None]
         return lobe.fresnel.f0 + (lobe.fresnel.f90 - lobe.fresnel.f0) * rise
+    if isinstance(lobe.fresnel, FilmCurve):
+        return film_reflectance(cos_h, 1.0, lobe.fresnel.film, lobe.fresnel.eta)
     return np.ones(np.shape(cos_h) + (1,))
 
 
-def unit_glossy(kind: str, alpha_x, alpha_y, tilt, wo: np.ndarray, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def unit_glossy(
+    kind: str, alpha_x, alpha_y, tilt, wo: np.ndarray, wi: np.ndarray, frame: float | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """f (...) of a glossy lobe of weight 1 without its Fresnel curve, and cos(wi, half vector)."""
-    (ix, iy, iz), (ox, oz) = _in_lobe_frame(tilt, wo, wi)
-    hx, hz = ix + ox, iz + oz
-    length = np.sqrt(hx * hx + iy * iy + hz * hz)
+    (ix, iy, iz), (ox, oy, oz) = _in_lobe_frame(tilt, wo, wi) if frame is None else (_turned(wi, frame), _turned(wo, frame))
+    hx, hy, hz = ix + ox, iy + oy, iz + oz
+    length = np.sqrt(hx * hx + hy * hy + hz * hz)
     # both on the horizon, opposite: the half vector is the normal (`frame.half_vector`)
     safe, level = np.where(length > 1e-12, length, 1.0), length <= 1e-12
-    d = distribution(kind, alpha_x, alpha_y, hx / safe, iy / safe, np.where(level, 1.0, hz / safe))
+    d = anisotropic_distribution(kind, alpha_x, alpha_y, hx / safe, hy / safe, np.where(level, 1.0, hz / safe))
     lambda_i = _lambda(np.square(alpha_x * ix) + np.square(alpha_y * iy), iz, kind)
-    lambda_o = _lambda(np.square(alpha_x * ox), oz, kind)
+    lambda_o = _lambda(np.square(alpha_x * ox) + np.square(alpha_y * oy), oz, kind)
     # Cycles returns f times the cosine to the lobe's own normal; f refers to the surface's
     value = d / (4.0 * np.maximum(oz, 1e-20) * (1.0 + lambda_o + lambda_i) * np.maximum(wi[..., 2], 1e-20))
     return np.where((oz > 0.0) & (iz > 0.0), value, 0.0), 0.5 * length
 
 
 def _in_lobe_frame(tilt, wo, wi):
-    """Components of wi and (x, z) of wo; wo has no y."""
+    """Components of wi and of wo, whose y is 0."""
     sin_o = np.hypot(wo[..., 0], wo[..., 1])
     safe = np.maximum(sin_o, 1e-12)
     along = sin_o > 1e-12
@@ -70,7 +78,13 @@ def _in_lobe_frame(tilt, wo, wi):
     cos_t, sin_t = np.cos(tilt), np.sin(tilt)
     x, y = wi[..., 0] * ax + wi[..., 1] * ay, wi[..., 1] * ax - wi[..., 0] * ay
     z, cos_o = wi[..., 2], wo[..., 2]
-    return (cos_t * x - sin_t * z, y, cos_t * z + sin_t * x), (cos_t * sin_o - sin_t * cos_o, cos_t * cos_o + sin_t * sin_o)
+    return (cos_t * x - sin_t * z, y, cos_t * z + sin_t * x), (cos_t * sin_o - sin_t * cos_o, 0.0, cos_t * cos_o + sin_t * sin_o)
+
+
+def _turned(w, angle: float):
+    """Components of w in a frame whose x is `angle` from the tangent."""
+    c, s = np.cos(angle), np.sin(angle)
+    return c * w[..., 0] + s * w[..., 1], c * w[..., 1] - s * w[..., 0], w[..., 2]
 
 
 def _lambda(stretched2, cos, kind):
@@ -78,20 +92,15 @@ def _lambda(stretched2, cos, kind):
     return smith_lambda_stretched(stretched2 / np.maximum(np.square(cos), 1e-30), kind)
 
 
-def distribution(kind: str, alpha_x, alpha_y, x, y, z) -> np.ndarray:
-    """Anisotropic D (Heitz14, eqs. 84 and 85) of the half vector (x, y, z) in the lobe's frame; 0 below."""
-    z2 = np.maximum(np.square(z), 1e-20)
-    slope2 = (np.square(x / alpha_x) + np.square(y / alpha_y)) / z2
-    scale = 1.0 / (np.pi * alpha_x * alpha_y * np.maximum(np.square(z2), 1e-40))
-    density = scale / np.square(1.0 + slope2) if kind == GGX else scale * np.exp(-slope2)
-    return np.where(z > 0.0, density, 0.0)
-
-
 def unit_energy(lobe: GlossyLobe, cos_theta_o: np.ndarray, count: int = 8192) -> np.ndarray:
     """Directional albedo (n, 3) that a glossy lobe has with weight 1, for views (n,).
 
     GGX visible normals of the lobe's own widths carry both distributions. Error below 5e-4 (tests/reference_py/test_closure.py).
+    For a lobe with a `frame`, whose energy depends on the azimuth, that of the isotropic lobe of as much variance.
     """
+    if lobe.frame is not None:
+        alpha = np.sqrt(0.5 * (np.square(lobe.alpha_x) + np.square(lobe.alpha_y)))
+        lobe = replace(lobe, alpha_x=alpha, alpha_y=alpha, frame=None)
     cos_o = np.asarray(cos_theta_o, float)
     wo = np.stack([np.sqrt(np.maximum(1.0 - cos_o**2, 0.0)), np.zeros_like(cos_o), cos_o], axis=-1)
     if is_mirror(lobe):
@@ -132,7 +141,7 @@ def _carried_directions(wo, alpha_x, alpha_y, tilt, u1, u2) -> np.ndarray:
 
 def _masking_beyond_view(alpha_x, alpha_y, tilt, wo, wi) -> np.ndarray:
     """G2 / G1(wo) of the GGX surface."""
-    (ix, iy, iz), (ox, oz) = _in_lobe_frame(tilt, wo, wi)
+    (ix, iy, iz), (ox, _, oz) = _in_lobe_frame(tilt, wo, wi)
     lambda_i = _lambda(np.square(alpha_x * ix) + np.square(alpha_y * iy), iz, GGX)
     lambda_o = _lambda(np.square(alpha_x * ox), oz, GGX)
     return np.where(iz > 0.0, (1.0 + lambda_o) / (1.0 + lambda_i + lambda_o), 0.0)

@@ -2,7 +2,7 @@
 """How far a network is from the truth, as a camera would notice it.
 
 The error that is seen is the worse of two: the albedo's at any view, and, on average over the pixels of a ball, that of
-the light which soft lights `LIGHT_DEG` wide send, wherever they stand. A uniform sky would see the first alone, a point
+the light which soft lights `SOFT_LIGHT_DEG` wide send, wherever they stand. A uniform sky would see the first alone, a point
 light the whole L1 distance.
 """
 
@@ -16,7 +16,7 @@ from ..stack import Stack
 from .baking.samples import View, truth_at
 from .closure import lobe_energy, lobe_f
 
-LIGHT_DEG = 40.0
+SOFT_LIGHT_DEG = 40.0
 _PIXELS = 8
 _RINGS, _AROUND = 9, 12
 
@@ -42,11 +42,11 @@ class Errors:
 class Judge:
     """Knows the truth of one stack at view cosines (n,)."""
 
-    def __init__(self, stack: Stack, truth, cosines: np.ndarray):
+    def __init__(self, stack: Stack, truth, cosines: np.ndarray, light_deg: float = SOFT_LIGHT_DEG):
         self._cosines = np.asarray(cosines, float)
         self._views = truth_at(truth, self._cosines, [alpha for _, alpha in rough_surfaces(stack)])
         self._albedo = np.maximum(truth.albedo(np.stack([v.wo for v in self._views])), 1e-9)
-        self._lights = [_soft_lights(view) for view in self._views]
+        self._lights = [_soft_lights(view, light_deg) for view in self._views]
 
     def errors(self, network) -> Errors:
         """Errors of a network of the stack."""
@@ -60,12 +60,12 @@ class Judge:
         return Errors(albedo, soft, shape)
 
 
-def _soft_lights(view: View) -> np.ndarray:
+def _soft_lights(view: View, light_deg: float) -> np.ndarray:
     """(lights, q): what each point adds to what each light sends, scaled so that a point's lights sum to its measure."""
     theta = np.arccos(1.0 - (np.arange(_RINGS) + 0.5) / _RINGS)
     phi = 2.0 * np.pi * (np.arange(_AROUND) + 0.5) / _AROUND
     centers = spherical(theta[:, None], phi).reshape(-1, 3)
-    inside = np.cos(np.radians(0.5 * LIGHT_DEG))
+    inside = np.cos(np.radians(0.5 * light_deg))
     other_half = view.wi * np.array([1.0, -1.0, 1.0])
     lit = 0.5 * ((centers @ view.wi.T > inside).astype(float) + (centers @ other_half.T > inside))
     return lit * view.share / np.maximum(lit.sum(axis=0), 0.5)

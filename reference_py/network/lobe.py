@@ -5,6 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..optics.material import Brushed, Interface
+from ..optics.thin_film import Film
+
 
 @dataclass(frozen=True)
 class SchlickCurve:
@@ -22,11 +25,20 @@ class DielectricCurve:
 
 
 @dataclass(frozen=True)
+class FilmCurve:
+    """The reflectance of a dielectric of relative index eta that carries a film; both as seen from vacuum."""
+
+    eta: float
+    film: Film
+
+
+@dataclass(frozen=True)
 class GlossyLobe:
     """A microfacet reflection lobe.
 
     weight (..., 3); alpha_x along and alpha_y across the plane of incidence; `tilt` turns the lobe's normal
-    by that angle in radians towards the viewer; `fresnel` acts on the half vector.
+    by that angle in radians towards the viewer; `fresnel` acts on the half vector. With a `frame`, alpha_x is along
+    the direction that is this angle in radians from the tangent, and there is no tilt.
     """
 
     distribution: str
@@ -34,7 +46,8 @@ class GlossyLobe:
     alpha_x: np.ndarray
     alpha_y: np.ndarray
     tilt: np.ndarray = np.float64(0.0)
-    fresnel: SchlickCurve | DielectricCurve | None = None
+    fresnel: SchlickCurve | DielectricCurve | FilmCurve | None = None
+    frame: float | None = None
 
 
 @dataclass(frozen=True)
@@ -44,3 +57,15 @@ class DiffuseLobe:
     weight: np.ndarray
     color: tuple[float, float, float] | np.ndarray | None = None
     sigma_deg: float = 0.0
+
+
+def top_curve(surface: Interface) -> DielectricCurve | FilmCurve:
+    """The exact Fresnel curve of an interface below vacuum."""
+    return DielectricCurve(surface.eta) if surface.film is None else FilmCurve(surface.eta, surface.film)
+
+
+def surface_lobe(kind: str, weight: np.ndarray, alpha: float, brushed: Brushed | None = None, fresnel=None) -> GlossyLobe:
+    """The lobe of a surface of this alpha, or, where it is anisotropic, of its own widths and frame."""
+    if brushed is None:
+        return GlossyLobe(kind, weight, alpha, alpha, fresnel=fresnel)
+    return GlossyLobe(kind, weight, brushed.alpha_x, brushed.alpha_y, fresnel=fresnel, frame=brushed.angle)

@@ -36,17 +36,21 @@ def interpolate(table: np.ndarray, cos_theta_o: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class GlossyTable:
-    """A glossy lobe: `weight` (KNOTS, 3), `shape` (KNOTS, 3) of alpha_x, alpha_y and tan(tilt) / sin(theta_o)."""
+    """A glossy lobe: `weight` (KNOTS, 3), `shape` (KNOTS, 3) of alpha_x, alpha_y and tan(tilt) / sin(theta_o).
+
+    `frame` is that of `GlossyLobe`; stock nodes alone know it.
+    """
 
     distribution: str
     weight: np.ndarray
     shape: np.ndarray
     fresnel: DielectricCurve | None = None
+    frame: float | None = None
 
     def lobe(self, cos_theta_o: np.ndarray) -> GlossyLobe:
         alpha_x, alpha_y, slope = np.moveaxis(interpolate(self.shape, cos_theta_o), -1, 0)
         tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)))
-        return GlossyLobe(self.distribution, interpolate(self.weight, cos_theta_o), alpha_x, alpha_y, tilt, self.fresnel)
+        return GlossyLobe(self.distribution, interpolate(self.weight, cos_theta_o), alpha_x, alpha_y, tilt, self.fresnel, self.frame)
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ import numpy as np
 from ..optics.diffuse import oren_nayar_albedo
 from .closure import unit_energy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe, SchlickCurve
+from .mixture import PatchNetwork
 from .table import KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork, knot_cosines
 
 # Directions per view for a ratio of energies: good to 2e-4 (median of the views) and 2e-3 (grazing).
@@ -22,11 +23,13 @@ _DIRECTIONS = 4096
 _BISECTIONS = 40
 
 
-def tabulate(network, keep_dielectrics: bool = False) -> TableNetwork:
-    """A network in tables; `keep_dielectrics` leaves grey, isotropic lobes of weight 2 at most their dielectric curve.
+def tabulate(network, keep_dielectrics: bool = False) -> TableNetwork | PatchNetwork:
+    """A network in tables, or, of a PatchNetwork, one of such; `keep_dielectrics` leaves grey, isotropic lobes of weight 2 at most their dielectric curve.
 
     `network` has `lobes(cos_theta_o)`, the same list of kinds at every view. Lobes of no weight are left out, but one stays.
     """
+    if isinstance(network, PatchNetwork):
+        return PatchNetwork(network.stack, [(patch, tabulate(part.resolved, keep_dielectrics)) for patch, part in network.parts])
     tables = network.tables if isinstance(network, TableNetwork) else [_table(lobe) for lobe in network.lobes(knot_cosines())]
     tables = [table if keep_dielectrics and is_grey_dielectric(table) else _without_curve(table) for table in tables]
     return TableNetwork(tuple([table for table in tables if np.any(table.weight > 0.0)] or tables[-1:]))
@@ -37,6 +40,7 @@ def is_grey_dielectric(table) -> bool:
     return (
         isinstance(table, GlossyTable)
         and isinstance(table.fresnel, DielectricCurve)
+        and table.frame is None
         and bool(np.all(table.shape[:, 0] == table.shape[:, 1]) and not np.any(table.shape[:, 2]))
         and bool(np.all(table.weight == table.weight[:, :1]) and np.max(table.weight) <= 2.0)
     )
@@ -46,15 +50,15 @@ def _without_curve(table):
     if not isinstance(table, GlossyTable) or table.fresnel is None:
         return table
     alpha_x, alpha_y, slope = table.shape.T
-    lobe = GlossyLobe(table.distribution, table.weight, alpha_x, alpha_y, np.arctan(slope * _knot_sines()), table.fresnel)
-    return GlossyTable(table.distribution, table.weight * _fresnel_share(lobe), table.shape)
+    lobe = GlossyLobe(table.distribution, table.weight, alpha_x, alpha_y, np.arctan(slope * _knot_sines()), table.fresnel, table.frame)
+    return GlossyTable(table.distribution, table.weight * _fresnel_share(lobe), table.shape, frame=table.frame)
 
 
 def _table(lobe: GlossyLobe | DiffuseLobe):
     weight = np.broadcast_to(lobe.weight, (KNOTS, 3))
     if isinstance(lobe, GlossyLobe):
         shape = *_at_knots(lobe.alpha_x, lobe.alpha_y), _slope(lobe.tilt)
-        return GlossyTable(lobe.distribution, weight, np.stack(shape, axis=-1), lobe.fresnel)
+        return GlossyTable(lobe.distribution, weight, np.stack(shape, axis=-1), lobe.fresnel, lobe.frame)
     if lobe.color is None:
         return DiffuseTable(weight)
     if lobe.sigma_deg == 0.0:
@@ -82,7 +86,7 @@ def _fresnel_share(lobe: GlossyLobe) -> np.ndarray:
     """Energy (KNOTS, 3) of the lobe over that of the lobe without its Fresnel curve."""
     share = np.empty((KNOTS, 3))
     for k, (cos_o, *shape) in enumerate(zip(knot_cosines(), *_at_knots(lobe.alpha_x, lobe.alpha_y, lobe.tilt))):
-        plain = GlossyLobe(lobe.distribution, np.ones(3), *shape)
+        plain = GlossyLobe(lobe.distribution, np.ones(3), *shape, frame=lobe.frame)
         shaped = replace(plain, fresnel=_curve_at(lobe.fresnel, k))
         energies = [unit_energy(one, np.array([cos_o]), _DIRECTIONS)[0] for one in (shaped, plain)]
         share[k] = energies[0] / energies[1]

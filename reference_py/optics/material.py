@@ -6,11 +6,28 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..colour import artist_index, conductor_rgb
+from ..schema import ANISOTROPY, THIN_FILM
 from ..stack import Element, Stack
+from .fresnel import fresnel_dielectric
 from .microfacet import alpha_from_roughness, is_specular
+from .thin_film import THINNEST_NM, Film, film_reflectance
 
 # A tint of 0 means black after any thickness; the floor keeps tau finite in float32 too.
 TINT_FLOOR = 1e-30
+
+
+@dataclass(frozen=True)
+class Brushed:
+    """Widths of an anisotropic surface, along and across a direction that is `angle` in radians from the tangent."""
+
+    alpha_x: float
+    alpha_y: float
+    angle: float
+
+    @property
+    def alpha(self) -> float:
+        """That of the isotropic surface that stands for it, of as much variance of slopes: their energies nearly agree."""
+        return float(np.sqrt(0.5 * (self.alpha_x**2 + self.alpha_y**2)))
 
 
 @dataclass(frozen=True)
@@ -20,14 +37,45 @@ class Interface:
     n_above: float
     n_below: float
     alpha: float
+    """The root of both's mean square where the surface is anisotropic."""
     distribution: str
     tau: np.ndarray
     """Optical depth (3,) of one perpendicular crossing of the medium below."""
+    brushed: Brushed | None = None
+    film: Film | None = None
 
     @property
     def eta(self) -> float:
         """n_below / n_above."""
         return self.n_below / self.n_above
+
+    def reflectance(self, cos_theta_i: np.ndarray) -> np.ndarray:
+        """Fresnel reflectance for light from above, (..., 1), or (..., 3) with a film."""
+        if self.film is None:
+            return fresnel_dielectric(cos_theta_i, self.eta)[..., None]
+        return film_reflectance(cos_theta_i, self.n_above, self.film, self.n_below)
+
+
+def brushed(element: Element) -> Brushed | None:
+    """How an element's surface is anisotropic, in Blender's convention; None if it is not. Cycles takes no alpha above 1."""
+    if not element.has(ANISOTROPY):
+        return None
+    alpha = float(alpha_from_roughness(element["roughness"]))
+    aspect = float(np.sqrt(1.0 - 0.9 * element["anisotropy"]))
+    return Brushed(min(alpha / aspect, 1.0), alpha * aspect, 2.0 * np.pi * element["rotation"])
+
+
+def film_of(element: Element) -> Film | None:
+    """The thin film on an element's surface; None if it has none that Cycles would see."""
+    if not element.has(THIN_FILM) or element["film_thickness"] <= THINNEST_NM:
+        return None
+    return Film(element["film_thickness"], element["film_ior"])
+
+
+def mean_alpha(element: Element) -> float:
+    """Alpha of an element's surface, or of the isotropic one that stands for it."""
+    widths = brushed(element)
+    return float(alpha_from_roughness(element["roughness"])) if widths is None else widths.alpha
 
 
 def optical_depth(tint, thickness: float) -> np.ndarray:
@@ -43,9 +91,11 @@ def interfaces(stack: Stack) -> tuple[Interface, ...]:
             Interface(
                 n_above=n_above,
                 n_below=layer["ior"],
-                alpha=float(alpha_from_roughness(layer["roughness"])),
+                alpha=mean_alpha(layer),
                 distribution=layer["distribution"],
                 tau=optical_depth(layer["tint"], layer["thickness"]),
+                brushed=brushed(layer),
+                film=film_of(layer),
             )
         )
         n_above = layer["ior"]
@@ -56,7 +106,7 @@ def rough_surfaces(stack: Stack) -> list[tuple[str, float]]:
     """(distribution, alpha) of every surface that does something and is not smooth, from the top: where f can be narrow."""
     surfaces = [(s.distribution, s.alpha) for s in interfaces(stack) if s.eta != 1.0]
     if stack.base.kind == "conductor":
-        surfaces.append((stack.base["distribution"], float(alpha_from_roughness(stack.base["roughness"]))))
+        surfaces.append((stack.base["distribution"], mean_alpha(stack.base)))
     return [(kind, alpha) for kind, alpha in surfaces if not is_specular(alpha)]
 
 

@@ -37,6 +37,27 @@ def distribution(cos_theta_m: np.ndarray, alpha, kind: str) -> np.ndarray:
     return np.where(cos_theta_m > 0.0, density, 0.0)
 
 
+def axes(alpha):
+    """alpha_x and alpha_y of an alpha, which anisotropic surfaces give as a tuple of both."""
+    return alpha if isinstance(alpha, tuple) else (alpha, alpha)
+
+
+def facet_distribution(wm: np.ndarray, alpha, kind: str) -> np.ndarray:
+    """D (...) in 1/sr of facet normals wm (..., 3), GGX or Beckmann; alpha a number or (alpha_x, alpha_y)."""
+    if not isinstance(alpha, tuple):
+        return distribution(wm[..., 2], alpha, kind)
+    return anisotropic_distribution(kind, *alpha, wm[..., 0], wm[..., 1], wm[..., 2])
+
+
+def anisotropic_distribution(kind: str, alpha_x, alpha_y, x, y, z) -> np.ndarray:
+    """D in 1/sr (Heitz14, eqs. 84 and 85) of the half vector (x, y, z) in the surface's frame; 0 below."""
+    z2 = np.maximum(np.square(z), 1e-20)
+    slope2 = (np.square(x / alpha_x) + np.square(y / alpha_y)) / z2
+    scale = 1.0 / (np.pi * alpha_x * alpha_y * np.maximum(np.square(z2), 1e-40))
+    density = scale / np.square(1.0 + slope2) if kind == GGX else scale * np.exp(-slope2)
+    return np.where(z > 0.0, density, 0.0)
+
+
 def smith_lambda(cos_theta: np.ndarray, alpha, kind: str) -> np.ndarray:
     """Lambda of Smith's masking function for a direction above the surface."""
     cos2 = np.maximum(np.square(cos_theta), 1e-30)

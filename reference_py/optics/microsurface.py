@@ -13,7 +13,7 @@ eta = n_beyond / n_here. Light from below an interface is the same call in the n
   of heights, so the walk carries log(C1(height)), the logarithm of the share of surface below it, alone.
 - "single": Walter07 with separable masking G1 G1; what a facet sends to the wrong side is lost.
 
-Both need alpha > 0 and eta != 1. `target` asks besides for the energy per solid angle, BSDF times cosine, that
+Both need alpha > 0 and eta != 1; an alpha is a number, or (alpha_x, alpha_y). `target` asks besides for the energy per solid angle, BSDF times cosine, that
 each w sends to one direction: exact for "single", an unbiased estimate for "multiple".
 """
 
@@ -24,9 +24,10 @@ import numpy as np
 
 from ..errors import LaminaError
 from ..frame import dot
-from .fresnel import fresnel_dielectric
-from .microfacet import distribution
+from .fresnel import cos_theta_t, fresnel_dielectric
+from .microfacet import facet_distribution
 from .sampling import components, projected_area, sample_visible_normals, take, vectors
+from .thin_film import FilmInterface
 
 SURFACES = ("multiple", "single")
 
@@ -38,27 +39,28 @@ class Scattered:
     direction: np.ndarray
     """(n, 3), in the frame of w."""
     weight: np.ndarray
-    """(n,), for conductors (n, channels)."""
+    """(n,), for conductors (n, channels), for films (n, 3)."""
     toward: np.ndarray | None = None
     """BSDF times cosine in 1/sr at `target`, shaped like `weight`; None without a target."""
 
 
 def scatter_dielectric(
-    w: np.ndarray, eta: float, alpha: float, kind: str, rng: np.random.Generator,
-    surface: str = "multiple", target: np.ndarray | None = None,
+    w: np.ndarray, eta: float, alpha, kind: str, rng: np.random.Generator,
+    surface: str = "multiple", target: np.ndarray | None = None, film: FilmInterface | None = None, from_above: bool = True,
 ) -> Scattered:
     """Reflect or refract light that comes from w (n, 3), w_z > 0; see the module's docstring.
 
-    `target` (n, 3) must lie on one side of the interface for all n. Raises LaminaError on an unknown `surface`.
+    `target` (n, 3) must lie on one side of the interface for all n. With a `film`, met from above or from below, weights
+    are (n, 3): a facet reflects with the channels' mean as chance. Raises LaminaError on an unknown `surface`.
     """
     _check(surface)
     if surface == "single":
-        return _dielectric_once(w, eta, alpha, kind, rng, target)
-    return _dielectric_walk(w, eta, alpha, kind, rng, target)
+        return _dielectric_once(w, eta, alpha, kind, rng, target, film, from_above)
+    return _dielectric_walk(w, eta, alpha, kind, rng, target, film, from_above)
 
 
 def scatter_conductor(
-    w: np.ndarray, fresnel: Callable[[np.ndarray], np.ndarray], alpha: float, kind: str, rng: np.random.Generator,
+    w: np.ndarray, fresnel: Callable[[np.ndarray], np.ndarray], alpha, kind: str, rng: np.random.Generator,
     surface: str = "multiple", target: np.ndarray | None = None,
 ) -> Scattered:
     """Reflect light that comes from w (n, 3), w_z > 0; `fresnel` maps cosines (n,) to reflectances (n, channels).
@@ -71,20 +73,31 @@ def scatter_conductor(
     return _conductor_walk(w, fresnel, alpha, kind, rng, target)
 
 
-def scattering_density(w: np.ndarray, o: np.ndarray, eta: float | None, alpha: float, kind: str) -> np.ndarray:
+def scattering_density(
+    w: np.ndarray, o: np.ndarray, eta: float | None, alpha, kind: str, film: FilmInterface | None = None, from_above: bool = True
+) -> np.ndarray:
     """Density (n,) in 1/sr of the direction o after one scattering event, before masking; eta None for a conductor.
 
     It is the exact density of "single" samples, lost ones included. All o lie on one side.
     """
+    return _mean(_scattered(w, o, eta, alpha, kind, film, from_above))
+
+
+def _mean(values: np.ndarray) -> np.ndarray:
+    return values if values.ndim == 1 else values.mean(axis=1)
+
+
+def _scattered(w, o, eta, alpha, kind, film=None, from_above=True) -> np.ndarray:
+    """The density of `scattering_density`, with a film per channel, (n, 3)."""
     area = projected_area(w, alpha, kind)
     if eta is None:
         return _facets_reflecting(w, o, area, alpha, kind)[1]
     if o[0, 2] < 0.0:
-        return _refracted(w, o, area, eta, alpha, kind)
-    return _reflected(w, o, area, eta, alpha, kind)
+        return _refracted(w, o, area, eta, alpha, kind, film, from_above)
+    return _reflected(w, o, area, eta, alpha, kind, film, from_above)
 
 
-def masking(o: np.ndarray, alpha: float, kind: str) -> np.ndarray:
+def masking(o: np.ndarray, alpha, kind: str) -> np.ndarray:
     """Smith G1 (n,) of directions on either side, from the exact projected area."""
     outward = vectors(o[:, 0], o[:, 1], np.abs(o[:, 2]))
     return outward[:, 2] / projected_area(outward, alpha, kind)
@@ -123,23 +136,39 @@ def _facets_reflecting(w, o, area, alpha, kind):
     """Facet cosine and density of mirror directions, D_w(wh) / (4 cos), for every reflecting facet (Heitz16)."""
     h = w + o
     length = np.sqrt(np.maximum(dot(h, h), 1e-30))
-    return 0.5 * length, 0.25 * distribution(h[:, 2] / length, alpha, kind) / area
+    return 0.5 * length, 0.25 * facet_distribution(h / length[:, None], alpha, kind) / area
 
 
-def _reflected(w, o, area, eta, alpha, kind) -> np.ndarray:
+def _reflected(w, o, area, eta, alpha, kind, film=None, from_above=True) -> np.ndarray:
     cos, spread = _facets_reflecting(w, o, area, alpha, kind)
+    if film is not None:
+        return film.reflectance(cos, cos_theta_t(cos, eta), from_above) * spread[:, None]
     return fresnel_dielectric(cos, eta) * spread
 
 
-def _refracted(w, o, area, eta, alpha, kind) -> np.ndarray:
+def _refracted(w, o, area, eta, alpha, kind, film=None, from_above=True) -> np.ndarray:
     """Density of refracted directions with the Jacobian of Walter07, eq. 17."""
     h = -(w + eta * o)
     length2 = np.maximum(dot(h, h), 1e-30)
     h = h / (np.sqrt(length2) * np.where(h[:, 2] < 0.0, -1.0, 1.0))[:, None]
     cos, cos_o = dot(w, h), -dot(o, h)
     facing = (cos > 0.0) & (cos_o > 0.0)
-    visible = np.where(facing, cos * cos_o, 0.0) * distribution(h[:, 2], alpha, kind) / area
-    return (1.0 - fresnel_dielectric(cos, eta)) * visible * refraction_jacobian(eta, length2)
+    visible = np.where(facing, cos * cos_o, 0.0) * facet_distribution(h, alpha, kind) / area
+    density = visible * refraction_jacobian(eta, length2)
+    if film is not None:
+        return (1.0 - film.reflectance(cos, cos_theta_t(cos, eta), from_above)) * density[:, None]
+    return (1.0 - fresnel_dielectric(cos, eta)) * density
+
+
+def chosen(reflectance, cos, cos_t, film, from_above, rng):
+    """Which facets reflect, and the weights (n, 3) of that choice; None without a film, where all are 1."""
+    if film is None:
+        return rng.random(len(cos)) < reflectance, None
+    channels = film.reflectance(cos, cos_t, from_above)
+    chance = channels.mean(axis=1)
+    reflected = rng.random(len(cos)) < chance
+    share = np.where(reflected, chance, 1.0 - chance)[:, None]
+    return reflected, np.where(reflected[:, None], channels, 1.0 - channels) / np.maximum(share, 1e-300)
 
 
 def refraction_jacobian(eta: float, length2: np.ndarray) -> np.ndarray:
@@ -147,16 +176,17 @@ def refraction_jacobian(eta: float, length2: np.ndarray) -> np.ndarray:
     return eta * eta / length2
 
 
-def _dielectric_once(w, eta, alpha, kind, rng, target) -> Scattered:
+def _dielectric_once(w, eta, alpha, kind, rng, target, film, from_above) -> Scattered:
     wm = sample_visible_normals(w, alpha, kind, rng)
     cos = _cosine(w, wm)
     reflectance, cos_t = fresnel_and_refraction(cos, eta)
-    reflected = rng.random(len(w)) < reflectance
+    reflected, choice = chosen(reflectance, cos, cos_t, film, from_above, rng)
     o = _bend(w, wm, cos, cos_t, eta, reflected)
     weight = np.where((o[:, 2] > 0.0) == reflected, masking(o, alpha, kind), 0.0)
+    weight = weight if choice is None else weight[:, None] * choice
     toward = None
     if target is not None:
-        toward = scattering_density(w, target, eta, alpha, kind) * masking(target, alpha, kind)
+        toward = (_scattered(w, target, eta, alpha, kind, film, from_above).T * masking(target, alpha, kind)).T
     return Scattered(o, weight, toward)
 
 
@@ -172,14 +202,15 @@ def _conductor_once(w, fresnel, alpha, kind, rng, target) -> Scattered:
     return Scattered(o, weight, toward)
 
 
-def _dielectric_walk(w, eta, alpha, kind, rng, target) -> Scattered:
+def _dielectric_walk(w, eta, alpha, kind, rng, target, film, from_above) -> Scattered:
     """Random walk of Heitz16 in the frame of the side where the ray is: crossing a facet negates it."""
     n = len(w)
     out = np.empty((3, n)).T
     ray, outside = np.arange(n), np.ones(n, bool)
     log_below = np.zeros(n)
     eta_here = eta
-    estimate = None if target is None else _Estimate(target, alpha, kind, (n,))
+    carried = None if film is None else np.ones((n, 3))
+    estimate = None if target is None else _Estimate(target, alpha, kind, (n,) if film is None else (n, 3))
     while True:
         area = projected_area(w, alpha, kind)
         log_below = _advance(log_below, w, area, rng)
@@ -194,18 +225,21 @@ def _dielectric_walk(w, eta, alpha, kind, rng, target) -> Scattered:
             log_below, area = log_below[stay], area[stay]
             eta_here = np.where(outside, eta, 1.0 / eta)
         if estimate is not None:
-            estimate.add_dielectric(w, area, ray, outside, log_below, eta)
+            estimate.add_dielectric(w, area, ray, outside, log_below, eta, carried, film, from_above)
         wm = sample_visible_normals(w, alpha, kind, rng)
         cos = _cosine(w, wm)
         reflectance, cos_t = fresnel_and_refraction(cos, eta_here)
-        reflected = rng.random(len(w)) < reflectance
+        reflected, choice = chosen(reflectance, cos, cos_t, film, outside == from_above, rng)
+        if carried is not None:
+            carried[ray] *= choice
         o = _bend(w, wm, cos, cos_t, eta_here, reflected)
         # Light goes along o; w of the next event is -o, and crossing negates it once more.
         w = (o.T * np.where(reflected, -1.0, 1.0)).T
         log_below = np.where(reflected, log_below, _log_above(log_below))
         outside = outside == reflected
         eta_here = np.where(outside, eta, 1.0 / eta)
-    return Scattered(out, np.broadcast_to(1.0, n), None if estimate is None else estimate.total)
+    weight = np.broadcast_to(1.0, n) if carried is None else carried
+    return Scattered(out, weight, None if estimate is None else estimate.total)
 
 
 def _conductor_walk(w, fresnel, alpha, kind, rng, target) -> Scattered:
@@ -250,13 +284,13 @@ def _log_above(log_below: np.ndarray) -> np.ndarray:
 class _Estimate:
     """Next event estimation inside the microsurface: energy that each facet sends out to the target (Heitz16)."""
 
-    def __init__(self, target: np.ndarray, alpha: float, kind: str, shape: tuple[int, ...]):
+    def __init__(self, target: np.ndarray, alpha, kind: str, shape: tuple[int, ...]):
         self.target, self.alpha, self.kind = target, alpha, kind
         self.is_above = bool(target[0, 2] > 0.0)
         self.lambda_target = 1.0 / masking(target, alpha, kind) - 1.0
         self.total = np.zeros(shape)
 
-    def add_dielectric(self, w, area, ray, outside, log_below, eta) -> None:
+    def add_dielectric(self, w, area, ray, outside, log_below, eta, carried, film, from_above) -> None:
         for is_outside in (True, False):
             index = np.flatnonzero(outside == is_outside)
             if not len(index):
@@ -266,8 +300,10 @@ class _Estimate:
             same_side = is_outside == self.is_above
             spread = _reflected if same_side else _refracted
             height = log_below[index] if same_side else _log_above(log_below[index])
-            value = spread(take(w, index), to, area[index], eta_here, self.alpha, self.kind)
-            self.total[ray[index]] += value * self._escape(ray[index], height)
+            value = spread(take(w, index), to, area[index], eta_here, self.alpha, self.kind, film, is_outside == from_above)
+            if carried is not None:
+                value = value * carried[ray[index]]
+            self.total[ray[index]] += (value.T * self._escape(ray[index], height)).T
 
     def add_conductor(self, w, area, ray, log_below, carried, fresnel) -> None:
         cos, spread = _facets_reflecting(w, take(self.target, ray), area, self.alpha, self.kind)

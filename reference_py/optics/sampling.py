@@ -2,14 +2,15 @@
 """Visible facet normals of Smith microsurfaces: their density and exact samples (Heitz14, Heitz16).
 
 A direction `w` leaves the surface. Unlike elsewhere it may point below the horizon (w_z < 0): a ray inside a
-rough surface sees facets from there too. Arrays are (n, 3); (3, n).T is the layout that computes fastest.
+rough surface sees facets from there too. Arrays are (n, 3); (3, n).T is the layout that computes fastest. An alpha is
+a number, or the tuple (alpha_x, alpha_y) of an anisotropic surface, which is an isotropic one stretched (Heitz14).
 """
 
 from math import erfc, exp, pi, sqrt
 
 import numpy as np
 
-from .microfacet import GGX, distribution
+from .microfacet import GGX, axes, facet_distribution
 
 _SQRT_PI = sqrt(pi)
 
@@ -52,14 +53,15 @@ def _tail_table(b: np.ndarray) -> np.ndarray:
     return _TAIL.take(cell) + (place - cell) * _TAIL_RISE.take(cell)
 
 
-def projected_area(w: np.ndarray, alpha: float, kind: str) -> np.ndarray:
+def projected_area(w: np.ndarray, alpha, kind: str) -> np.ndarray:
     """Area (n,) of the facets seen from w per unit of macrosurface, cos(w) (1 + Lambda(w)) (Heitz16).
 
     Exact for both distributions: Beckmann's is not the rational approximation of Walter07, from which it
     differs by up to 0.35 %, because samples and densities must agree.
     """
     x, y, z = components(w)
-    across2 = alpha * alpha * (x * x + y * y)
+    alpha_x, alpha_y = axes(alpha)
+    across2 = np.square(alpha_x * x) + np.square(alpha_y * y)
     if kind == GGX:
         return 0.5 * (z + np.sqrt(z * z + across2))
     across = np.sqrt(np.maximum(across2, 1e-60))
@@ -68,27 +70,28 @@ def projected_area(w: np.ndarray, alpha: float, kind: str) -> np.ndarray:
     return np.maximum(z, 0.0) + across * tail
 
 
-def visible_normal_density(w: np.ndarray, wm: np.ndarray, alpha: float, kind: str) -> np.ndarray:
+def visible_normal_density(w: np.ndarray, wm: np.ndarray, alpha, kind: str) -> np.ndarray:
     """Density (n,) in 1/sr of the facet normals wm seen from w (Heitz14)."""
     cos = np.maximum(np.einsum("ij,ij->i", w, wm), 0.0)
-    return cos * distribution(wm[:, 2], alpha, kind) / projected_area(w, alpha, kind)
+    return cos * facet_distribution(wm, alpha, kind) / projected_area(w, alpha, kind)
 
 
-def sample_visible_normals(w: np.ndarray, alpha: float, kind: str, rng: np.random.Generator) -> np.ndarray:
+def sample_visible_normals(w: np.ndarray, alpha, kind: str, rng: np.random.Generator) -> np.ndarray:
     """Facet normals (n, 3) of density `visible_normal_density`; any w_z."""
     if kind == GGX:
         return ggx_visible_normals(w, alpha, rng.random(len(w)), rng.random(len(w)))
     return _beckmann_visible_normals(w, alpha, rng)
 
 
-def ggx_visible_normals(w: np.ndarray, alpha: float, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
+def ggx_visible_normals(w: np.ndarray, alpha, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
     """GGX normals seen from w for uniform u1, u2 (n,).
 
     GGX is a stretched hemisphere (Heitz18). Seen from w, its normals mirror w into directions that fill a
     spherical cap evenly (Dupuy23), whatever the sign of w_z.
     """
     x, y, z = components(w)
-    ax, ay = alpha * x, alpha * y
+    alpha_x, alpha_y = axes(alpha)
+    ax, ay = alpha_x * x, alpha_y * y
     scale = 1.0 / np.sqrt(ax * ax + ay * ay + z * z)
     ax *= scale
     ay *= scale
@@ -97,23 +100,25 @@ def ggx_visible_normals(w: np.ndarray, alpha: float, u1: np.ndarray, u2: np.ndar
     cap_z = height - az
     sin = np.sqrt(np.maximum(1.0 - cap_z * cap_z, 0.0))
     phi = (2.0 * pi) * u2
-    hx = alpha * (sin * np.cos(phi) + ax)
-    hy = alpha * (sin * np.sin(phi) + ay)
+    hx = alpha_x * (sin * np.cos(phi) + ax)
+    hy = alpha_y * (sin * np.sin(phi) + ay)
     scale = 1.0 / np.sqrt(hx * hx + hy * hy + height * height)
     return vectors(hx * scale, hy * scale, height * scale)
 
 
-def _beckmann_visible_normals(w: np.ndarray, alpha: float, rng: np.random.Generator) -> np.ndarray:
+def _beckmann_visible_normals(w: np.ndarray, alpha, rng: np.random.Generator) -> np.ndarray:
     """Beckmann normals seen from w: slopes along and across w, in units of alpha (Jakob14, Heitz14)."""
     x, y, z = components(w)
+    alpha_x, alpha_y = axes(alpha)
+    x, y = alpha_x * x, alpha_y * y
     sin = np.sqrt(x * x + y * y)
-    toward = _visible_slopes(z / np.maximum(alpha * sin, 1e-30), rng)
+    toward = _visible_slopes(z / np.maximum(sin, 1e-30), rng)
     across = rng.normal(0.0, sqrt(0.5), len(z))
-    flat = sin < 1e-12
+    flat = sin < 1e-18
     safe = np.where(flat, 1.0, sin)
     cos_phi, sin_phi = np.where(flat, 1.0, x / safe), np.where(flat, 0.0, y / safe)
-    mx = alpha * (toward * cos_phi - across * sin_phi)
-    my = alpha * (toward * sin_phi + across * cos_phi)
+    mx = alpha_x * (toward * cos_phi - across * sin_phi)
+    my = alpha_y * (toward * sin_phi + across * cos_phi)
     scale = 1.0 / np.sqrt(mx * mx + my * my + 1.0)
     return vectors(mx * scale, my * scale, scale)
 

@@ -19,8 +19,8 @@ from lamina.reference_py import presets  # noqa: E402
 from lamina.reference_py.colour import artist_index, conductor_rgb  # noqa: E402
 from lamina.reference_py.errors import LaminaError  # noqa: E402
 from lamina.reference_py.models.adding.model import Adding  # noqa: E402
-from lamina.reference_py.network import DEFAULT_TIER  # noqa: E402
-from lamina.reference_py.schema import CHOICE, DIELECTRIC, FLOAT, SCHEMA, Parameter  # noqa: E402
+from lamina.reference_py.network import make_network  # noqa: E402
+from lamina.reference_py.schema import CHOICE, COVERAGE, DIELECTRIC, FLOAT, SCHEMA, Parameter  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
 from lamina.reference_py.suite import suite_stack  # noqa: E402
 
@@ -264,8 +264,8 @@ def test_deleted_nodes(layered):
     assert [layer.unknown["name"] for layer in material.stack_of(layered).layers] == ["Paint"]
 
 
-def broken_shader(stack, tier):
-    good = generate(stack, tier)
+def broken_shader(network):
+    good = generate(network)
     body = good.text.replace("BSDF = ", "BSDF = no_such_function() + ").replace(good.name, "@SHADER@")
     name = "lamina_" + hashlib.sha256(body.encode()).hexdigest()[:12]
     return replace(good, name=name, text=body.replace("@SHADER@", name))
@@ -369,7 +369,7 @@ def test_a_parameter_added_to_the_schema_appears_everywhere(blender):
     assert {"Haze", "Finish"} <= {p.label for p in elements.shown_parameters(kind, "")}
 
     node = node_tree(blender.data.materials.new("new")).nodes.new("ShaderNodeScript")
-    shader = generate(stack, DEFAULT_TIER, schema=schema)
+    shader = generate(make_network(stack, "weidlich_wilkie"), schema=schema)
     script_node.set_script(node, shader)
     assert node.inputs["Layer1SurfaceHaze"].default_value == 0.25
 
@@ -397,11 +397,12 @@ def test_structure_survives_a_session_without_lamina(layered, registered_lamina)
 def test_a_render_of_old_values_is_announced_until_they_are_refreshed(blender, capsys):
     baked = blender.data.materials.new("baked")
     material.apply_stack(baked, suite_stack("plastic_grey_0"), "baked")
+    material.refresh(baked, settle=True)
     elements.node_of(baked.lamina.base).inputs["Color"].default_value = (0.9, 0.9, 0.9, 1.0)
     assert material.is_stale(baked)
     render_furnace(baked, (0.0,), samples=1, size=8)
     assert "baked: renders old values" in capsys.readouterr().out
-    material.refresh(baked)
+    material.refresh(baked, settle=True)
     measured, _ = render_furnace(baked, (0.0,), samples=64, size=16)
     assert not material.is_stale(baked) and "old values" not in capsys.readouterr().out
     truth = Adding(material.stack_of(baked)).albedo(np.array([0.0, 0.0, 1.0]))
@@ -411,11 +412,42 @@ def test_a_render_of_old_values_is_announced_until_they_are_refreshed(blender, c
 def test_a_save_refreshes_what_is_stale_and_leaves_the_rest(blender, tmp_path, capsys):
     baked, live = blender.data.materials.new("baked"), blender.data.materials.new("live")
     material.apply_stack(baked, suite_stack("lambert_grey"), "baked")
-    material.apply_stack(live, suite_stack("lambert_grey"))
+    material.apply_stack(live, suite_stack("lambert_grey"), "analytic")
     for each in (baked, live):
         elements.node_of(each.lamina.base).inputs["Color"].default_value = (0.1, 0.2, 0.3, 1.0)
     before = live.node_tree.nodes[live.lamina.shader_node].script.as_string()
     blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "stale.blend"))
     assert not material.is_stale(baked) and not material.is_stale(live)
     assert live.node_tree.nodes[live.lamina.shader_node].script.as_string() == before
-    assert "baked: values changed" in capsys.readouterr().out
+    assert "baked: its shader is made" in capsys.readouterr().out
+
+
+def test_a_feature_is_structure_that_costs_nothing_while_off(layered, blender):
+    layer = layered.lamina.layers[0]
+    plain = script(layered).script.as_string()
+    socket(layered, layer, "Coverage").default_value = 0.25
+    assert not material.stack_of(layered).layers[0].has(COVERAGE)
+    layer.use_coverage = True
+    assert layered.lamina.problem == ""
+    assert material.stack_of(layered).layers[0]["coverage"] == 0.25
+    assert layer_wired_to(layered, "Layer1Coverage") == "Coat"
+    layer.use_coverage = False
+    assert script(layered).script.as_string() == plain
+
+
+def test_a_file_from_before_the_features_gets_their_sockets_at_the_end(layered):
+    layer = layered.lamina.layers[0]
+    tree = elements.node_of(layer).node_tree
+    new = {p.label for feature in DIELECTRIC.features for p in feature.parameters}
+    for item in [item for item in tree.interface.items_tree if item.name in new]:
+        tree.interface.remove(item)
+    layered.lamina.schema_version = 1
+    before = [s.identifier for s in elements.node_of(layer).inputs]
+    stack, text = material.stack_of(layered), script(layered).script.as_string()
+    material.regenerate(layered)
+    assert material.stack_of(layered) == stack and script(layered).script.as_string() == text
+    assert [s.identifier for s in elements.node_of(layer).inputs][: len(before)] == before
+    layer.use_anisotropy = True
+    assert layered.lamina.problem == "" and layer_wired_to(layered, "Layer1Anisotropy") == "Coat"
+    assert script(layered).inputs["Tangent"].links[0].from_node.bl_idname == "ShaderNodeTangent"
+    assert material.stack_of(layered).layers[0]["anisotropy"] == 0.0

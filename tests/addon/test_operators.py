@@ -301,8 +301,16 @@ def test_panel_offers_presets_before_there_is_a_stack(bare):
 
 def test_panel_draws_every_value_of_the_schema(layered):
     sockets = drawn("socket")
-    for parameter in SCHEMA.layers["dielectric"].sockets:
-        assert parameter.label in sockets
+    kind = SCHEMA.layers["dielectric"]
+    own = [p.label for p in kind.parameters if not p.is_structural]
+    assert set(own) <= set(sockets)
+    for feature in kind.features:
+        labels = [p.label for p in feature.parameters]
+        assert f"use_{feature.name}" in drawn("prop") and not set(labels) & set(sockets)
+        layer = layered.active_material.lamina.layers[0]
+        setattr(layer, f"use_{feature.name}", True)
+        assert set(labels) <= set(drawn("socket"))
+        setattr(layer, f"use_{feature.name}", False)
     assert "Extinction" not in sockets and "metal" in drawn("prop")
     layered.active_material.lamina.base.given = "eta+k"
     assert {"IOR", "Extinction"} <= set(drawn("socket")[4:]) and "metal" not in drawn("prop")

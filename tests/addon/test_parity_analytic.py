@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tier `analytic` on Cycles: the shader computes what the numpy network computes, in float32 and from sockets."""
 
+import re
+
 import pytest
 
 from lamina.addon.network.osl import generate
 from lamina.reference_py import presets
 from lamina.reference_py.models import make_model
+from lamina.reference_py.network import make_network
 from lamina.reference_py.stack import Stack
 from lamina.reference_py.suite import suite, suite_stack
 from support.goniometer import SUN_THETA_DEG, parity, tolerance
@@ -39,7 +42,7 @@ def test_render_equals_mirror(blender, name):
 
 
 def test_text_size():
-    sizes = {name: len(generate(stack, "analytic").text) for name, stack in suite().items()}
+    sizes = {name: len(generate(make_network(stack, "analytic")).text) for name, stack in suite().items()}
     print(max(sizes.items(), key=lambda item: item[1]))
     assert max(sizes.values()) < 100_000
 
@@ -47,4 +50,15 @@ def test_text_size():
 def test_text_does_not_depend_on_values():
     data = suite_stack("three_rough").to_dict()
     other = Stack.from_dict({**data, "layers": [{**layer, "ior": 1.7, "roughness": 0.2} for layer in data["layers"]]})
-    assert generate(other, "analytic").text == generate(suite_stack("three_rough"), "analytic").text
+    assert generate(make_network(other, "analytic")).text == generate(make_network(suite_stack("three_rough"), "analytic")).text
+
+
+def test_functions_are_defined_once_where_tiers_meet():
+    """A patch with a film is in the tier `weidlich_wilkie`: parts that both tiers use are in the text once."""
+    coat, film = {"kind": "dielectric", "roughness": 0.5}, {"film_thickness": 300.0, "film_ior": 1.8}
+    metal = {"kind": "conductor", "metal": "gold", "roughness": 0.5}
+    stack = Stack.from_dict({"layers": [{**coat, **film, "coverage": 0.5}, coat], "base": metal})
+    text = generate(make_network(stack, "analytic")).text
+    signatures = re.findall(r"^\w+ \w+\([^)]*\)(?=\n\{)", text, re.MULTILINE)
+    assert any("weight_glossy" in s for s in signatures) and any("cross_first" in s for s in signatures)
+    assert len(signatures) == len(set(signatures))

@@ -7,6 +7,7 @@ import pytest
 from lamina.reference_py.models import make_model
 from lamina.reference_py.network.closure import lobe_f
 from lamina.reference_py.network.lobe import GlossyLobe, SchlickCurve
+from lamina.reference_py.network import TIERS, AutoNetwork
 from lamina.reference_py.stack import Stack
 from support.goniometer import TOLERANCE, parity
 
@@ -26,16 +27,18 @@ STACKS = {
 }
 
 
+@pytest.mark.parametrize("tier", [tier for tier in TIERS if tier != AutoNetwork.tier])
 @pytest.mark.parametrize("name", STACKS)
-def test_render_equals_mirror(blender, name):
+def test_render_equals_mirror(blender, name, tier):
     import bpy
 
-    from lamina.addon.material import apply_stack, stack_of
+    from lamina.addon.material import apply_stack, refresh, stack_of
 
     layers, base = STACKS[name]
     material = bpy.data.materials.new(name)
-    apply_stack(material, Stack.from_dict({"layers": layers, "base": base}))
-    result = parity(material, make_model("mirror", stack_of(material)).f, 60.0)
+    apply_stack(material, Stack.from_dict({"layers": layers, "base": base}), tier)
+    refresh(material, settle=True)
+    result = parity(material, make_model("mirror", stack_of(material), tier=tier).f, 60.0)
     print(f"{name}: 99th percentile {result.percentile_99:.1e} of {result.errors.size} values")
     assert result.finite and result.errors.size > 1000
     assert result.percentile_99 <= TOLERANCE

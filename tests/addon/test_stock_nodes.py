@@ -35,7 +35,7 @@ def no_osl(blender, monkeypatch):
 
 
 def mirror_of(network: TableNetwork):
-    mirror = make_model("mirror", presets.load("clean_copper"))
+    mirror = make_model("mirror", presets.load("clean_copper"), tier="weidlich_wilkie")
     mirror.network = network
     return mirror
 

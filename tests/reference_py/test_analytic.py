@@ -60,8 +60,8 @@ def test_smooth_coat_over_grey():
 )
 def test_white_stacks_are_white(layers):
     albedo = mirror(stack_of(*layers, base=lambert(1.0))).albedo(spherical(FURNACE_VIEWS, 0.0))
-    # the table of the top closure's energy is coarse for narrow lobes at grazing views
-    assert np.max(np.abs(albedo[:-1] - 1.0)) <= 0.005
+    # tables are coarse in the index of refraction towards grazing views
+    assert np.max(np.abs(albedo[:-1] - 1.0)) <= 0.006
     assert np.max(np.abs(albedo[-1] - 1.0)) <= 0.008
 
 
@@ -94,10 +94,10 @@ def test_stress(name):
 @pytest.mark.parametrize(
     "name, bound",
     [
-        ("plastic_grey_0", 0.0005), ("plastic_grey_0_1", 0.002), ("plastic_grey_1", 0.003), ("plastic_oren_nayar", 0.0045),
-        ("three_smooth", 0.0005), ("twenty_smooth", 0.0005), ("plastic_tinted", 0.0065), ("lambert_1_5_0_3_over_1_8_0", 0.0035),
-        ("lambert_1_8_0_over_1_33_0_3", 0.0025), ("gold_rough", 0.017), ("chromium_mirror", 0.0005),
-        ("gold_coat_0_1_metal_0_1", 0.027), ("silver_coat_0_2_metal_0_4", 0.005), ("car_paint_blue", 0.044), ("brass_coat_0_metal_0_4", 0.088),
+        ("plastic_grey_0", 0.0005), ("plastic_grey_0_1", 0.004), ("plastic_grey_1", 0.0042), ("plastic_oren_nayar", 0.0045),
+        ("three_smooth", 0.0005), ("twenty_smooth", 0.0005), ("plastic_tinted", 0.0065), ("lambert_1_5_0_3_over_1_8_0", 0.0052),
+        ("lambert_1_8_0_over_1_33_0_3", 0.0083), ("gold_rough", 0.0115), ("chromium_mirror", 0.0005),
+        ("gold_coat_0_1_metal_0_1", 0.06), ("silver_coat_0_2_metal_0_4", 0.0265), ("car_paint_blue", 0.0465), ("brass_coat_0_metal_0_4", 0.059),
     ],
 )  # fmt: skip
 def test_albedo_against_adding(name, bound):
@@ -110,9 +110,9 @@ def test_albedo_against_adding(name, bound):
 def test_albedo_of_the_suite():
     errors = np.array([worst_error(stack) for stack in [*suite().values(), *map(presets.load, presets.names())]])
     print(f"median {100 * np.median(errors):.2f} %, worst {100 * errors.max():.1f} %, within 3 % {np.sum(errors <= 0.03)} of {len(errors)}")
-    assert np.median(errors) <= 0.012
-    assert np.mean(errors <= 0.03) >= 0.73
-    assert errors.max() <= 0.14
+    assert np.median(errors) <= 0.02
+    assert np.mean(errors <= 0.03) >= 0.65
+    assert errors.max() <= 0.11
 
 
 @pytest.mark.slow

@@ -21,7 +21,7 @@ def surfaces(count=10, seed=3):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("side, mean_bound, bound", [("thin", 0.002, 0.015), ("dense", 0.01, 0.12)])
+@pytest.mark.parametrize("side, mean_bound, bound", [("thin", 0.001, 0.0075), ("dense", 0.006, 0.025)])
 def test_reflectance(kind, side, mean_bound, bound):
     errors = []
     for alpha, eta in surfaces():

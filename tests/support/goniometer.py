@@ -50,12 +50,29 @@ def local_directions(normal: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> tupl
     return local_wi, local_wo
 
 
-def parity(material, f, sun_theta_deg: float, size: int = 96, window=(0.0, 0.0, 1.0)) -> Parity:
+def tangent_directions(normal: np.ndarray, wi: np.ndarray, wo: np.ndarray, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """wi and wo (n, 3) in frames whose x is what a Tangent node of radial axis Y gives: around the sphere's poles."""
+    around = np.cross([0.0, 1.0, 0.0], position)
+    y = np.cross(normal, around)
+    y /= np.linalg.norm(y, axis=-1, keepdims=True)
+    x = np.cross(y, normal)
+    return tuple(np.stack([x @ w, y @ w, normal @ w], axis=-1) for w in (wi, wo))
+
+
+def tangent_parity(material, f, sun_theta_deg: float, size: int = 96) -> Parity:
+    """As `parity`, in frames that know the tangent."""
+    return parity(material, f, sun_theta_deg, size, with_tangent=True)
+
+
+def parity(material, f, sun_theta_deg: float, size: int = 96, window=(0.0, 0.0, 1.0), with_tangent: bool = False) -> Parity:
     """Render `material` and compare with f(wo, wi), per pixel with the pixel's own normal."""
     picture = render_sun_sphere(material, sun_theta_deg, size, window=window)
     normal = picture["normal"][picture["mask"]].astype(float)
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
-    wi, wo = local_directions(normal, picture["wi"], picture["wo"])
+    if with_tangent:
+        wi, wo = tangent_directions(normal, picture["wi"], picture["wo"], picture["position"][picture["mask"]].astype(float))
+    else:
+        wi, wo = local_directions(normal, picture["wi"], picture["wo"])
     expected = f(wo, wi) * np.maximum(wi[:, 2:], 0.0)
     rendered = picture["radiance"][picture["mask"]].astype(float)
     counts = rendered > BRIGHT * rendered.max()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`lamina chart network`: error of each preset's network against the exact model of the paper, by view angle."""
+"""`lamina chart network`: error of each preset's network of the paper's own tier against the paper's model, by view angle."""
 
 from pathlib import Path
 
@@ -9,12 +9,13 @@ from ....reference_py import presets
 from ....reference_py.atomic import require_writable
 from ....reference_py.compare import Distance, distance
 from ....reference_py.models import make_model
-from ....reference_py.network import DEFAULT_TIER
+from ....reference_py.network import WeidlichWilkieNetwork
 from .output import Report, pyplot, save_picture, write_table
 
 THETA_DEG = np.array([0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0])
 
-_HEADING = ("lamina chart network", f"tier {DEFAULT_TIER} against model weidlich_wilkie")
+_TIER = WeidlichWilkieNetwork.tier
+_HEADING = ("lamina chart network", f"tier {_TIER} against model weidlich_wilkie")
 
 
 def chart(folder: Path, report: Report) -> None:
@@ -26,7 +27,7 @@ def chart(folder: Path, report: Report) -> None:
     for i, name in enumerate(names):
         report(f"{100 * i // len(names):3} % {name}")
         stack = presets.load(name)
-        results[name] = distance(stack, make_model("mirror", stack), make_model("weidlich_wilkie", stack), np.radians(THETA_DEG))
+        results[name] = distance(stack, make_model("mirror", stack, tier=_TIER), make_model("weidlich_wilkie", stack), np.radians(THETA_DEG))
     rows = []
     for name, result in results.items():
         rows.append([name, "albedo", *(f"{v:.4f}" for v in result.albedo)])
@@ -46,5 +47,5 @@ def _draw(path: Path, results: dict[str, Distance], report: Report) -> None:
         axis.set(title=title, xlabel="view angle (degrees)", ylim=(1e-5, 2.0))
         axis.grid(alpha=0.3)
     axes[1].legend(fontsize=7, ncols=2)
-    figure.suptitle(f"Network of tier {DEFAULT_TIER} against the exact model of Weidlich and Wilkie 2007")
+    figure.suptitle(f"Network of tier {_TIER} against the exact model of Weidlich and Wilkie 2007")
     save_picture(figure, path, report)

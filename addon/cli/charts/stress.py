@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`lamina chart stress`: every model of the registry in every hard case."""
+"""`lamina chart stress`: every model of the registry, and every tier, in every hard case."""
 
 from pathlib import Path
 
 from ....reference_py.atomic import require_writable
-from ....reference_py.models import MODELS
-from ....reference_py.stress import CASES, COLUMNS, REFUSED, is_refused, measure
+from ....reference_py.stress import CASES, COLUMNS, REFUSED, SUBJECTS, is_refused, measure
 from .output import Report, print_table, write_table
 
 _HEADING = ("lamina chart stress", "worst of each case, beyond 4 standard errors; columns as in reference_py/stress.py")
@@ -16,8 +15,8 @@ def chart(folder: Path, report: Report) -> None:
     table = folder / "stress.csv"
     require_writable(table)
     rows = []
-    for i, name in enumerate(MODELS):
-        report(f"{100 * i // len(MODELS):3} % {name}")
+    for i, name in enumerate(SUBJECTS):
+        report(f"{100 * i // len(SUBJECTS):3} % {name}")
         for case in CASES:
             result = measure(name, CASES[case])
             rows.append([name, case, *(_cell(getattr(result, column)) for column in COLUMNS)])

@@ -8,8 +8,8 @@ import numpy as np
 from ....reference_py import presets
 from ....reference_py.atomic import require_writable
 from ....reference_py.models.adding.model import Adding
-from ....reference_py.network import HOLD_VALUES, TIERS, make_network
-from ....reference_py.network.baking import Baker
+from ....reference_py.network import HOLD_VALUES, TIERS, AnalyticNetwork, make_network
+from ....reference_py.network.baking import Baker, is_one_closure
 from ....reference_py.network.judge import Errors, Judge
 from ....reference_py.stack import Stack
 from ....reference_py.suite import suite
@@ -38,7 +38,7 @@ def chart(folder: Path, report: Report) -> None:
         report(f"{100 * i // len(stacks):3} % {name}")
         rows += [[name, *row] for row in _rows(stack)]
     write_table(table, _HEADING, COLUMNS, rows, report)
-    print_table(("tier", "stacks", "albedo median", "albedo worst", "shape median", "shape worst"), _summary(rows))
+    print_table(("tier", "stacks", "albedo median", "albedo worst", "above 3 %", "shape median", "shape worst", "above 8 %", "of all views"), _summary(rows))
 
 
 def _rows(stack: Stack) -> list[list[str]]:
@@ -46,7 +46,8 @@ def _rows(stack: Stack) -> list[list[str]]:
     judge = Judge(stack, truth, np.cos(np.radians(THETA_DEG)))
     networks = {tier: make_network(stack, tier) for tier in TIERS if tier not in HOLD_VALUES}
     baker = Baker(stack, truth)
-    networks |= {f"baked, {count} glossy": baker.bake(count).network for count in GLOSSY}
+    exact = AnalyticNetwork(stack) if is_one_closure(stack) else None
+    networks |= {f"baked, {count} glossy": exact or baker.bake(count).network for count in GLOSSY}
     return [[tier, str(network.lobe_count), *_cells(judge.errors(network))] for tier, network in networks.items()]
 
 
@@ -55,10 +56,12 @@ def _cells(errors: Errors) -> list[str]:
 
 
 def _summary(rows: list[list[str]]) -> list[list[str]]:
-    """Per tier over all stacks; the shape's median is that of the stacks' worst views."""
+    """Per tier over all stacks. The shape's median and worst are those of the stacks' worst views; then the median of
+    the stacks' median views."""
     result = []
     for tier in dict.fromkeys(row[1] for row in rows):
-        albedo, shape = np.array([[float(row[3]), float(row[4])] for row in rows if row[1] == tier]).T
-        shares = (np.median(albedo), np.max(albedo), np.median(shape), np.max(shape))
-        result.append([tier, str(len(albedo)), *(f"{100.0 * v:.2f} %" for v in shares)])
+        albedo, shape, usual = np.array([[float(v) for v in row[3:6]] for row in rows if row[1] == tier]).T
+        shares = [f"{100.0 * v:.2f} %" for v in (np.median(albedo), np.max(albedo), np.median(shape), np.max(shape), np.median(usual))]
+        counts = [str(np.sum(albedo > 0.03)), str(np.sum(shape > 0.08))]
+        result.append([tier, str(len(albedo)), *shares[:2], counts[0], *shares[2:4], counts[1], shares[4]])
     return result

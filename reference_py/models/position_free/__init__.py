@@ -12,6 +12,7 @@ import numpy as np
 
 from ...errors import LaminaError
 from ...optics.microsurface import SURFACES
+from ...schema import ANISOTROPY, THIN_FILM
 from ...stack import Stack
 from .surfaces import Surfaces
 from .walk import Walk, connected_f
@@ -53,6 +54,7 @@ class PositionFree:
     name = "position_free"
     stochastic = True
     options = ("surface", "walks", "seed")
+    features = (ANISOTROPY, THIN_FILM)
 
     def __init__(self, stack: Stack, **options):
         for key in options:

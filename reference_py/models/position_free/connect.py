@@ -35,7 +35,7 @@ class LightPaths:
             below = -event.direction
             # what is turned back carries nothing; its direction only has to be a valid one
             below = np.asfortranarray(np.where(below[:, 2:] > 0.0, below, [0.0, 0.0, 1.0]))
-            energy = energy * event.weight[:, None]
+            energy = energy * event.weight
             if surfaces.tau[index] is not None:
                 energy = energy * np.exp(-surfaces.tau[index] / np.maximum(below[:, 2:], 1e-12))
             # f_t(a, b) / n_b^2 = f_t(b, a) / n_a^2 (Walter07), telescoped over the interfaces

@@ -5,6 +5,7 @@ All share `is_delta`, `scatter(w, from_below, rng, target)` and `density(w, o, f
 `optics.microsurface`: w and o (n, 3) leave the surface, w_z > 0 whichever side that is.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,9 +13,10 @@ import numpy as np
 from ...optics import microsurface
 from ...optics.diffuse import oren_nayar
 from ...optics.fresnel import fresnel_conductor
-from ...optics.material import Interface, conductor_index, interfaces, n_above_base
-from ...optics.microfacet import alpha_from_roughness, is_specular
+from ...optics.material import Brushed, Interface, brushed, conductor_index, film_of, interfaces, mean_alpha, n_above_base
+from ...optics.microfacet import is_specular
 from ...optics.sampling import vectors
+from ...optics.thin_film import FilmInterface, film_reflectance
 from ...stack import Stack
 
 # Share of a cosine lobe in the density that weights a `multiple` surface's paths against each other.
@@ -36,8 +38,8 @@ class SmoothDielectric:
 
     is_delta = True
 
-    def __init__(self, eta: float):
-        self.eta = eta
+    def __init__(self, eta: float, film: FilmInterface | None = None):
+        self.eta, self.film = eta, film
 
     def _relative(self, from_below: bool) -> float:
         return 1.0 / self.eta if from_below else self.eta
@@ -50,49 +52,81 @@ class SmoothDielectric:
     def scatter(self, w, from_below, rng, target=None) -> Event:
         eta = self._relative(from_below)
         reflectance, cos_t = self._fresnel(w[:, 2], eta)
-        reflected = rng.random(len(w)) < reflectance
+        reflected, weight = microsurface.chosen(reflectance, w[:, 2], cos_t, self.film, not from_below, rng)
         along = np.where(reflected, -1.0, -1.0 / eta)
-        return Event(vectors(along * w[:, 0], along * w[:, 1], np.where(reflected, w[:, 2], -cos_t)), None)
+        return Event(vectors(along * w[:, 0], along * w[:, 1], np.where(reflected, w[:, 2], -cos_t)), weight)
 
     def transmit(self, w, from_below, rng) -> Event:
         """Refraction for certain, weighted by its share."""
         eta = self._relative(from_below)
         reflectance, cos_t = self._fresnel(w[:, 2], eta)
-        return Event(vectors(-w[:, 0] / eta, -w[:, 1] / eta, -cos_t), 1.0 - reflectance)
+        if self.film is not None:
+            reflectance = self.film.reflectance(w[:, 2], cos_t, not from_below).T
+        return Event(vectors(-w[:, 0] / eta, -w[:, 1] / eta, -cos_t), np.atleast_2d(1.0 - reflectance).T)
 
     def density(self, w, o, from_below) -> np.ndarray:
         """Transmittance, times d(w) / d(o) from above: of the two directions' deltas only the ratio matters."""
-        transmittance = 1.0 - self._fresnel(w[:, 2], self._relative(from_below))[0]
+        reflectance, cos_t = self._fresnel(w[:, 2], self._relative(from_below))
+        if self.film is not None:
+            reflectance = self.film.reflectance(w[:, 2], cos_t, not from_below).mean(axis=1)
+        transmittance = 1.0 - reflectance
         if from_below:
             return transmittance
         return transmittance * self.eta**2 * np.abs(o[:, 2]) / w[:, 2]
 
 
-class RoughDielectric:
+class _Rough:
+    """Widths of a rough surface. An anisotropic one turns directions into its own frame and back."""
+
+    def _set_widths(self, alpha: float, brushed: Brushed | None) -> None:
+        self.alpha = alpha if brushed is None else (brushed.alpha_x, brushed.alpha_y)
+        self._turn = None if brushed is None else (np.cos(brushed.angle), np.sin(brushed.angle))
+
+    def _own(self, w: np.ndarray) -> np.ndarray:
+        if self._turn is None:
+            return w
+        c, s = self._turn
+        return vectors(c * w[:, 0] + s * w[:, 1], c * w[:, 1] - s * w[:, 0], w[:, 2])
+
+    def _back(self, w: np.ndarray) -> np.ndarray:
+        if self._turn is None:
+            return w
+        c, s = self._turn
+        return vectors(c * w[:, 0] - s * w[:, 1], c * w[:, 1] + s * w[:, 0], w[:, 2])
+
+
+class RoughDielectric(_Rough):
     is_delta = False
 
-    def __init__(self, eta: float, alpha: float, kind: str, surface: str):
-        self.eta, self.alpha, self.kind, self.surface = eta, alpha, kind, surface
+    def __init__(
+        self, eta: float, alpha: float, kind: str, surface: str, brushed: Brushed | None = None, film: FilmInterface | None = None
+    ):
+        self.eta, self.kind, self.surface, self.film = eta, kind, surface, film
+        self._set_widths(alpha, brushed)
 
     def _relative(self, from_below: bool) -> float:
         return 1.0 / self.eta if from_below else self.eta
 
     def scatter(self, w, from_below, rng, target=None) -> Event:
-        eta = self._relative(from_below)
-        scattered = microsurface.scatter_dielectric(w, eta, self.alpha, self.kind, rng, self.surface, target)
-        weight = None if self.surface == "multiple" else scattered.weight[:, None]
-        toward = None if target is None else scattered.toward[:, None]
-        return Event(scattered.direction, weight, toward)
+        eta, target = self._relative(from_below), None if target is None else self._own(target)
+        scattered = microsurface.scatter_dielectric(
+            self._own(w), eta, self.alpha, self.kind, rng, self.surface, target, self.film, not from_below
+        )
+        weight = None if self.surface == "multiple" and self.film is None else _columns(scattered.weight)
+        toward = None if target is None else _columns(scattered.toward)
+        return Event(self._back(scattered.direction), weight, toward)
 
     def transmit(self, w, from_below, rng) -> Event:
         """As `scatter`; what is reflected has weight 0."""
         scattered = microsurface.scatter_dielectric(
-            w, self._relative(from_below), self.alpha, self.kind, rng, self.surface
+            self._own(w), self._relative(from_below), self.alpha, self.kind, rng, self.surface, None, self.film, not from_below
         )
-        return Event(scattered.direction, np.where(scattered.direction[:, 2] < 0.0, scattered.weight, 0.0))
+        passed = (scattered.direction[:, 2] < 0.0)[:, None]
+        return Event(self._back(scattered.direction), np.where(passed, _columns(scattered.weight), 0.0))
 
     def density(self, w, o, from_below) -> np.ndarray:
-        density = microsurface.scattering_density(w, o, self._relative(from_below), self.alpha, self.kind)
+        eta = self._relative(from_below)
+        density = microsurface.scattering_density(self._own(w), self._own(o), eta, self.alpha, self.kind, self.film, not from_below)
         return _with_cosine_lobe(density, o, self.surface)
 
 
@@ -123,33 +157,39 @@ class Diffuse:
 class SmoothConductor:
     is_delta = True
 
-    def __init__(self, eta: np.ndarray, k: np.ndarray):
-        self.eta, self.k = eta, k
+    def __init__(self, fresnel: Callable[[np.ndarray], np.ndarray]):
+        self._fresnel = fresnel
 
     def scatter(self, w, from_below, rng, target=None) -> Event:
-        return Event(vectors(-w[:, 0], -w[:, 1], w[:, 2]), fresnel_conductor(w[:, 2:], self.eta, self.k))
+        return Event(vectors(-w[:, 0], -w[:, 1], w[:, 2]), self._fresnel(w[:, 2]))
 
     def density(self, w, o, from_below) -> np.ndarray:
         return np.ones(len(w))
 
 
-class RoughConductor:
+class RoughConductor(_Rough):
     is_delta = False
 
-    def __init__(self, eta: np.ndarray, k: np.ndarray, alpha: float, kind: str, surface: str):
-        self.eta, self.k = eta, k
-        self.alpha, self.kind, self.surface = alpha, kind, surface
-
-    def _fresnel(self, cos) -> np.ndarray:
-        return np.stack([fresnel_conductor(cos, eta, k) for eta, k in zip(self.eta, self.k)]).T
+    def __init__(
+        self, fresnel: Callable[[np.ndarray], np.ndarray], alpha: float, kind: str, surface: str, brushed: Brushed | None = None
+    ):
+        self._fresnel = fresnel
+        self.kind, self.surface = kind, surface
+        self._set_widths(alpha, brushed)
 
     def scatter(self, w, from_below, rng, target=None) -> Event:
-        scattered = microsurface.scatter_conductor(w, self._fresnel, self.alpha, self.kind, rng, self.surface, target)
-        return Event(scattered.direction, scattered.weight, scattered.toward)
+        target = None if target is None else self._own(target)
+        scattered = microsurface.scatter_conductor(self._own(w), self._fresnel, self.alpha, self.kind, rng, self.surface, target)
+        return Event(self._back(scattered.direction), scattered.weight, scattered.toward)
 
     def density(self, w, o, from_below) -> np.ndarray:
-        density = microsurface.scattering_density(w, o, None, self.alpha, self.kind)
+        density = microsurface.scattering_density(self._own(w), self._own(o), None, self.alpha, self.kind)
         return _with_cosine_lobe(density, o, self.surface)
+
+
+def _columns(values: np.ndarray) -> np.ndarray:
+    """(n, 1) of (n,); (n, 3) as it is."""
+    return values if values.ndim == 2 else values[:, None]
 
 
 def _with_cosine_lobe(density, o, surface) -> np.ndarray:
@@ -176,17 +216,23 @@ class Surfaces:
 
 
 def _dielectric(layer: Interface, surface: str):
-    if is_specular(layer.alpha) or layer.eta == 1.0:
-        return SmoothDielectric(layer.eta)
-    return RoughDielectric(layer.eta, layer.alpha, layer.distribution, surface)
+    film = None if layer.film is None else FilmInterface(layer.n_above, layer.n_below, layer.film)
+    if is_specular(layer.alpha) or (layer.eta == 1.0 and film is None):
+        return SmoothDielectric(layer.eta, film)
+    return RoughDielectric(layer.eta, layer.alpha, layer.distribution, surface, layer.brushed, film)
 
 
 def _base(stack: Stack, surface: str):
     base = stack.base
     if base.kind != "conductor":
         return Diffuse(base["color"], base["sigma_deg"] if "sigma_deg" in base else 0.0)
-    eta, k = (index / n_above_base(stack) for index in conductor_index(base))
-    alpha = float(alpha_from_roughness(base["roughness"]))
-    if is_specular(alpha):
-        return SmoothConductor(eta, k)
-    return RoughConductor(eta, k, alpha, base["distribution"], surface)
+    n, (eta, k), film = n_above_base(stack), conductor_index(base), film_of(base)
+
+    def fresnel(cos: np.ndarray) -> np.ndarray:
+        if film is not None:
+            return film_reflectance(cos, n, film, eta, k)
+        return np.stack([fresnel_conductor(cos, *index) for index in zip(eta / n, k / n)]).T
+
+    if is_specular(mean_alpha(base)):
+        return SmoothConductor(fresnel)
+    return RoughConductor(fresnel, mean_alpha(base), base["distribution"], surface, brushed(base))

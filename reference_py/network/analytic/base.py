@@ -6,7 +6,8 @@ T_d follows from the same T(o) by reciprocity; without absorption R_d = 1 - T_d,
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -14,17 +15,19 @@ from ...optics.fresnel import fresnel_conductor
 from ...optics.microfacet import GGX, smith_lambda
 from .beam import Crossing, attenuation, cosine, through
 from .calibration import (
-    BASE_LOSS, EXIT_SPREAD, KEPT_ORDER, KEPT_SCALE, LEAST_COS, MOST_LOBE_SHARE, NODE_SPREAD, STIR_SCALE,
+    BASE_LOSS, EXIT_SPREAD, KEPT_ORDER, KEPT_SCALE, LEAST_COS, MOST_LOBE_SHARE, NODE_SPREAD, STIR_BACK,
+    STIR_POWER, STIR_SCALE,
 )
 from .tables import closure_energy
 
 # Gauss nodes over the cosine outside, over the light trapped below, and over the lobe of a base.
 ESCAPING, TRAPPED = 4, 3
-LOBE_RADII, LOBE_AZIMUTHS = 3, 3
+LOBE_RADII, LOBE_AZIMUTHS = 4, 3
 # Mean of a metal's Fresnel curve over the directions between its facets.
 MEAN_COSINES, MEAN_WEIGHTS = np.array([0.35, 0.6, 0.85, 1.0]), np.array([0.2, 0.3, 0.35, 0.15])
 
 
+@cache
 def gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights (count,) of Gauss-Legendre on 0..1."""
     x, w = np.polynomial.legendre.leggauss(count)
@@ -42,8 +45,8 @@ def uniform_below(down: Sequence[Crossing], up: Sequence[Crossing], n_base: floa
     if not any(np.any(c.tau) for c in down):
         return 1.0 - transmitted, transmitted
     p, weight = _streams(up, n_base)
-    passage = from_base(up, n_base, p, np.zeros_like(p), np.zeros_like(p))
-    absorbed = np.sum(weight[:, None] * (1.0 - passage.reflected - passage.escaped), axis=0)
+    back, out = from_base(up, n_base, p, np.zeros_like(p))
+    absorbed = np.sum(weight[:, None] * (1.0 - back - out), axis=0)
     return np.maximum(1.0 - transmitted - np.maximum(absorbed, 0.0), 0.0), transmitted
 
 
@@ -58,20 +61,60 @@ def _streams(up: Sequence[Crossing], n_base: float):
     return np.concatenate([p, n_base * np.sqrt(1.0 - c * c)]), np.concatenate([weight, 2.0 * w * critical * c])
 
 
-@dataclass(frozen=True)
-class FromBase:
-    """Light that leaves the base: shares (..., 3) that return to it and that escape; `left` of one crossing of its medium."""
-
-    reflected: np.ndarray
-    escaped: np.ndarray
-
-
-def from_base(up: Sequence[Crossing], n_base: float, p, variance, spread) -> FromBase:
-    """Send beams (...) from the base; `up[0].tau` belongs to the medium they start in. `spread` widens absorption alone."""
-    left = attenuation(up[0].tau, p, spread, n_base)
-    shifted = [Crossing(c.n_own, c.n_other, c.alpha, c.kind, up[i + 1].tau if i + 1 < len(up) else np.zeros(3)) for i, c in enumerate(up)]
+def from_base(up: Sequence[Crossing], n_base: float, p, variance) -> tuple[np.ndarray, np.ndarray]:
+    """Shares (..., 3) that return and that escape of beams (...) that leave the base; `up[0].tau` is of their own medium."""
+    left = attenuation(up[0].tau, p, 0.0, n_base)
+    shifted = [replace(c, tau=up[i + 1].tau if i + 1 < len(up) else np.zeros(3)) for i, c in enumerate(up)]
     passage = through(shifted, p, variance)
-    return FromBase((passage.first + passage.inner) * left * left, passage.transmitted * left)
+    return (passage.first + passage.inner) * left * left, passage.transmitted * left
+
+
+@dataclass(frozen=True)
+class Below:
+    """The layers for light from below: polynomials through the nodes of light that may escape and of trapped light."""
+
+    least: float
+    n_base: float
+    escaping: tuple[np.ndarray, np.ndarray]
+    """Coefficients (ESCAPING, 3) of the shares that return and that escape, over the cosine in the thinnest medium."""
+    trapped: tuple[np.ndarray, np.ndarray]
+    """(TRAPPED, 3), over the cosine below, from 0 at grazing to 1 at the critical angle."""
+    uniform: tuple[np.ndarray, np.ndarray]
+    """Shares (3,) of uniform light."""
+
+    def at(self, p, width) -> tuple[np.ndarray, np.ndarray]:
+        """Shares (..., 3) that return and that escape of beams of transverse momentum p and some width (...)."""
+        u = np.sqrt(np.maximum(1.0 - np.square(p / self.least), 0.0))
+        inside = [_polynomial(c, u) for c in self.escaping]
+        if not self.least < self.n_base:
+            return tuple(inside)
+        critical2 = 1.0 - (self.least / self.n_base) ** 2
+        v = np.sqrt(np.clip((1.0 - np.square(p / self.n_base)) / critical2, 0.0, 1.0))
+        beyond = np.clip(0.5 + (p - self.least) / np.maximum(width, 1e-4), 0.0, 1.0)[..., None]
+        return tuple(i + beyond * (_polynomial(c, v) - i) for i, c in zip(inside, self.trapped))
+
+
+def _polynomial(coefficients, x):
+    total = np.zeros(np.shape(x) + (3,))
+    for c in coefficients[::-1]:
+        total = total * np.asarray(x)[..., None] + c
+    return np.clip(total, 0.0, 1.0)
+
+
+def layers_below(up: Sequence[Crossing], n_base: float) -> Below:
+    least = min([1.0] + [c.n_other for c in up])
+    p, weight = _streams(up, n_base)
+    shares = from_base(up, n_base, p, np.zeros_like(p))
+    inside, beyond = polynomial_fit(ESCAPING), polynomial_fit(TRAPPED)
+    return Below(
+        least, n_base, tuple(inside @ s[:ESCAPING] for s in shares), tuple(beyond @ s[ESCAPING:] for s in shares),
+        tuple(weight @ s for s in shares),
+    )  # fmt: skip
+
+
+def polynomial_fit(count: int) -> np.ndarray:
+    """(count, count): coefficients, from the constant on, of the polynomial through values at the Gauss nodes."""
+    return np.linalg.inv(np.vander(gauss(count)[0], increasing=True))
 
 
 @dataclass(frozen=True)
@@ -91,7 +134,7 @@ def bare_metal(cos_theta, alpha: float, kind: str, eta: np.ndarray, k: np.ndarra
     return np.sum(once, axis=-2) + more
 
 
-def metal_lobe(up: Sequence[Crossing], n_base: float, p, variance, alpha: float, kind: str, eta, k, uniform) -> MetalLobe:
+def metal_lobe(up: Sequence[Crossing], n_base: float, p, variance, alpha: float, kind: str, eta, k) -> MetalLobe:
     """The base's lobe for beams (...) that reach it; eta, k (3,) are relative to the medium above it.
 
     The lobe is carried out through the layers at a few of its directions. Its later orders return along the
@@ -100,19 +143,21 @@ def metal_lobe(up: Sequence[Crossing], n_base: float, p, variance, alpha: float,
     widened = np.sqrt(variance * EXIT_SPREAD) / (2.0 * n_base * cosine(p, n_base))
     share, facets, p_out = _reflected(p, widened, n_base, alpha, kind, up[0].kind, eta, k)
     total_alpha = np.minimum(np.sqrt(alpha * alpha + np.square(widened)), 1.0)
-    node_variance = np.square(NODE_SPREAD * 2.0 * n_base * cosine(p, n_base) * total_alpha)[..., None] * np.ones_like(p_out)
-    passage = from_base(up, n_base, p_out, node_variance, np.zeros_like(p_out))
-    back_d, out_d = uniform
-    first = np.sum(share * passage.escaped, axis=-2) + facets * out_d
-    returned = share * passage.reflected
+    width = (NODE_SPREAD * 2.0 * n_base * cosine(p, n_base) * total_alpha)[..., None] * lobe_nodes()[4]
+    below = layers_below(up, n_base)
+    returns, escapes = below.at(p_out, width)
+    back_d, out_d = below.uniform
+    first = np.sum(share * escapes, axis=-2) + facets * out_d
+    returned = share * returns
     back = np.sum(returned, axis=-2)
     scale = np.maximum(back, 1e-12)
-    out_again, back_again = (np.sum(returned * part, axis=-2) / scale for part in (passage.escaped, passage.reflected))
+    out_again, back_again = (np.sum(returned * part, axis=-2) / scale for part in (escapes, returns))
     roughest = max(c.alpha if c.n_own != c.n_other else 0.0 for c in up)
     kept = out_again * (1.0 - KEPT_ORDER * roughest / (roughest + KEPT_SCALE))
     back_again = back_again + out_again - kept
-    stirred = (total_alpha / (total_alpha + STIR_SCALE))[..., None]
-    out_again, back_again = kept + stirred * (out_d - kept), back_again + stirred * (back_d - back_again)
+    width = total_alpha**STIR_POWER
+    stirred, stirred_back = ((width / (width + scale))[..., None] for scale in (STIR_SCALE, STIR_BACK))
+    out_again, back_again = kept + stirred * (out_d - kept), back_again + stirred_back * (back_d - back_again)
     albedo = np.sum(share, axis=-2) + facets
     return MetalLobe(first, (back + facets * back_d) * albedo * out_again / (1.0 - albedo * back_again))
 
@@ -132,13 +177,17 @@ def _later_facets(alpha: float, eta, k) -> np.ndarray:
     return mean * (1.0 - kept) / (1.0 - mean * kept)
 
 
-def lobe_nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """(u, weight, cos, sin of the azimuth), each (Q,), of points of a cap; half of the azimuth is enough."""
+def lobe_nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(u, weight, cos, sin of the azimuth, range of slopes for alpha 1), each (Q,), of points of a cap.
+
+    Half of the azimuth is enough.
+    """
     u, w = gauss(LOBE_RADII)
     azimuth = np.pi * (np.arange(LOBE_AZIMUTHS) + 0.5) / LOBE_AZIMUTHS
     return (
         np.repeat(u, LOBE_AZIMUTHS), np.repeat(w, LOBE_AZIMUTHS) / LOBE_AZIMUTHS,
         np.tile(np.cos(azimuth), LOBE_RADII), np.tile(np.sin(azimuth), LOBE_RADII),
+        np.repeat(w / (2.0 * np.sqrt(u) * (1.0 - u) ** 1.5), LOBE_AZIMUTHS),
     )  # fmt: skip
 
 
@@ -148,7 +197,7 @@ def _lobe_nodes(p, widened, n: float, alpha: float, kind: str, kind_above: str):
     `seen` is the share of light that one facet lets go, `hidden` that which meets another.
     Nodes of a spherical cap (Dupuy23), then moved apart by what `widened`, the spread of the beam as an alpha, adds.
     """
-    u, node_weight, turn_x, turn_y = lobe_nodes()
+    u, node_weight, turn_x, turn_y, _ = lobe_nodes()
     slope2 = {True: u / (1.0 - u), False: -np.log1p(-u)}
     own, above = slope2[kind == GGX], slope2[kind_above == GGX]
     stretch = alpha * np.sqrt(own / slope2[True])

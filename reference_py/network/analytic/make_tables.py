@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes data/rough_interface.json: `python -m lamina.reference_py.network.analytic.make_tables` (about two minutes).
+"""Makes data/rough_interface.json: `python -m lamina.reference_py.network.analytic.make_tables` (about a minute).
 
 Deterministic: every number comes from the operators of `models.adding`.
 """
@@ -35,7 +35,7 @@ def lossless_reflectance(cos_theta: np.ndarray, alpha: float, eta: float, kind: 
 def _tables_of(kind: str) -> dict[str, list[int]]:
     shape = (len(RHO), len(ALPHA))
     thin, dense = np.zeros((*shape, len(T))), np.zeros((*shape, len(V)))
-    diffuse, gain = np.zeros(shape), np.ones((*shape, len(T)))
+    diffuse, gain = np.zeros(shape), np.zeros((*shape, len(T)))
     x, w = np.polynomial.legendre.leggauss(_GAUSS)
     u = 0.5 * (x + 1.0)
     cos_t = np.maximum(np.square(T), _GRAZING)
@@ -43,7 +43,7 @@ def _tables_of(kind: str) -> dict[str, list[int]]:
         eta = (1.0 + rho) / (1.0 - rho)
         for j, alpha in enumerate(ALPHA):
             if alpha > 0.0:
-                gain[i, j] = _gain(cos_t, alpha, max(eta, 1.001), kind)
+                gain[i, j] = _gain(cos_t, alpha, max(eta, 1.001), kind) - 1.0
             if eta == 1.0:
                 continue
             mean = fresnel_dielectric(u, eta)

@@ -96,8 +96,7 @@ class AnalyticNetwork:
         eta, k = (index / n for index in conductor_index(base))
         if not self._down:
             return [glossy(kind, bare_metal(cos_o, alpha, kind, eta, k), alpha * np.ones_like(cos_o), cos_o)]
-        uniform = uniform_below(self._down, self._up, n)
-        lobe = metal_lobe(self._up, n, passage.p, passage.variance, alpha, kind, eta, k, uniform)
+        lobe = metal_lobe(self._up, n, passage.p, passage.variance, alpha, kind, eta, k)
         variance = 2.0 * passage.variance + np.square(2.0 * n * cosine(passage.p, n) * alpha)
         energy = passage.transmitted * (lobe.first + lobe.later)
         return [glossy(kind, energy, lobe_alpha(variance, cos_o), cos_o)]

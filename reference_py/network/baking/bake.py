@@ -11,13 +11,17 @@ import numpy as np
 
 from ...optics.material import interfaces, rough_surfaces
 from ...optics.microfacet import GGX, is_specular
+from ...schema import OREN_NAYAR
 from ...stack import Stack
+from ..analytic import AnalyticNetwork
 from ..closure import unit_energy
 from ..lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from ..table import KNOTS, DiffuseTable, GlossyTable, TableNetwork, knot_cosines, middle_cosines
-from .fit import Mixture
-from .memory import remembered, truth_of
-from .plan import Plan, best_path
+from ..memory import content, known, remembered, truth_of
+from ..grid import Axis, GridNetwork
+from ..portable import pack_grid, pack_tables, unpack_grid, unpack_tables
+from .live import axes_of, bake_live
+from .plan import Path, Plan, best_path, continued_path
 from .samples import truth_at
 
 DEFAULT_GLOSSY, MAX_GLOSSY = 2, 4
@@ -31,6 +35,14 @@ class Bake:
 
     network: TableNetwork
     shape_error: np.ndarray
+
+
+@dataclass(frozen=True)
+class Found:
+    """What was fitted: the number of the plan, and its path."""
+
+    plan: int
+    path: Path
 
 
 class Baker:
@@ -50,22 +62,40 @@ class Baker:
         top = _top_lobe(stack)
         known = [None] if top is None else [None, top]
         self._plans = [Plan(lobe, surfaces, views[:KNOTS], views[KNOTS:]) for lobe in known]
+        self._found: dict[int, Found] = {}
         self._report(0.3)
 
     def bake(self, glossy: int) -> Bake:
         """The best that at most `glossy` glossy lobes and a Lambert lobe do."""
+        found = self.path(glossy)
+        return Bake(self.network(found), np.array([m.error for m in found.path.mixtures]))
+
+    def path(self, glossy: int) -> Found:
+        """The fits behind `bake`."""
+        if glossy not in self._found:
+            self._found[glossy] = self._path(glossy)
+        return self._found[glossy]
+
+    def _path(self, glossy: int) -> Found:
         spare = glossy - bool(np.any(self._mirror > 0.0))
         trials = []
-        for done, plan in enumerate(self._plans):
+        for number, plan in enumerate(self._plans):
             free = spare - (plan.known is not None)
             if free >= 0:
-                trials.append((plan, plan.branches(free, lambda: self._report(0.3 + 0.6 * done / len(self._plans)))))
-        plan, trial = min(trials, key=lambda t: t[1].error) if trials else (self._plans[0], self._plans[0].branches(0))
-        mixtures = best_path(plan, trial)
+                trials.append((number, plan.branches(free, lambda: self._report(0.3 + 0.6 * number / len(self._plans)))))
+        number, trial = min(trials, key=lambda t: t[1].error) if trials else (0, self._plans[0].branches(0))
+        found = Found(number, best_path(self._plans[number], trial))
         self._report(0.9)
-        return Bake(self._network(plan.known, trial.kinds, mixtures), np.array([m.error for m in mixtures]))
+        # more lobes fit each knot better, but may change more between knots
+        return min(found, self.path(glossy - 1), key=lambda one: one.path.cost) if glossy > 1 else found
 
-    def _network(self, known: GlossyLobe | None, kinds: tuple[str, ...], mixtures: list[Mixture]) -> TableNetwork:
+    def continued(self, found: Found) -> Found:
+        """The fits to this stack's truth that begin at those of a stack much like it."""
+        return replace(found, path=continued_path(self._plans[found.plan], found.path))
+
+    def network(self, found: Found, keep: bool = False) -> TableNetwork:
+        """The tables of fits. Lobes that carry next to nothing are left out unless `keep`."""
+        known, kinds, mixtures = self._plans[found.plan].known, found.path.kinds, found.path.mixtures
         cosines = knot_cosines()
         tables, spent = [], self._mirror
         ones = np.ones((len(cosines), 3))
@@ -83,21 +113,63 @@ class Baker:
             fitted.append((table, weight * unit_energy(table.lobe(cosines), cosines)))
         diffuse = np.array([m.weight[:, -1] for m in mixtures])
         fitted.append((DiffuseTable(diffuse), diffuse))
-        fitted = [(table, energy) for table, energy in fitted if np.any(energy > _NEGLIGIBLE * self._albedo)]
+        fitted = [(table, energy) for table, energy in fitted if keep or np.any(energy > _NEGLIGIBLE * self._albedo)]
         total = sum((energy for _, energy in fitted), np.zeros_like(self._albedo))
         scale = np.maximum(self._albedo - spent, 0.0) / np.maximum(total, 1e-12)
         return TableNetwork((*tables, *(replace(table, weight=table.weight * scale) for table, _ in fitted)))
 
 
 class BakedNetwork:
-    """A stack baked at construction: see `Baker`. Stacks of equal content share one bake in memory."""
+    """A stack baked at construction: see `Baker`. Stacks of equal content share one bake (`memory`).
+
+    `live` values, as (index of the layer or -1, parameter), are followed by tables over them too (`live.axes_of`); where
+    that cannot be, `resolved` is the tier `analytic`. `reason` says what was made.
+    """
 
     tier = "baked"
 
-    def __init__(self, stack: Stack, glossy: int = DEFAULT_GLOSSY, progress: Callable[[float], None] | None = None):
+    def __init__(
+        self,
+        stack: Stack,
+        live: tuple[tuple[int, str], ...] = (),
+        glossy: int = DEFAULT_GLOSSY,
+        progress: Callable[[float], None] | None = None,
+    ):
         self.stack = stack
-        self.bake = remembered(stack, ("baked", glossy), lambda: Baker(stack, truth_of(stack), progress).bake(glossy))
-        self.resolved = self.bake.network
+        axes = axes_of(stack, live)
+        if is_one_closure(stack):
+            self.resolved, self.reason = AnalyticNetwork(stack), "the base's own closure, which is exact"
+            return
+        if live and axes is None:
+            self.resolved, self.reason = AnalyticNetwork(stack), f"analytic, as a bake cannot follow {described(live)}"
+            return
+        self.resolved = remembered(
+            self.key(stack, live, glossy), lambda: baked(stack, axes, glossy, progress), pack_network, lambda data: unpack_network(data, stack)
+        )
+        self.reason = f"baked, {glossy} glossy" + (f", over {described(live)}" if live else "")
+        if live:
+            self.resolved = replace(self.resolved, stack=stack)
+
+    @staticmethod
+    def key(stack: Stack, live: tuple[tuple[int, str], ...] = (), glossy: int = DEFAULT_GLOSSY) -> str:
+        """What a bake is remembered by."""
+        return f"baked {content(stack, live)} {glossy}"
+
+    @classmethod
+    def is_known(cls, stack: Stack, live: tuple[tuple[int, str], ...] = (), glossy: int = DEFAULT_GLOSSY) -> bool:
+        """Whether making the network takes no time, as it was made before or needs no bake."""
+        if is_one_closure(stack) or (live and axes_of(stack, live) is None):
+            return True
+        return known(cls.key(stack, live, glossy), lambda data: unpack_network(data, stack)) is not None
+
+    def packed(self) -> dict:
+        """The bake as JSON's types, for `remember`."""
+        return pack_network(self.resolved)
+
+    @classmethod
+    def remember(cls, key: str, stack: Stack, data: dict) -> None:
+        """Remember what `packed` gave in another process."""
+        remembered(key, lambda: unpack_network(data, stack), pack_network, lambda packed: unpack_network(packed, stack))
 
     @property
     def lobe_count(self) -> int:
@@ -119,3 +191,30 @@ def _top_lobe(stack: Stack) -> GlossyLobe | None:
         if np.any(surface.tau > 0.0):
             return None
     return None
+
+
+def is_one_closure(stack: Stack) -> bool:
+    """Whether Cycles has the stack itself as a closure, which tables do not know: a bare Oren-Nayar base."""
+    return not stack.layers and stack.base.kind == OREN_NAYAR.name
+
+
+def described(live: tuple[tuple[int, str], ...]) -> str:
+    """Live values in words, such as "the roughness of layer 0"."""
+    return ", ".join(f"the {name.replace('_', ' ')} of {'the base' if index < 0 else f'layer {index}'}" for index, name in live)
+
+
+def baked(stack: Stack, axes: tuple[Axis, ...] | None, glossy: int, progress: Callable[[float], None] | None) -> TableNetwork | GridNetwork:
+    """The network of a stack with constant values, or over the axes of live ones."""
+    if axes is None:
+        return Baker(stack, truth_of(stack), progress).bake(glossy).network
+    return bake_live(stack, axes, glossy, Baker, progress or (lambda share: None))
+
+
+def pack_network(network: TableNetwork | GridNetwork) -> dict:
+    """A baked network as JSON's types."""
+    return {"grid": pack_grid(network)} if isinstance(network, GridNetwork) else {"tables": pack_tables(network)}
+
+
+def unpack_network(data: dict, stack: Stack) -> TableNetwork | GridNetwork:
+    """The network of `pack_network`. Raises ValueError, KeyError or TypeError on anything else."""
+    return unpack_grid(data["grid"], stack) if "grid" in data else unpack_tables(data["tables"])

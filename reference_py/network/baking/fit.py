@@ -14,7 +14,8 @@ from ..closure import unit_glossy
 from .samples import View
 
 ITERATIONS = 12
-_ALPHA_RANGE = (1e-3, 1.2)
+# Cycles takes no alpha above 1.
+_ALPHA_RANGE = (1e-3, 1.0)
 _MAX_TILT = 1.5
 # Cycles bends a normal back from which the view would be mirrored below this.
 _LOWEST_MIRROR = np.radians(88.0)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...optics.microfacet import GGX
 from ..closure import lobe_f
 from ..lobe import GlossyLobe
 from .fit import Mixture, ViewFit
@@ -17,6 +18,8 @@ STRIDE, ANCHORS = 4, (8, 12, 20)
 _REFINEMENTS = 5
 # Widths that starts are chosen from.
 _WIDTHS = 5
+# Where nothing is rough, a wide lobe tells how interfaces shape the light of a diffuse base.
+_WIDTHS_OF_SMOOTH = [0.4, 0.8]
 # A wrong energy between knots weighs so much more than a wrong shape.
 _ENERGY_COUNTS = 3.0
 
@@ -38,7 +41,7 @@ class Plan:
 
     def __init__(self, known: GlossyLobe | None, surfaces: list[tuple[str, float]], views: list[View], middles: list[View]):
         self.known = known
-        self._kinds = sorted({kind for kind, _ in surfaces})
+        self._kinds = sorted({kind for kind, _ in surfaces}) or [GGX]
         self._alphas = _widths(surfaces)
         self.fits, self.middles = self._fits(views), self._fits(middles)
         self._found: dict[int, Branches] = {}
@@ -53,8 +56,7 @@ class Plan:
         return fits
 
     def branches(self, free: int, report: Callable[[], None] = lambda: None) -> Branches:
-        """The best branches of `free` fitted glossy lobes; fewer where the stack has no rough surface."""
-        free = free if self._kinds else 0
+        """The best branches of `free` fitted glossy lobes."""
         if free not in self._found:
             fewer = self.branches(free - 1, report) if free else None
             kinds = [(*fewer.kinds, kind) for kind in self._kinds] if fewer else [()]
@@ -86,14 +88,25 @@ class Plan:
 
 def _widths(surfaces: list[tuple[str, float]]) -> list[float]:
     """Alphas of the surfaces and of what pairs of them blur to, at most `_WIDTHS`."""
+    if not surfaces:
+        return _WIDTHS_OF_SMOOTH
     alphas = {alpha for _, alpha in surfaces}
     alphas |= {min(1.0, float(np.hypot(a, b))) for a in alphas for b in alphas}
     chosen = sorted(alphas)
     return chosen if len(chosen) <= _WIDTHS else list(np.geomspace(chosen[0], chosen[-1], _WIDTHS))
 
 
-def best_path(plan: Plan, found: Branches) -> list[Mixture]:
-    """One mixture per knot, of whichever branch: least total error at the knots and, interpolated, between them."""
+@dataclass(frozen=True)
+class Path:
+    """One mixture per knot and its errors at the knots, and, as a table interpolates it, between them."""
+
+    kinds: tuple[str, ...]
+    mixtures: list[Mixture]
+    cost: float
+
+
+def best_path(plan: Plan, found: Branches) -> Path:
+    """Mixtures of whichever branch: least sum of the errors at the knots and between them."""
     branches = [_filled(plan, found.kinds, branch) for branch in found.mixtures]
     errors = np.array([[m.error for m in branch] for branch in branches])
     cost, came_from = errors[:, 0], []
@@ -107,7 +120,14 @@ def best_path(plan: Plan, found: Branches) -> list[Mixture]:
     for previous in reversed(came_from):
         at = int(previous[at])
         path.append(at)
-    return [branches[b][k] for k, b in enumerate(reversed(path))]
+    return Path(found.kinds, [branches[b][k] for k, b in enumerate(reversed(path))], float(np.min(cost)))
+
+
+def continued_path(plan: Plan, path: Path) -> Path:
+    """The path to another truth that is much like the one it was found for: every fit begins where the other ended."""
+    mixtures = [fit.fit(path.kinds, near.shape, _REFINEMENTS) for fit, near in zip(plan.fits, path.mixtures)]
+    mixtures[-1] = _at_normal(plan, path.kinds, mixtures)
+    return Path(path.kinds, mixtures, float(sum(m.error for m in mixtures)))
 
 
 def _filled(plan: Plan, kinds: tuple[str, ...], branch: dict[int, Mixture]) -> list[Mixture]:
@@ -116,9 +136,14 @@ def _filled(plan: Plan, kinds: tuple[str, ...], branch: dict[int, Mixture]) -> l
     for k, fit in enumerate(plan.fits):
         near = branch[min(branch, key=lambda coarse: abs(coarse - k))]
         mixtures.append(near if k in branch else fit.fit(kinds, near.shape, _REFINEMENTS))
-    at_normal = [_symmetric(plan.fits[-1], kinds, m.shape, mixtures[-2].shape) for m in mixtures[-2:]]
-    mixtures[-1] = min(at_normal, key=lambda m: m.error + _half_way(plan.middles[-1], kinds, mixtures[-2], m))
+    mixtures[-1] = _at_normal(plan, kinds, mixtures)
     return mixtures
+
+
+def _at_normal(plan: Plan, kinds: tuple[str, ...], mixtures: list[Mixture]) -> Mixture:
+    """The last mixture made symmetric, from its own shape or its neighbour's, whichever suits both."""
+    tried = [_symmetric(plan.fits[-1], kinds, m.shape, mixtures[-2].shape) for m in mixtures[-2:]]
+    return min(tried, key=lambda m: m.error + _half_way(plan.middles[-1], kinds, mixtures[-2], m))
 
 
 def _symmetric(fit: ViewFit, kinds: tuple[str, ...], shape: np.ndarray, neighbour: np.ndarray) -> Mixture:

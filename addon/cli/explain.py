@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`lamina explain`: what the tier auto tries for a stack and chooses, judged over a ball or over what a camera sees."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from ...reference_py.coverage import Patch, patches
+from ...reference_py.errors import LaminaError
+from ...reference_py.network.choice import DEFAULT_TOLERANCE, AutoNetwork, Choice, choose
+from ...reference_py.network.judge import SOFT_LIGHT_DEG
+from ...reference_py.network.memory import truth_of
+from ...reference_py.network.unbaked import unbaked, without_unbaked
+from ...reference_py.stack import Stack
+from .numbers import load_stack
+from .session import blender, say, tenths
+
+
+def explain(options) -> None:
+    """Print every candidate's closures, cost and errors, and which is chosen, and why."""
+    stack = load_stack(options.stack)
+    report = say(options.command)
+    if bool(options.blend) != bool(options.object):
+        raise LaminaError("--blend FILE and --object NAME go together")
+    sight = None
+    if options.blend:
+        with blender(report):
+            sight = _sight(options.blend, options.object)
+    tolerance = DEFAULT_TOLERANCE if options.tolerance is None else 0.01 * options.tolerance
+    parts = patches(stack)
+    told = [(patch, _choice(patch.stack, tolerance, sight, tenths(report))) for patch in parts]
+    if options.json:
+        rows = [{**_where_json(patch), **_json(choice)} for patch, choice in told]
+        seen = None if sight is None else {"theta_deg": np.degrees(np.arccos(sight.cosines)).tolist(), "pixels": sight.pixels}
+        print(json.dumps({**(rows[0] if len(rows) == 1 else {"patches": rows}), "sight": seen}))
+        return
+    if sight is not None:
+        low, high = np.degrees(np.arccos([sight.cosines.max(), sight.cosines.min()]))
+        print(f"{options.object} shows views of {low:.0f} to {high:.0f} degrees on {sight.pixels:.0f} pixels")
+    for patch, choice in told:
+        _print(patch, choice)
+    print("cost: CPU time over a plain glossy node, estimated. albedo: worst view. soft light and shape (L1 of f): mean over the pixels.")
+
+
+def _choice(stack: Stack, tolerance: float, sight, progress) -> Choice:
+    """What auto chooses for one patch; features that no bake can hold leave the live tiers, judged without them."""
+    live, plain = unbaked(stack), without_unbaked(stack)
+    if sight is None:
+        return AutoNetwork(plain, live, tolerance, progress).choice
+    return choose(plain, truth_of(plain), live, tolerance, sight.cosines, sight.light_deg(SOFT_LIGHT_DEG), progress)
+
+
+def _sight(file: str, name: str):
+    import bpy
+
+    from ..rendering.sight import sight_of
+
+    if not Path(file).is_file():
+        raise LaminaError(f"{file}: there is no such .blend file")
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(Path(file).resolve()), load_ui=False)
+    except RuntimeError as error:
+        raise LaminaError(f"{file}: Blender cannot open it: {str(error).strip()}") from None
+    target = bpy.data.objects.get(name)
+    if target is None:
+        choices = sorted(o.name for o in bpy.data.objects if o.type == "MESH")
+        raise LaminaError(f"{file}: no object {name!r}; choose {', '.join(choices) or 'none'}")
+    return sight_of(target, bpy.context.scene)
+
+
+def _where_json(patch: Patch) -> dict:
+    return {"layers": list(patch.layers)} if patch.covered else {}
+
+
+def _json(choice: Choice) -> dict:
+    return {"chosen": choice.chosen.label, "reason": choice.reason, "tried": [asdict(candidate) for candidate in choice.tried]}
+
+
+def _print(patch: Patch, choice: Choice) -> None:
+    if patch.covered:
+        print("where " + " and ".join(f"layer {i} is {'there' if there else 'not there'}" for i, there in patch.covered) + ":")
+    print(f"{'tried':18} {'closures':>8} {'cost':>6} {'albedo':>9} {'soft light':>11} {'shape':>8}")
+    for c in choice.tried:
+        print(f"{c.label:18} {c.closures:8d} {c.cost:5.2f}x {100 * c.albedo:7.2f} % {100 * c.soft_light:9.2f} % {100 * c.shape:6.2f} %")
+    print(f"chosen: {choice.chosen.label}, {choice.reason}")

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The surface of a layer or the base in a live shader: its normal, tangent and widths, by its features."""
+
+from dataclasses import dataclass
+
+from ...reference_py.network.table import MIN_COS_O
+from ...reference_py.schema import ANISOTROPY, NORMAL, THIN_FILM
+from ...reference_py.stack import Element
+from .parts import fill, narrow
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Expressions, and the functions and statements that they need."""
+
+    functions: tuple[str, ...]
+    common: tuple[str, ...]
+    normal: str
+    view: str
+    """Cosine of the view and the normal."""
+    tangent: str
+    alpha: str
+    """That of the isotropic surface that stands for it where only energies count."""
+    alpha_x: str
+    alpha_y: str
+
+    @property
+    def frame(self) -> str:
+        return f"{self.normal}, {self.tangent}"
+
+    def microfacet(self, distribution: str) -> str:
+        """The closure without a Fresnel curve."""
+        return f'microfacet("{distribution}", {self.frame}, {self.alpha_x}, {self.alpha_y}, 1.0, 0)'
+
+
+def view(suffix: str = "", normal: str = "N") -> str:
+    """The statement that declares `view_z`."""
+    return fill("view.osl", SUFFIX=suffix, NORMAL=normal, MIN_COS_O=f"{MIN_COS_O:g}")
+
+
+def surface_of(element: Element, owner: str) -> Surface:
+    """The surface of an element whose shader parameters begin with `owner`; without widths where it is diffuse."""
+    suffix, normal = (f"_{owner}", f"normal_{owner}") if element.has(NORMAL) else ("", "N")
+    common = [fill("own_normal.osl", OWNER=owner)] if element.has(NORMAL) else []
+    common.append(view(suffix, normal))
+    if "roughness" not in element:
+        return Surface((), tuple(common), normal, f"view_z{suffix}", "", "", "", "")
+    if element.has(ANISOTROPY):
+        common.append(fill("surface_anisotropic.osl", OWNER=owner, NORMAL=normal))
+        functions, tangent = (narrow(), fill("turned.h")), f"tangent_{owner}"
+        widths = f"alpha_x_{owner}", f"alpha_y_{owner}"
+    else:
+        common += [fill("surface_tangent.osl", SUFFIX=suffix, NORMAL=normal), fill("surface.osl", OWNER=owner)]
+        functions, tangent = (narrow(),), f"tangent{suffix}"
+        widths = f"alpha_{owner}", f"across(alpha_{owner})"
+    return Surface(functions, tuple(common), normal, f"view_z{suffix}", tangent, f"alpha_{owner}", *widths)
+
+
+def top_closure(surface: Surface, element: Element, owner: str) -> str:
+    """The closure of an interface below vacuum, with the exact Fresnel curve; of a closure's curves one knows films."""
+    ior, kind = f"{owner}Ior", element["distribution"]
+    shape = f"{surface.frame}, color(1.0), color(0.0), {surface.alpha_x}, {surface.alpha_y}"
+    if not element.has(THIN_FILM):
+        return f'dielectric_bsdf({shape}, {ior}, "{kind}")'
+    reflectance = f"color(({ior} - 1.0) * ({ior} - 1.0) / (({ior} + 1.0) * ({ior} + 1.0)))"
+    film = f'"thinfilm_thickness", {owner}FilmThickness, "thinfilm_ior", {owner}FilmIor'
+    # an exponent below 0 stands for the exact curve of that index
+    return f'generalized_schlick_bsdf({shape}, {reflectance}, color(1.0), -{ior}, "{kind}", {film})'
+
+
+def diffuse_closure(base: Element, surface: Surface) -> tuple[str, str, tuple[str, ...]]:
+    """The closure of a diffuse base, the colour to weight it with if it has none, and the statements that it needs."""
+    if base.kind == "lambert":
+        return f"diffuse({surface.normal})", "BaseColor", ()
+    return f"oren_nayar_diffuse_bsdf({surface.normal}, BaseColor, base_sigma)", "", (fill("oren_nayar_sigma.osl"),)

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One direction of a metal's lobe on its way out through the layers; `cell` is the range of slopes that it stands for.
+void carry_node(output Lobe m, Below below, color share, float radius, float cell)
+{
+    color back, out;
+    shares_below(below, below.n_base * radius, m.spread * cell, back, out);
+    m.first += share * out;
+    m.returned += share * back;
+    m.out_again += share * back * out;
+    m.back_again += share * back * back;
+}
+
+// Energy outside per unit that reaches the base, all orders; `reflected` and `escaped` are the layers' for uniform light.
+color metal_energy(Lobe m, color facets, float keep, float alpha, float roughest, color reflected, color escaped)
+{
+    color once = m.once * keep + facets;
+    color scale = max(m.returned, color(1e-12));
+    color out_again = m.out_again / scale;
+    color back_again = m.back_again / scale;
+    color kept = out_again * (1.0 - KEPT_ORDER * roughest / (roughest + KEPT_SCALE));
+    back_again += out_again - kept;
+    float total_alpha = min(sqrt(alpha * alpha + m.widened * m.widened), 1.0);
+    float width = pow(total_alpha, STIR_POWER);
+    out_again = mix(kept, escaped, width / (width + STIR_SCALE));
+    back_again = mix(back_again, reflected, width / (width + STIR_BACK));
+    color later = (m.returned * keep + facets * reflected) * once * out_again / (1.0 - once * back_again);
+    return m.first * keep + facets * escaped + later;
+}

@@ -1,0 +1,6 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Cosine of a beam in a medium of index n; a floor keeps trapped ones finite.
+float cosine(float p, float n)
+{
+    return sqrt(max(1.0 - (p / n) * (p / n), 0.0) + LEAST_COS2);
+}

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes beside the window: a material is live at once, baked a little later, and live again when a value changes."""
+
+import time
+
+import pytest
+
+pytest.importorskip("bpy")
+
+from lamina.addon import bakes, elements, material  # noqa: E402
+from lamina.addon.live_values import live_values  # noqa: E402
+from lamina.reference_py.network import memory  # noqa: E402
+from lamina.reference_py.suite import suite_stack  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+COATED = suite_stack("plastic_grey_0")
+
+
+@pytest.fixture
+def window(blender, monkeypatch, tmp_path):
+    """Blender as with a window: nothing waits for a bake. Nothing baked before is known."""
+    memory.keep_in(tmp_path)
+    monkeypatch.setenv("LAMINA_CACHE", str(tmp_path))
+    monkeypatch.setattr(memory, "_memory", {})
+    yield blender
+    if bakes._state.bake is not None:
+        bakes._state.bake.cancel()
+        bakes._state.bake = None
+    memory.keep_in(None)
+
+
+def coated(bpy, tier="baked"):
+    made = bpy.data.materials.new("coated")
+    material.apply_stack(made, COATED, tier)
+    return made
+
+
+def is_live(owner) -> bool:
+    """Whether the shader reads the sockets."""
+    return bool(owner.node_tree.nodes[owner.lamina.shader_node].inputs)
+
+
+def rest(owner) -> None:
+    """Look until there is nothing left to do."""
+    limit = time.monotonic() + 120.0
+    while bakes.tick() is not None:
+        assert time.monotonic() < limit
+        time.sleep(0.05)
+
+
+def test_a_material_is_live_until_its_bake_is_done(window):
+    owner = coated(window, "auto")
+    assert is_live(owner) and not material.is_settled(owner)
+    bakes.tick()
+    bakes.tick()
+    assert bakes.bake_of(owner) is not None
+    rest(owner)
+    assert material.is_settled(owner) and not material.is_stale(owner)
+    assert "error" in owner.lamina.note and bakes.bake_of(owner) is None
+
+
+def test_a_changed_value_is_shown_at_once_and_baked_when_it_rests(window):
+    owner = coated(window)
+    rest(owner)
+    assert not is_live(owner)
+    color = elements.node_of(owner.lamina.base).inputs["Color"]
+    for value in (0.1, 0.2):
+        color.default_value = (value, value, value, 1.0)
+        bakes.tick()
+        assert is_live(owner) and bakes.bake_of(owner) is None
+    rest(owner)
+    assert not is_live(owner) and material.is_settled(owner)
+    color.default_value = (0.1, 0.1, 0.1, 1.0)
+    bakes.tick()
+    assert is_live(owner)
+
+
+def test_what_was_baked_before_is_there_at_once(window):
+    rest(coated(window))
+    memory._memory.clear()  # as in a new session: the folder remains
+    owner = coated(window)
+    assert not is_live(owner) and material.is_settled(owner)
+
+
+def test_a_cancelled_bake_stays_live_until_asked_for(window):
+    owner = coated(window)
+    bakes.tick()
+    bakes.tick()
+    bakes.cancel(owner)
+    assert bakes.given_up(owner) == "cancelled" and bakes.tick() is None
+    assert is_live(owner)
+    bakes.retry(owner)
+    rest(owner)
+    assert not is_live(owner) and not bakes.given_up(owner)
+
+
+def test_a_worker_that_cannot_start_is_named_and_costs_nothing(window, monkeypatch, capsys):
+    owner = coated(window)
+    monkeypatch.setattr(bakes.sys, "executable", "/no/such/python")
+    for _ in range(4):
+        bakes.tick()
+    assert "cannot start a bake with /no/such/python" in owner.lamina.problem
+    assert is_live(owner)
+
+
+def test_a_texture_on_a_layer_is_followed(window):
+    """A bake holds its values, so what is linked makes the shader live, and says why."""
+    owner = coated(window, "auto")
+    rest(owner)
+    tree = owner.node_tree
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    tree.links.new(noise.outputs["Color"], elements.node_of(owner.lamina.base).inputs["Color"])
+    assert live_values(owner) == ((-1, "color"),)
+    rest(owner)
+    assert is_live(owner) and material.is_settled(owner)
+    assert "a bake cannot follow the color of the base" in owner.lamina.note
+
+
+def test_keyframes_and_drivers_are_live_values(window):
+    owner = coated(window)
+    node = elements.node_of(owner.lamina.layers[0])
+    node.inputs["Roughness"].keyframe_insert("default_value", frame=1)
+    node.inputs["Thickness"].driver_add("default_value")
+    assert live_values(owner) == ((0, "roughness"), (0, "thickness"))

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Covered layers in the render: the patches at 0 and 1, their mean between, live in every tier and both backends."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("bpy")
+
+from lamina.addon import elements, material  # noqa: E402
+from lamina.addon.network.stock_nodes import HAS_DIELECTRIC  # noqa: E402
+from lamina.addon.rendering.measure import render_furnace, render_sun_sphere  # noqa: E402
+from lamina.reference_py.errors import LaminaError  # noqa: E402
+from lamina.reference_py.models import make_model  # noqa: E402
+from lamina.reference_py.network import make_network  # noqa: E402
+from lamina.reference_py.network.closure import lobe_f  # noqa: E402
+from lamina.reference_py.network.tabulate import tabulate  # noqa: E402
+from lamina.reference_py.stack import Stack  # noqa: E402
+from support.goniometer import TOLERANCE, parity  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+VARNISH = {"kind": "dielectric", "ior": 1.5, "roughness": 0.5, "tint": [0.9, 0.5, 0.3]}
+GLAZE = {"kind": "dielectric", "ior": 1.8, "roughness": 0.6, "distribution": "beckmann"}
+GREY = {"kind": "lambert", "color": [0.5, 0.4, 0.3]}
+GOLD = {"kind": "conductor", "metal": "gold", "roughness": 0.5}
+
+
+def layered(layers, base, tier, backend="osl"):
+    """A material that shows the network of its tier, baked if it must be."""
+    import bpy
+
+    new = bpy.data.materials.new("covered")
+    material.apply_stack(new, Stack.from_dict({"layers": layers, "base": base}), tier, backend)
+    material.refresh(new, settle=tier == "baked")
+    return new
+
+
+def picture(layers, base, tier, backend="osl"):
+    return render_sun_sphere(layered(layers, base, tier, backend), 45.0, 48)["radiance"]
+
+
+@pytest.mark.parametrize("tier", ["weidlich_wilkie", "analytic", "baked"])
+@pytest.mark.parametrize("base", [GREY, GOLD], ids=["grey", "gold"])
+def test_render_equals_mirror(blender, tier, base):
+    new = layered([{**VARNISH, "coverage": 0.4}, {**GLAZE, "coverage": 0.7}], base, tier)
+    result = parity(new, make_model("mirror", material.stack_of(new), tier=tier).f, 45.0, 64)
+    print(f"{tier}: 99th percentile {result.percentile_99:.1e}")
+    assert result.finite and result.errors.size > 1000
+    assert result.percentile_99 <= TOLERANCE
+
+
+@pytest.mark.parametrize("tier", ["weidlich_wilkie", "analytic", "baked"])
+@pytest.mark.parametrize("backend", ["osl", "nodes"])
+def test_ends_are_the_patches_and_the_middle_is_their_mean(blender, tier, backend):
+    def covered(coverage):
+        return picture([{**VARNISH, "coverage": coverage}, GLAZE], GREY, tier, backend)
+
+    there, gone = picture([VARNISH, GLAZE], GREY, tier, backend), picture([GLAZE], GREY, tier, backend)
+    assert np.abs(there - gone).max() > 0.05 * there.max()
+    assert np.allclose(covered(1.0), there, rtol=1e-5, atol=1e-7)
+    assert np.allclose(covered(0.0), gone, rtol=1e-5, atol=1e-7)
+    assert np.allclose(covered(0.5), 0.5 * (there + gone), rtol=1e-5, atol=1e-7)
+
+
+def test_stock_nodes_equal_mirror(blender):
+    new = layered([{**VARNISH, "coverage": 0.4}, {**GLAZE, "coverage": 0.7}], GREY, "weidlich_wilkie", "nodes")
+    network = tabulate(make_network(material.stack_of(new), "weidlich_wilkie"), HAS_DIELECTRIC)
+
+    def f(wo, wi):
+        return sum(lobe_f(lobe, wo, wi) for lobe in network.lobes(wo[..., 2])) * (wi[..., 2:] > 0.0)
+
+    assert parity(new, f, 45.0, 64).percentile_99 <= TOLERANCE
+
+
+@pytest.mark.parametrize("tier", ["analytic", "baked"])
+def test_white_stays_white(blender, tier):
+    clear = {"kind": "dielectric", "roughness": 0.5}
+    new = layered([{**clear, "coverage": 0.3}, {**clear, "ior": 1.8, "coverage": 0.5}], {"kind": "lambert", "color": [1, 1, 1]}, tier)
+    albedo, stderr = render_furnace(new, (0.0, 60.0), samples=64, size=24)
+    print(f"{tier}: albedo {albedo[:, 0]} +- {stderr[:, 0]}")
+    assert np.all(np.abs(albedo - 1.0) <= 0.005 + 4.0 * stderr)
+
+
+@pytest.mark.parametrize("backend", ["osl", "nodes"])
+def test_a_mask_is_live_in_a_bake(blender, backend):
+    new = layered([{**VARNISH, "coverage": 1.0}], GREY, "baked", backend)
+    node = elements.node_of(new.lamina.layers[0])
+    mask = new.node_tree.nodes.new("ShaderNodeValue")
+    mask.outputs[0].default_value = 0.0
+    new.node_tree.links.new(mask.outputs[0], node.inputs["Coverage"])
+    assert not material.is_stale(new) and material.is_settled(new)
+    shader = new.node_tree.nodes[new.lamina.shader_node]
+    assert shader.inputs["Layer1Coverage"].links[0].from_node == node
+    assert [s.name for s in shader.inputs] == ["Layer1Coverage"]
+    bare = picture([], GREY, "baked", backend)
+    assert np.allclose(render_sun_sphere(new, 45.0, 48)["radiance"], bare, rtol=1e-5, atol=1e-7)
+
+
+def test_too_many_covered_layers_leave_all_as_it_was(blender):
+    new = layered([{**GLAZE, "coverage": 0.5}] * 3 + [GLAZE], GREY, "weidlich_wilkie")
+    script = new.node_tree.nodes[new.lamina.shader_node].script
+    new.lamina.layers[3].use_coverage = True
+    assert "4 layers have a coverage (layers 0, 1, 2, 3); choose at most 3" in new.lamina.problem
+    assert new.node_tree.nodes[new.lamina.shader_node].script == script
+    with pytest.raises(LaminaError, match="choose at most 3"):
+        make_network(material.stack_of(new), "analytic")
