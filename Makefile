@@ -58,6 +58,7 @@ charts: $(READY)
 pareto: $(READY)
 	$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[figures]'
 	$(VENV)/bin/lamina chart pareto -o figures
+	$(VENV)/bin/lamina chart pair -o figures
 
 clean:
 	rm -rf build dist .pytest_cache .hypothesis

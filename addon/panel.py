@@ -109,6 +109,7 @@ class LAMINA_PT_material(bpy.types.Panel):
             _draw_element(body, lamina.base)
         header, body = layout.panel("lamina_shader", default_closed=True)
         header.label(text="Shader")
+        header.label(text=lamina.note.partition(":")[0])
         if body:
             _draw_shader(body, context, material)
 

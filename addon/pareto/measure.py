@@ -67,7 +67,7 @@ def _measure(name, stack, effort, report):
     report("demo scene")
     scenes = scene_costs({way: material for way, (material, _, _) in made.items()}, effort.rounds, effort.scene_size, effort.scene_samples, report)
     report("pictures")
-    surroundings, widths = Surroundings(), _widths(stack)
+    surroundings, widths = Surroundings(), widths_of(stack)
     exact = ball_picture(TruthReflectance(truth), widths, effort.picture_size, surroundings)
     pictures, spent = _pictures(subjects, exact, surroundings, effort)
     yardstick = Yardstick(stack, truth)
@@ -103,7 +103,7 @@ def _pictures(subjects, exact, surroundings, effort):
     return pictures, spent
 
 
-def _widths(stack: Stack) -> list[float]:
+def widths_of(stack: Stack) -> list[float]:
     """Alphas to spread directions by: the surfaces' own and what they blur to together."""
     alphas = sorted({alpha for _, alpha in rough_surfaces(stack)})
     return alphas + ([min(1.0, float(np.sqrt(np.sum(np.square(alphas)))))] if len(alphas) > 1 else [])

@@ -115,3 +115,19 @@ def test_a_bake_over_live_values_equals_its_network(blender, links):
         print(f"live {', '.join(links)}, sun {theta:g} deg: 99th percentile {result.percentile_99:.1e}, text {len(text) / 1e3:.0f} kB")
         assert result.finite and result.percentile_99 <= 1e-4
     assert len(text) <= 100_000
+
+
+# Light that a white stack loses or gains. `analytic` reaches 1.009 at 85 degrees on some stacks (README).
+WHITE_TOLERANCE = {"baked": 0.005, "analytic": 0.0095}
+
+
+@pytest.mark.parametrize("tier", WHITE_TOLERANCE)
+@pytest.mark.parametrize("count, alpha", [(1, 0.3), (3, 1.0), (8, 0.1)])
+def test_white_stacks_render_white(blender, count, alpha, tier):
+    from lamina.addon.rendering.measure import render_furnace
+
+    layers = [{"kind": "dielectric", "ior": (1.5, 1.3)[i % 2], "roughness": alpha**0.5} for i in range(count)]
+    material, _ = _material(Stack.from_dict({"layers": layers, "base": {"kind": "lambert", "color": [1.0, 1.0, 1.0]}}), tier)
+    measured, stderr = render_furnace(material, (0.0, 45.0, 75.0, 85.0), samples=256, size=24)
+    print(f"{count} white layers of alpha {alpha}, {tier}: {np.round(measured[:, 1], 4)} +- {np.round(stderr[:, 1], 4)}")
+    assert np.all(np.abs(measured - 1.0) <= WHITE_TOLERANCE[tier] + 4.0 * stderr)

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How fast the two truths are: walks per second of `position_free`, seconds of a cold albedo of `adding`.
+"""How fast the two truths and bakes are: walks per second of `position_free`, seconds of a cold albedo of `adding` and of a bake.
 
 Processor time, not the clock's, and the best of several repeats, so that other work on the machine counts little.
 Run by `make bench`; nothing is asserted.
 """
 
+import resource
 import time
 from multiprocessing import get_context
 
@@ -12,7 +13,9 @@ import numpy as np
 
 from lamina.reference_py.frame import spherical
 from lamina.reference_py.models import make_model
+from lamina.reference_py.network.baking import BakedNetwork
 from lamina.reference_py.stack import Stack
+from lamina.reference_py.suite import suite_stack
 
 REPEATS = 5
 WALKS = 1 << 17
@@ -34,6 +37,8 @@ THREE_LAYERS = {
         GOLD, layer(1.5, 0.1, tint=TINT), layer(1.3, 0.3, "beckmann", tint=TINT), layer(1.6, 0.2, tint=TINT),
     ],
 }
+
+BAKED = ("plastic_grey_0", "plastic_tinted", "gold_coat_0_1_metal_0_1", "three_rough")
 
 
 def walks_per_second(coat: dict, surface: str) -> float:
@@ -57,6 +62,13 @@ def cold_seconds(name: str) -> float:
     return time.process_time() - start
 
 
+def bake(name: str) -> tuple[float, float]:
+    """Processor seconds and peak megabytes of a bake with two glossy lobes: called in a fresh process, too."""
+    start = time.process_time()
+    BakedNetwork(suite_stack(name))
+    return time.process_time() - start, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+
+
 def main() -> None:
     print("position_free, walks per second of one coat over Lambert .5")
     for surface in ("single", "multiple"):
@@ -67,6 +79,10 @@ def main() -> None:
         for name in THREE_LAYERS:
             best = min(fresh.apply(cold_seconds, (name,)) for _ in range(REPEATS))
             print(f"  {name:36} {best:8.2f}", flush=True)
+        print("baked, processor seconds and peak memory")
+        for name in BAKED:
+            seconds, megabytes = fresh.apply(bake, (name,))
+            print(f"  {name:36} {seconds:8.2f} {megabytes:8.0f} MB", flush=True)
 
 
 if __name__ == "__main__":
