@@ -46,7 +46,7 @@ def test_render_equals_mirror(blender, name):
 
 
 # Lobes of bakes are mirror-like, tilted, stretched.
-@pytest.mark.parametrize("name", presets.names())
+@pytest.mark.parametrize("name", ["glazed_mug", "frosted_paint", "clean_copper", "metallic_car_paint", "patina_copper"])
 def test_baked_render_equals_mirror(blender, name):
     material, stack = _material(presets.load(name), "baked")
     mirror = make_model("mirror", stack, tier="baked")
