@@ -9,11 +9,12 @@ from mathutils import Vector
 
 from ..addon.blend_files import save_copy
 from ..addon.cli.session import blender, say
-from ..addon.material import apply_stack, refresh
+from ..addon.material import apply_stack
 from ..addon.rendering.geometry import STAND_FLOOR
 from ..addon.rendering.settings import add_object, remove_scene
 from ..addon.rendering.studio import build_ball_scene
 from ..reference_py import presets
+from ..reference_py.network import AnalyticNetwork
 
 COLUMNS = 5
 SCALE = 0.42
@@ -32,8 +33,8 @@ def build() -> bpy.types.Scene:
         row, column = divmod(index, COLUMNS)
         location = Vector(((column - (COLUMNS - 1) / 2) * SPACING[0], row * SPACING[1] - 0.6, -STAND_FLOOR * SCALE))
         material = bpy.data.materials.new(presets.label(name))
-        apply_stack(material, presets.load(name))
-        refresh(material, settle=True)
+        # every value is live, so that it can be changed where Lamina is not installed
+        apply_stack(material, presets.load(name), AnalyticNetwork.tier)
         for part, label in ((ball, presets.label(name)), (stand, f"{presets.label(name)} stand")):
             copy = add_object(scene, label, part.data)
             copy.location, copy.scale = location, (SCALE,) * 3
