@@ -11,7 +11,7 @@ VARIABLE = "LAMINA_CACHE"
 def cache_folder() -> Path:
     """The folder of the environment variable LAMINA_CACHE, else the extension's own, else the user's cache."""
     if folder := os.environ.get(VARIABLE):
-        return Path(folder)
+        return Path(folder).expanduser()
     package = __package__.rpartition(".")[0]
     if package.startswith("bl_ext."):
         import bpy

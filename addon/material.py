@@ -16,7 +16,7 @@ import bpy
 from ..reference_py.errors import LaminaError
 from ..reference_py.network import DEFAULT_TIER, HOLD_VALUES, PROVISIONAL_TIER, TIERS, AutoNetwork, make_network, require_tier
 from ..reference_py.network.memory import content
-from ..reference_py.network.mixture import holds_values
+from ..reference_py.network.mixture import holds_values, tiers_of
 from ..reference_py.network.tabulate import tabulate
 from ..reference_py.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
 from ..reference_py.stack import MAX_LAYERS, Stack
@@ -231,7 +231,9 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
     holds = backend == NODES or holds_values(network)
     lamina.told = content(told, live_values(material) if backend == OSL else ()) if holds else ""
     lamina.settled = wanted.key if wanted and settled else ""
-    notes = [network.reason if wanted and settled else "", left_out(told) if backend == NODES else ""]
+    others = ", ".join(sorted(tiers_of(network) - {lamina.tier}))
+    stand_in = f"{others}, as the tier {lamina.tier} knows no thin films" if others and not waits else ""
+    notes = [network.reason if wanted and settled else stand_in, left_out(told) if backend == NODES else ""]
     lamina.note = "; ".join(filter(None, notes))
     _arrange(lamina, shader)
 

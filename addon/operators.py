@@ -78,6 +78,8 @@ class StackOperator(LaminaOperator):
             raise
         if made:
             context.object.active_material = material
+        for message in stack.unknown_keys():
+            self.report({"WARNING"}, f"Lamina: {message}")
         for notice in materials.make_renderable(material, context.scene):
             self.report({"INFO"}, f"Lamina: {notice}")
 

@@ -2,17 +2,19 @@
 """`lamina explain`: what the tier auto tries for a stack and chooses, judged over a ball or over what a camera sees."""
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
 
 from ...reference_py.coverage import Patch, patches
 from ...reference_py.errors import LaminaError
+from ...reference_py.network import WeidlichWilkieNetwork
 from ...reference_py.network.choice import DEFAULT_TOLERANCE, AutoNetwork, Choice, choose
 from ...reference_py.network.judge import SOFT_LIGHT_DEG
 from ...reference_py.network.memory import truth_of
 from ...reference_py.network.unbaked import unbaked, without_unbaked
+from ...reference_py.schema import THIN_FILM
 from ...reference_py.stack import Stack
 from .numbers import load_stack
 from .session import blender, say, tenths
@@ -41,12 +43,20 @@ def explain(options) -> None:
         print(f"{options.object} shows views of {low:.0f} to {high:.0f} degrees on {sight.pixels:.0f} pixels")
     for patch, choice in told:
         _print(patch, choice)
-    print("cost: CPU time over a plain glossy node, estimated. albedo: worst view. soft light and shape (L1 of f): mean over the pixels.")
+    print("cost: CPU time over a plain glossy node, estimated. albedo: worst view. soft light and shape (L1 of f): mean over the pixels. The larger of albedo and soft light counts.")
 
 
 def _choice(stack: Stack, tolerance: float, sight, progress) -> Choice:
     """What auto chooses for one patch; features that no bake can hold leave the live tiers, judged without them."""
     live, plain = unbaked(stack), without_unbaked(stack)
+    choice = _choice_of_plain(plain, live, tolerance, sight, progress)
+    if not any(element.has(THIN_FILM) for element in (*stack.layers, stack.base)):
+        return choice
+    able = next(c for c in choice.tried if c.label == WeidlichWilkieNetwork.tier)
+    return replace(choice, chosen=able, reason="the one tier that knows thin films; the errors are those without the film")
+
+
+def _choice_of_plain(plain: Stack, live, tolerance: float, sight, progress) -> Choice:
     if sight is None:
         return AutoNetwork(plain, live, tolerance, progress).choice
     return choose(plain, truth_of(plain), live, tolerance, sight.cosines, sight.light_deg(SOFT_LIGHT_DEG), progress)

@@ -41,7 +41,7 @@ class Candidate:
         return max(self.albedo, self.soft_light)
 
     def __str__(self) -> str:
-        return f"{self.label}, error {100.0 * self.seen:.2g} %, cost {self.cost:.2g}x"
+        return f"{self.label}, error {100.0 * self.seen:.3g} %, cost {self.cost:.2g}x"
 
 
 @dataclass(frozen=True)

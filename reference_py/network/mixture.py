@@ -93,6 +93,12 @@ def holds_values(network) -> bool:
     return any(isinstance(part.resolved, TableNetwork | GridNetwork) for part in parts)
 
 
+def tiers_of(network) -> set[str]:
+    """The tiers that a network is really told by."""
+    parts = [part for _, part in network.parts] if isinstance(network, PatchNetwork) else [network]
+    return {part.resolved.tier for part in parts if not isinstance(part.resolved, TableNetwork)}
+
+
 class PatchTier:
     """A tier that takes stacks with covered layers too. Made of the tier's network class, and used in its place."""
 

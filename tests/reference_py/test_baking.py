@@ -40,6 +40,16 @@ def test_albedo_is_the_truth(name):
     assert gap <= ALBEDO_TOLERANCE
 
 
+@pytest.mark.parametrize("glossy", [1, 2, 3])
+def test_a_channel_that_no_lobe_is_fitted_for_keeps_its_energy(glossy):
+    """Varnish over polished silver that leaves a twentieth of the blue light: half of it was lost."""
+    lacquer = {"kind": "dielectric", "ior": 1.5, "roughness": 0.1, "tint": [1.0, 0.7, 0.2]}
+    stack = Stack.from_dict({"layers": [lacquer], "base": {"kind": "conductor", "metal": "silver", "roughness": 0.0}})
+    theta = np.radians(VIEWS_DEG)
+    exact = Adding(stack).albedo(spherical(theta, 0.0))
+    assert np.max(np.abs(energy(BakedNetwork(stack, glossy=glossy), np.cos(theta)) - exact) / exact) <= 0.02
+
+
 def test_coated_grey_is_right_where_stock_coats_are_two_thirds_too_bright():
     """The headline: n = 1.5 smooth over Lambert .5, seen along the normal, reflects .316."""
     baked = BakedNetwork(suite_stack("plastic_grey_0"))

@@ -27,6 +27,8 @@ from .samples import truth_at
 DEFAULT_GLOSSY, MAX_GLOSSY = 2, 4
 # A lobe that nowhere carries more than this share of the albedo is left out.
 _NEGLIGIBLE = 1e-3
+# Of the energy that is left for the fitted lobes, what they have in every channel before all is scaled.
+_LEAST_SHARE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -114,9 +116,22 @@ class Baker:
         diffuse = np.array([m.weight[:, -1] for m in mixtures])
         fitted.append((DiffuseTable(diffuse), diffuse))
         fitted = [(table, energy) for table, energy in fitted if keep or np.any(energy > _NEGLIGIBLE * self._albedo)]
-        total = sum((energy for _, energy in fitted), np.zeros_like(self._albedo))
-        scale = np.maximum(self._albedo - spent, 0.0) / np.maximum(total, 1e-12)
-        return TableNetwork((*tables, *(replace(table, weight=table.weight * scale) for table, _ in fitted)))
+        return TableNetwork((*tables, *self._with_energy(fitted, np.maximum(self._albedo - spent, 0.0))))
+
+    def _with_energy(self, fitted: list, rest: np.ndarray) -> list:
+        """The fitted tables, scaled to carry `rest` (KNOTS, 3) together.
+
+        A channel that no lobe was fitted for gets its energy as the others have it.
+        """
+        usual = [np.mean(energy, axis=1, keepdims=True) + 1e-12 for _, energy in fitted]
+        floors = [_LEAST_SHARE * rest * share / sum(usual) for share in usual]
+        total = sum((energy + floor for (_, energy), floor in zip(fitted, floors)), np.zeros_like(rest))
+        scale = rest / np.maximum(total, 1e-12)
+        result = []
+        for (table, energy), floor in zip(fitted, floors):
+            unit = 1.0 if isinstance(table, DiffuseTable) else np.maximum(unit_energy(table.lobe(knot_cosines()), knot_cosines()), 1e-3)
+            result.append(replace(table, weight=(table.weight + floor / unit) * scale))
+        return result
 
 
 class BakedNetwork:
