@@ -82,7 +82,7 @@ def layer_material(bpy, stack: Stack, ggx: str = "multi_ggx"):
     from lamina.addon.script_node import set_script
 
     material, script, output = _new_material(bpy, "ShaderNodeScript")
-    set_script(script, Shader("peer", osl_of(stack, ggx), ()))
+    set_script(script, Shader("peer", osl_of(stack, ggx), (), 1))
     material.node_tree.links.new(script.outputs["BSDF"], output.inputs["Surface"])
     return material
 

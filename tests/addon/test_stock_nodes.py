@@ -159,7 +159,7 @@ STACK = Stack.from_dict({
 @pytest.fixture
 def layered(no_osl):
     material = no_osl.data.materials.new("layered")
-    materials.apply_stack(material, STACK)
+    materials.apply_stack(material, STACK, "analytic")
     return material
 
 
@@ -173,7 +173,7 @@ def tables_of(material):
 
 def test_without_osl_a_stack_is_made_of_stock_nodes_and_says_so(no_osl, capfd):
     material = no_osl.data.materials.new("new")
-    materials.apply_stack(material, STACK)
+    materials.apply_stack(material, STACK, "analytic")
     assert capfd.readouterr().out.count("new is made of stock nodes, because this Blender was built without OSL") == 1
     assert backend_of(material) == "nodes" and material.lamina.backend == "auto"
     assert material.node_tree.get_output_node("ALL").inputs["Surface"].links[0].from_node.node_tree == network_group(tables_of(material))
@@ -188,7 +188,7 @@ CHANGES = {
     "base": lambda owner: materials.set_base(owner, "oren_nayar"),
     "hide": lambda owner: setattr(owner.lamina.layers[0], "visible", False),
     "distribution": lambda owner: setattr(owner.lamina.base, "distribution", "beckmann"),
-    "apply": lambda owner: materials.apply_stack(owner, presets.load("frosted_paint")),
+    "apply": lambda owner: materials.apply_stack(owner, presets.load("frosted_paint"), "analytic"),
 }
 
 
@@ -240,7 +240,7 @@ def make_gold_k():
 
 def test_backends_can_be_changed_and_wires_stay(blender):
     material = blender.data.materials.new("layered")
-    materials.apply_stack(material, STACK, backend="nodes")
+    materials.apply_stack(material, STACK, "analytic", backend="nodes")
     tree = material.node_tree
     mix, output = tree.nodes.new("ShaderNodeMixShader"), tree.get_output_node("ALL")
     tree.links.new(tree.nodes[material.lamina.shader_node].outputs["BSDF"], mix.inputs[1])

@@ -117,7 +117,7 @@ def test_the_same_model_gives_the_same_figures(name):
     assert np.array_equal(first.f(wo, wi), second.f(wo, wi)) and np.array_equal(first.albedo(VIEWS), second.albedo(VIEWS))
 
 
-@every_model
+@pytest.mark.parametrize("name", MODELS)
 def test_unknown_options_name_model_and_option(name):
     with pytest.raises(LaminaError, match=rf"{name}.*unknown option 'colour'"):
         make_model(name, Stack.from_dict(STACKS["plastic"]), colour="red")
@@ -139,5 +139,5 @@ def test_the_committed_albedo_error_is_that_of_this_code(name):
     assert {key for key in rows if key[0] in presets.names()} == {(p, m) for p in presets.names() for m in error.COMPARED}
     preset, chosen = "metallic_car_paint", np.array([0, 6, 10])
     stack, wo = presets.load(preset), spherical(np.radians(error.THETA_DEG[chosen]), 0.0)
-    measured = error.worst_channel(make_model(name, stack).albedo(wo), make_model("adding", stack).albedo(wo))
+    measured = error.worst_channel(make_subject(name, stack).albedo(wo), make_model("adding", stack).albedo(wo))
     assert measured == pytest.approx(np.array(rows[preset, name], float)[chosen], abs=2e-4)

@@ -9,8 +9,8 @@ from ....reference_py.models.adding.model import Adding
 from ..session import blender
 from .output import Report
 
-SURFACE, SIZE = "metallic_car_paint", 256
-SAMPLES, SLAB_SAMPLES = 256, 1024
+SURFACE, SIZE = "metallic_car_paint", 160
+SAMPLES, SLAB_SAMPLES = 144, 256
 
 
 def chart(folder: Path, report: Report) -> None:
