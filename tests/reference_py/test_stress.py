@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from lamina.reference_py.frame import spherical
+from lamina.reference_py.models import MODELS
 from lamina.reference_py.stress import CASES, COLUMNS, REFUSED, SUBJECTS, Case, is_refused, measure, pairs, relative_difference
 
 TABLE = Path(__file__).parents[2] / "figures" / "stress.csv"
@@ -96,7 +97,7 @@ class Faulty:
 
 
 def test_faults_are_counted(monkeypatch):
-    monkeypatch.setitem(SUBJECTS, "faulty", Faulty)
+    monkeypatch.setitem(MODELS, "faulty", Faulty)
     monkeypatch.setattr("lamina.reference_py.stress.make_model", lambda name, stack: Faulty())
     row = measure("faulty", CASES["white, smooth"])
     assert not row.finite and not row.non_negative
