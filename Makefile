@@ -34,7 +34,10 @@ build/demo/ready: $(READY) $(SOURCES)
 	@touch $@
 
 test: $(READY)
-	$(RUN) -m pytest
+	@# side by side: each is bound to one core
+	@$(RUN) -m pytest tests/reference_py & reference=$$!; \
+	$(RUN) -m pytest tests/addon tests/test_package.py; addon=$$?; \
+	wait $$reference && exit $$addon
 	@$(MAKE) --no-print-directory validate
 
 bench: $(READY)

@@ -66,7 +66,7 @@ def test_committed_errors_are_those_of_this_network(name):
 def test_weights_are_finite_and_never_negative_from_normal_to_grazing():
     layers = [{"kind": "dielectric", "ior": 1.0 + 0.4 * (i % 4), "roughness": 0.1 * i, "tint": [0, 0.5, 1]} for i in range(8)]
     for base in (BLACK, {"kind": "oren_nayar"}, {"kind": "conductor", "metal": "silver", "roughness": 1.0}):
-        network = make_network(Stack.from_dict({"layers": layers, "base": base}))
+        network = make_network(Stack.from_dict({"layers": layers, "base": base}), "weidlich_wilkie")
         lobes = network.lobes(np.cos(np.radians([0.0, 45.0, 85.0, 89.9, 90.0])))
         assert len(lobes) == network.lobe_count == 9
         for lobe in lobes:

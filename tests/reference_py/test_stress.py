@@ -19,7 +19,7 @@ MARGIN, ABSOLUTE = 0.02, 1e-6
 DRIFT = 3.0
 
 # Cases that take long in models that cost much: the chart alone measures these.
-COSTLY = {"adding", "position_free", "mirror:baked", "mirror:analytic", "belcour", "openpbr_coat", "kelemen"}
+COSTLY = {"mirror:weidlich_wilkie", "adding", "position_free", "mirror:baked", "mirror:analytic", "belcour", "openpbr_coat", "kelemen"}
 QUICK_CASES = {
     "grazing, rough over metal", "equal indices", "denser above thinner, smooth", "air gap", "alpha 0", "alpha 1", "thickness 0",
     "absorption 0 and huge", "smooth over rough", "white, smooth", "white, rough", "below the horizon", "view on the horizon",
