@@ -186,19 +186,14 @@ def wake_after_load(*_) -> None:
     wake()
 
 
-def _handlers() -> list[tuple]:
-    handlers = bpy.app.handlers
-    return [(handlers.depsgraph_update_post, wake_after_change), (handlers.load_post, wake_after_load), (handlers.undo_post, wake_after_load)]
+def handlers() -> list[tuple]:
+    """(list of Blender's handlers, ours) for `registration`."""
+    lists = bpy.app.handlers
+    return [(lists.depsgraph_update_post, wake_after_change), (lists.load_post, wake_after_load), (lists.undo_post, wake_after_load)]
 
 
-def register() -> None:
-    for handlers, handler in _handlers():
-        handlers.append(handler)
-
-
-def unregister() -> None:
-    for handlers, handler in _handlers():
-        handlers.remove(handler)
+def stop() -> None:
+    """End the timer and what is baking."""
     if bpy.app.timers.is_registered(tick):
         bpy.app.timers.unregister(tick)
     if _state.bake is not None:

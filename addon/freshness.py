@@ -44,15 +44,6 @@ def _for_each(concerns: Callable[[bpy.types.Material], bool], act: Callable[[bpy
             print(f"Lamina: {material.name} keeps its old shader: {error}")
 
 
-def _handlers() -> list[tuple]:
+def handlers() -> list[tuple]:
+    """(list of Blender's handlers, ours) for `registration`."""
     return [(bpy.app.handlers.save_pre, make_ready), (bpy.app.handlers.render_init, announce)]
-
-
-def register() -> None:
-    for handlers, handler in _handlers():
-        handlers.append(handler)
-
-
-def unregister() -> None:
-    for handlers, handler in _handlers():
-        handlers.remove(handler)

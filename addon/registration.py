@@ -22,13 +22,14 @@ def register() -> None:
     bpy.types.Material.lamina = bpy.props.PointerProperty(type=properties.LaminaMaterial)
     _command = bpy.utils.register_cli_command("lamina", run)
     keep_in(cache_folder())
-    freshness.register()
-    bakes.register()
+    for handlers, handler in (*freshness.handlers(), *bakes.handlers()):
+        handlers.append(handler)
 
 
 def unregister() -> None:
-    bakes.unregister()
-    freshness.unregister()
+    for handlers, handler in (*freshness.handlers(), *bakes.handlers()):
+        handlers.remove(handler)
+    bakes.stop()
     bpy.utils.unregister_cli_command(_command)
     del bpy.types.Material.lamina
     for cls in reversed(CLASSES):

@@ -19,6 +19,8 @@ from .table import TableNetwork
 from .weidlich_wilkie import WeidlichWilkieNetwork
 
 DEFAULT_TOLERANCE = 0.02
+# Errors that differ by less than this share of them are as good: the cheaper one is taken.
+_AS_CLOSE = 0.05
 _LIVE_TIERS = {network.tier: network for network in (WeidlichWilkieNetwork, AnalyticNetwork)}
 
 
@@ -144,7 +146,8 @@ def choose(
         chosen, network = min(good, key=lambda t: t[0].cost)
         reason = f"the cheapest whose error is at most {100.0 * tolerance:g} %"
     else:
-        chosen, network = min(tried, key=lambda t: t[0].seen)
+        best = min(candidate.seen for candidate, _ in tried)
+        chosen, network = min((t for t in tried if t[0].seen <= best * (1.0 + _AS_CLOSE)), key=lambda t: t[0].cost)
         reason = f"the closest of {len(tried)}; none reaches {100.0 * tolerance:g} %"
     if live and axes is None:
         reason += f"; a bake cannot follow {described(live)}"

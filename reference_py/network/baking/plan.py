@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...optics.microfacet import GGX
 from ..closure import lobe_f
 from ..lobe import GlossyLobe
 from .fit import Mixture, ViewFit
@@ -18,8 +17,6 @@ STRIDE, ANCHORS = 4, (8, 12, 20)
 _REFINEMENTS = 5
 # Widths that starts are chosen from.
 _WIDTHS = 5
-# Where nothing is rough, a wide lobe tells how interfaces shape the light of a diffuse base.
-_WIDTHS_OF_SMOOTH = [0.4, 0.8]
 # A wrong energy between knots weighs so much more than a wrong shape.
 _ENERGY_COUNTS = 3.0
 
@@ -41,7 +38,7 @@ class Plan:
 
     def __init__(self, known: GlossyLobe | None, surfaces: list[tuple[str, float]], views: list[View], middles: list[View]):
         self.known = known
-        self._kinds = sorted({kind for kind, _ in surfaces}) or [GGX]
+        self._kinds = sorted({kind for kind, _ in surfaces})
         self._alphas = _widths(surfaces)
         self.fits, self.middles = self._fits(views), self._fits(middles)
         self._found: dict[int, Branches] = {}
@@ -56,7 +53,12 @@ class Plan:
         return fits
 
     def branches(self, free: int, report: Callable[[], None] = lambda: None) -> Branches:
-        """The best branches of `free` fitted glossy lobes."""
+        """The best branches of `free` fitted glossy lobes; none where the stack has no rough surface.
+
+        A wide lobe for how a smooth coat shapes the light of paint was tried: its mean error fell from 5.5 to 4.7 %, its
+        worst view's did not, and a picture of it came out no closer.
+        """
+        free = free if self._kinds else 0
         if free not in self._found:
             fewer = self.branches(free - 1, report) if free else None
             kinds = [(*fewer.kinds, kind) for kind in self._kinds] if fewer else [()]
@@ -88,8 +90,6 @@ class Plan:
 
 def _widths(surfaces: list[tuple[str, float]]) -> list[float]:
     """Alphas of the surfaces and of what pairs of them blur to, at most `_WIDTHS`."""
-    if not surfaces:
-        return _WIDTHS_OF_SMOOTH
     alphas = {alpha for _, alpha in surfaces}
     alphas |= {min(1.0, float(np.hypot(a, b))) for a in alphas for b in alphas}
     chosen = sorted(alphas)
