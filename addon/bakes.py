@@ -48,6 +48,8 @@ class Bake:
             word, _, rest = line.strip().partition(" ")
             if word == "progress":
                 self.share = float(rest)
+            elif word == "warning":
+                print(f"Lamina: {rest}")
             elif word == "result":
                 self.result = json.loads(rest)
             elif word == "error":
@@ -97,8 +99,10 @@ def cancel(material: bpy.types.Material) -> None:
 
 
 def retry(material: bpy.types.Material) -> None:
-    """Bake again after a cancel or a failure."""
+    """Bake again after a cancel or a failure; without a window, wait for it."""
     _state.given_up.pop(material.name_full, None)
+    if bpy.app.background:
+        materials.refresh(material, settle=True)
     wake()
 
 

@@ -5,12 +5,12 @@ import os
 import sys
 from pathlib import Path
 
-VARIABLE = "LAMINA_CACHE"
+from ..reference_py.network.memory import FOLDER_VARIABLE
 
 
 def cache_folder() -> Path:
     """The folder of the environment variable LAMINA_CACHE, else the extension's own, else the user's cache."""
-    if folder := os.environ.get(VARIABLE):
+    if folder := os.environ.get(FOLDER_VARIABLE):
         return Path(folder).expanduser()
     package = __package__.rpartition(".")[0]
     if package.startswith("bl_ext."):

@@ -8,6 +8,7 @@ from bpy.app.handlers import persistent
 
 from ..reference_py.errors import LaminaError
 from .material import is_settled, is_stale, refresh
+from .shader_node import has_shader
 
 
 @persistent
@@ -25,7 +26,8 @@ def _make_ready(material) -> None:
 @persistent
 def announce(*_) -> None:
     """Name what a render shows with old values or provisionally. Blender 5.2 crashes when nodes change once a render has begun."""
-    _for_each(is_stale, lambda material: print(f"Lamina: {material.name}: renders old values: save the file, or press Update in its panel"))
+    _for_each(lambda material: not has_shader(material), lambda material: print(f"Lamina: {material.name}: its shader node is gone: press Update in its panel, or call bpy.ops.lamina.regenerate()"))
+    _for_each(is_stale, lambda material: print(f"Lamina: {material.name}: renders old values: save the file, press Update in its panel, or call bpy.ops.lamina.regenerate()"))
     _for_each(
         lambda material: not is_stale(material) and not is_settled(material),
         lambda material: print(f"Lamina: {material.name}: renders with the tier analytic, as its bake is not done; a save without a window makes it"),

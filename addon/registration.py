@@ -21,7 +21,7 @@ def register() -> None:
         bpy.utils.register_class(cls)
     bpy.types.Material.lamina = bpy.props.PointerProperty(type=properties.LaminaMaterial)
     _command = bpy.utils.register_cli_command("lamina", run)
-    keep_in(cache_folder())
+    keep_in(cache_folder(), lambda told: print(f"Lamina: {told}"))
     for handlers, handler in (*freshness.handlers(), *bakes.handlers()):
         handlers.append(handler)
 

@@ -26,6 +26,11 @@ def backend_of(material: bpy.types.Material) -> str:
     return NODES if node is not None and node.bl_idname == _GROUP else OSL
 
 
+def has_shader(material: bpy.types.Material) -> bool:
+    """Whether the material's shader node is still there."""
+    return material.node_tree is not None and material.lamina.shader_node in material.node_tree.nodes
+
+
 def script_with(material: bpy.types.Material, shader: Shader, owners: dict[str, bpy.types.Node]) -> bpy.types.ShaderNodeScript:
     """The material's Script node with this shader, wired to the nodes of the values by owner."""
     script = _shader_node(material, _SCRIPT, lambda node: holds(node, shader), lambda node: set_script(node, shader))

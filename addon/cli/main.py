@@ -125,7 +125,7 @@ def _keep_bakes() -> None:
     from ...reference_py.network.memory import keep_in
     from ..cache import cache_folder
 
-    keep_in(cache_folder())
+    keep_in(cache_folder(), lambda told: print(f"lamina: {told}", file=sys.stderr))
 
 
 def run(arguments: Sequence[str]) -> int:

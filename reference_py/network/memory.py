@@ -21,18 +21,23 @@ from ..stack import Stack
 # What a shader reads live even where it holds all other values.
 ALWAYS_LIVE = frozenset(p.name for feature in (COVERAGE, NORMAL) for p in feature.parameters)
 _LIMIT = 256
+FOLDER_VARIABLE = "LAMINA_CACHE"
 # Files that a folder keeps; the oldest go first.
 _FILES = 4096
 _memory: dict[str, object] = {}
 _folder: Path | None = None
+_complain: Callable[[str], None] = print
 
 T = TypeVar("T")
 
 
-def keep_in(folder: Path | None) -> None:
-    """Keep what is computed in a folder too, which is made when first needed; None keeps it in memory alone."""
-    global _folder
-    _folder = folder
+def keep_in(folder: Path | None, complain: Callable[[str], None] = print) -> None:
+    """Keep what is computed in a folder too, which is made when first needed; None keeps it in memory alone.
+
+    `complain` is called once, with a sentence, if the folder cannot be written to.
+    """
+    global _folder, _complain
+    _folder, _complain = folder, complain
 
 
 def remembered(key: str, make: Callable[[], T], pack: Callable[[T], dict], unpack: Callable[[dict], T]) -> T:
@@ -63,6 +68,7 @@ def _remember(key: str, value) -> None:
 
 def _write(key: str, data: dict) -> None:
     """A folder that cannot be written to costs a bake the next time, nothing else."""
+    global _folder
     if _folder is None:
         return
     try:
@@ -71,8 +77,9 @@ def _write(key: str, data: dict) -> None:
         files = sorted(_folder.glob("*.json"), key=lambda file: file.stat().st_mtime)
         for old in files[:-_FILES]:
             old.unlink(missing_ok=True)
-    except (OSError, LaminaError):
-        pass
+    except (OSError, LaminaError) as error:
+        _complain(f"what is baked cannot be kept in {_folder}, so the next session bakes it again ({error}); {FOLDER_VARIABLE} names another folder")
+        _folder = None
 
 
 def _file(key: str) -> Path:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes one network in a process of its own, so that a window stays responsive and a cancelled bake is gone at once.
 
-Reads a request as JSON from stdin; prints lines "progress SHARE" and at last "result JSON" or "error MESSAGE". The
+Reads a request as JSON from stdin; prints lines "progress SHARE" and "warning TEXT" and at last "result JSON" or "error MESSAGE". The
 process is started by `command` and needs nothing but this package and numpy.
 """
 
@@ -45,7 +45,7 @@ def main() -> None:
     from .memory import keep_in
 
     data = json.load(sys.stdin)
-    keep_in(Path(data["folder"]) if data["folder"] else None)
+    keep_in(Path(data["folder"]) if data["folder"] else None, lambda told: print(f"warning {told}", flush=True))
     options = {"live": tuple((int(i), str(name)) for i, name in data["live"])}
     if data["tier"] == AutoNetwork.tier:
         options["tolerance"] = data["tolerance"]

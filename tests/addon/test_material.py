@@ -409,6 +409,15 @@ def test_a_render_of_old_values_is_announced_until_they_are_refreshed(blender, c
     assert measured[0] == pytest.approx(truth, rel=0.01)
 
 
+def test_a_render_without_the_shader_node_is_announced(layered, capsys):
+    layered.node_tree.nodes.remove(script(layered))
+    render_furnace(layered, (0.0,), samples=1, size=8)
+    assert f"{layered.name}: its shader node is gone" in capsys.readouterr().out
+    material.regenerate(layered)
+    render_furnace(layered, (0.0,), samples=1, size=8)
+    assert "gone" not in capsys.readouterr().out
+
+
 def test_a_save_refreshes_what_is_stale_and_leaves_the_rest(blender, tmp_path, capsys):
     baked, live = blender.data.materials.new("baked"), blender.data.materials.new("live")
     material.apply_stack(baked, suite_stack("lambert_grey"), "baked")

@@ -8,6 +8,7 @@ from lamina.reference_py import presets
 from lamina.reference_py.frame import spherical
 from lamina.reference_py.models import make_model
 from lamina.reference_py.models.adding.model import Adding
+from lamina.reference_py.network import memory
 from lamina.reference_py.network.baking import BakedNetwork, Baker
 from lamina.reference_py.network.baking.fit import non_negative
 from lamina.reference_py.network.closure import lobe_energy
@@ -107,3 +108,15 @@ def test_mirror_evaluates_the_bake():
     wo = spherical(np.radians([20.0, 70.0]), 0.0)
     expected = energy(BakedNetwork(stack), wo[:, 2])
     assert make_model("mirror", stack, tier="baked").albedo(wo) == pytest.approx(expected, rel=2e-3)
+
+
+def test_a_cache_that_cannot_be_written_is_told_of_once(tmp_path):
+    (tmp_path / "file").write_text("")
+    told = []
+    memory.keep_in(tmp_path / "file" / "bakes", told.append)
+    try:
+        for number in range(2):
+            memory.remembered(f"key {number}", lambda: 1.0, lambda value: {"value": value}, lambda data: data["value"])
+        assert len(told) == 1 and str(tmp_path / "file") in told[0]
+    finally:
+        memory.keep_in(None)
