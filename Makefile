@@ -60,6 +60,7 @@ charts: $(READY)
 
 pareto: $(READY)
 	$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[figures]'
+	$(VENV)/bin/lamina chart levers -o figures
 	$(VENV)/bin/lamina chart pareto -o figures
 	$(VENV)/bin/lamina chart pair -o figures
 

@@ -94,11 +94,12 @@ def build_parser() -> argparse.ArgumentParser:
     demo.add_argument("--samples", type=_samples, default=48, metavar="N", help="samples per pixel (default: %(default)s)")
     demo.add_argument("--size", type=_pixels, default=288, metavar="PIXELS", help="width of a tile (default: %(default)s)")
     chart = _command(commands, "chart", "chart", "measure a chart's numbers, print the table and draw it")
-    chart.add_argument("chart", choices=("network", "tiers", "error", "stress", "suite", "pareto", "pair"), help=(
+    chart.add_argument("chart", choices=("network", "tiers", "error", "stress", "suite", "pareto", "pair", "levers"), help=(
         "network: what Cycles is told against the exact model; tiers: the same in every tier against the truth; "
         "error: every model against the truth, by angle; "
         "stress: every model in every hard case; suite: the two truths against each other; "
         "pareto: error against cost of every way to render a surface in Cycles; "
+        "levers: what lobes and closures cost in Cycles; "
         "pair: one car paint by Cycles' layer(), by Lamina and as explicit geometry"))
     chart.add_argument("-o", "--output", default=".", metavar="FOLDER", help="folder for table and picture (default: %(default)s)")
     chart.add_argument("--surface", nargs="+", metavar="NAME", help="pareto: presets or stacks of the suite (default: six surface types)")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ..rendering.geometry import plane_mesh, sphere_mesh
 from ..rendering.images import read_exr
@@ -155,6 +156,14 @@ def plane(depth: float = 0.0) -> bpy.types.Mesh:
     mesh = plane_mesh("Pareto", _PLANE)
     _move(mesh, down=depth)
     return mesh
+
+
+def corner() -> list[bpy.types.Mesh]:
+    """Meshes of a ball on a floor between two walls, seen from above."""
+    floor, left, back = (plane(1.0) for _ in range(3))
+    left.transform(Matrix.Rotation(np.pi / 2, 4, "Y"))
+    back.transform(Matrix.Rotation(np.pi / 2, 4, "X"))
+    return [ball(), floor, left, back]
 
 
 def _move(mesh: bpy.types.Mesh, scale: float = 1.0, down: float = 0.0) -> None:
