@@ -7,7 +7,7 @@ from ....reference_py import presets
 from ....reference_py.atomic import require_writable
 from ....reference_py.models.adding.model import Adding
 from ..session import blender
-from .output import Report
+from .output import Report, print_table
 
 SURFACE, SIZE = "metallic_car_paint", 160
 SAMPLES, SLAB_SAMPLES = 144, 256
@@ -18,11 +18,12 @@ def chart(folder: Path, report: Report) -> None:
     path = folder / "pair.png"
     require_writable(path)
     with blender(lambda text: None):
-        _render(path, report)
+        errors = _render(path, report)
     report(f"wrote {path}")
+    print_table(("picture", "samples", "mean CIEDE2000"), errors)
 
 
-def _render(path: Path, report: Report) -> None:
+def _render(path: Path, report: Report) -> list[tuple[str, str, str]]:
     import bpy
     import numpy as np
 
@@ -49,7 +50,7 @@ def _render(path: Path, report: Report) -> None:
         "Lamina": ([with_material(surface, lamina)], SAMPLES),
         "Explicit geometry": (slab_objects(stack, ball), SLAB_SAMPLES),
     }
-    pictures, tiles = [], []
+    pictures, tiles, errors = [], [], []
     inside = np.isfinite(exact[..., :1])
     with studio_stage(SIZE, surroundings) as stage:
         for label, (objects, samples) in subjects.items():
@@ -57,9 +58,10 @@ def _render(path: Path, report: Report) -> None:
             stage.show(objects)
             picture = stage.picture(samples)
             error = difference(picture, exact, surroundings)
-            print(f"{label:18} mean CIEDE2000 {error:5.2f}   {samples} samples")
+            errors.append((label, str(samples), f"{error:.2f}"))
             pictures.append(encoded(shown(np.where(inside, picture, 0.0) * surroundings.exposure)))
             tiles.append(Tile(label, lamina, f"CIEDE2000 {error:.1f}"))
     pictures.append(encoded(shown(np.where(inside, exact, 0.0) * surroundings.exposure)))
     tiles.append(Tile("Truth", lamina, "integrated, no render"))
     write_png(path, compose(pictures, tiles, len(tiles), presets.label(SURFACE)))
+    return errors
