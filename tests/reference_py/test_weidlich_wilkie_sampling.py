@@ -17,7 +17,7 @@ SAMPLES = 20_000
 
 LITERAL, REPAIRED, MIRROR = "weidlich_wilkie", "weidlich_wilkie_repaired", "mirror"
 MACRO = {"refraction": "macro_normal"}
-HONEST = ((REPAIRED, {}), (REPAIRED, {"weights": "constant"}), (MIRROR, {}))
+HONEST = ((REPAIRED, {}), (REPAIRED, {"weights": "constant"}), (MIRROR, {"tier": "weidlich_wilkie"}), (MIRROR, {"tier": "analytic"}))
 
 
 def metal(alpha, distribution="ggx"):
@@ -73,6 +73,10 @@ def integral(model, wo):
 @pytest.mark.parametrize("model, options", HONEST)
 def test_samples_have_their_density(model, options, name, theta):
     assert p_value(make_model(model, STACKS[name], **options), view(theta)) > SIGNIFICANCE
+
+
+def test_samples_of_a_bake_have_their_density():
+    assert p_value(make_model(MIRROR, STACKS["rough on lambert"], tier="baked"), view(75.0)) > SIGNIFICANCE
 
 
 @pytest.mark.parametrize("options", ({}, MACRO, {"distribution": "blinn"}))
