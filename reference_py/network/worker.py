@@ -18,19 +18,18 @@ _ROOT = Path(__file__).resolve().parents[2]
 ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 # The package may be installed under any name; here it is imported by its place.
 _START = """
-import importlib.util, sys
+import importlib, importlib.util, sys
 root = sys.argv[1]
 spec = importlib.util.spec_from_file_location("lamina", root + "/__init__.py", submodule_search_locations=[root])
 sys.modules["lamina"] = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(sys.modules["lamina"])
-from lamina.reference_py.network import worker
-worker.main()
+importlib.import_module("lamina.reference_py." + sys.argv[2]).main()
 """
 
 
-def command(python: str) -> list[str]:
-    """The command line of a worker."""
-    return [python, "-I", "-c", _START, str(_ROOT)]
+def command(python: str, module: str = "network.worker") -> list[str]:
+    """The command line of a worker, a module of reference_py with a function `main`."""
+    return [python, "-I", "-c", _START, str(_ROOT), module]
 
 
 def request(stack: Stack, tier: str, live: Sequence[tuple[int, str]], tolerance: float, folder: Path | None) -> str:

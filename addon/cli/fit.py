@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`lamina fit`: measured reflectance in, an editable stack out, with its error."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+from ...reference_py import presets
+from ...reference_py.atomic import replacing, require_writable, write_text
+from ...reference_py.errors import LaminaError
+from ...reference_py.fit import read, select
+from ...reference_py.fit.compare import compare, of_fit
+from ...reference_py.fit.forward import evaluate
+from ...reference_py.fit.measurement import Measurement
+from ...reference_py.fit.outcome import outcome
+from ...reference_py.fit.readers import SUFFIXES
+from ...reference_py.fit.readers.sampled import sample_model
+from ...reference_py.models import MODELS
+from ...reference_py.stack import Stack
+from .session import say, tenths
+
+_PICTURES = (".png", ".svg", ".pdf")
+
+
+def fit(options) -> None:
+    """Write the fitted stack, and the picture if asked for; print errors and what the data do not determine."""
+    report = say(options.command)
+    for path in filter(None, (options.output, options.report)):
+        require_writable(path)
+    if options.report and Path(options.report).suffix.lower() not in _PICTURES:
+        raise LaminaError(f"--report {options.report}: choose a name that ends in {', '.join(_PICTURES)}")
+    if options.report:
+        _require_matplotlib()
+    measurement, stack = _measurement(options)
+    for sentence in measurement.found:
+        report(sentence)
+    selection = select(
+        measurement, options.layers, options.base, options.model, options.samples, options.seed, tenths(report), report,
+    )  # fmt: skip
+    told = outcome(measurement, selection)
+    if options.compare:
+        report("comparing with other models")
+        rows, _ = compare(measurement, selection.best, options.seed)
+        told["comparison"] = [asdict(row) for row in rows]
+    if not told["explains"]:
+        report(f"no stack that was tried explains this measurement: the best is {100.0 * told['error']:.0f} % off")
+    if options.output:
+        write_text(options.output, selection.best.stack.to_json())
+        report(f"wrote {options.output}")
+    if options.report:
+        _draw(options, measurement, selection.best, stack)
+        report(f"wrote {options.report}")
+    print(json.dumps(told)) if options.json else _print(told)
+
+
+def _measurement(options) -> tuple[Measurement, Stack | None]:
+    """The data, and the stack that they are samples of."""
+    if options.sample is None:
+        if Path(options.file).suffix.lower() == ".json" or options.file in presets.names():
+            raise LaminaError(f"{options.file} is a stack, not a measurement; give --sample MODEL to fit samples of a model of it, "
+                              f"or a file that ends in {', '.join(SUFFIXES)}")
+        return read(options.file, options.wavelength), None
+    if options.sample not in MODELS:
+        raise LaminaError(f"--sample {options.sample}: unknown model; choose {', '.join(MODELS)}")
+    stack = presets.load(options.file)
+    return sample_model(options.sample, stack, options.wavelength, seed=options.seed), stack
+
+
+def _require_matplotlib() -> None:
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise LaminaError("--report needs matplotlib: pip install lamina[figures]") from None
+
+
+def _draw(options, measurement: Measurement, best, stack: Stack | None) -> None:
+    from ...reference_py.fit.draw import picture
+
+    truth = None
+    if stack is not None and options.wavelength is None:
+        def truth(wi, wo):
+            return evaluate(options.sample, {}, stack, wo, wi, 3)
+    with replacing(options.report) as temporary:
+        picture(measurement, best, of_fit(best), truth).savefig(temporary)
+
+
+def _print(told: dict) -> None:
+    stack = Stack.from_dict(told["stack"])
+    print(f"{stack.name}, {len(told['parameters'])} parameters, model {told['model']}")
+    print(f"error {100.0 * told['error']:.2f} % over {told['pairs']} pairs of directions (RMS of log f cos), "
+          f"{100.0 * told['shape_error']:.2f} % of the reflected light (L1)")
+    print("by region: " + ", ".join(f"{name} {100.0 * error:.1f} %" for name, error in told["error_by_region"].items()))
+    for row in told["tried"]:
+        print(f"  tried {row['structure']:24} {row['parameters']:3d} parameters   error {100.0 * row['error']:.2f} %")
+    print(told["reason"])
+    for value in told["parameters"]:
+        note = "" if value["determined"] else "   not determined by the data"
+        note += "   at its bound" if value["at_bound"] else ""
+        print(f"  {value['name']:28} {value['value']:9.4f} +- {value['standard_error']:.4f}{note}")
+    for row in told.get("comparison", ()):
+        print(f"  {row['name']:40} {row['parameters']:3d} parameters   error {100.0 * row['error']:6.2f} %   L1 {100.0 * row['shape']:6.2f} %")

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A model at a million pairs of directions, as in a whole MERL table."""
+
+import numpy as np
+
+from ..models import make_model
+from ..models.adding.direct import direct_f
+from ..models.adding.facets import MULTIPLE
+from ..models.adding.recipe import Recipe
+from ..frame import spherical
+from ..stack import Stack
+
+_CHUNK = 50_000
+# Below this count models are asked directly.
+_FEW = 20_000
+_THETAS, _PHIS = 46, 46
+
+
+def evaluate_all(model: str, stack: Stack, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+    """f (n, 3) at directions (n, 3).
+
+    Of `adding` the part in closed form is exact, and the rest, which is smooth, is interpolated linearly in a table of
+    2 degrees of theta and 4 of phi; it costs a second per million pairs and channel.
+    """
+    if len(wo) <= _FEW or model != "adding":
+        exact = make_model(model, stack)
+        return np.concatenate([exact.f(wo[i : i + _CHUNK], wi[i : i + _CHUNK]) for i in range(0, len(wo), _CHUNK)])
+    recipe, table = Recipe.of(stack), _rest(stack)
+    parts = []
+    for i in range(0, len(wo), _CHUNK):
+        o, n = wo[i : i + _CHUNK], wi[i : i + _CHUNK]
+        parts.append(np.maximum(direct_f(recipe, MULTIPLE, o, n) + _interpolated(table, o, n), 0.0))
+    return np.concatenate(parts)
+
+
+def _rest(stack: Stack) -> np.ndarray:
+    """(theta_o, theta_i, phi, 3): f less its part in closed form."""
+    theta = np.linspace(0.0, 0.5 * np.pi, _THETAS)
+    theta[-1] -= 1e-4
+    phi = np.linspace(0.0, np.pi, _PHIS)
+    to, ti, p = (a.ravel() for a in np.meshgrid(theta, theta, phi, indexing="ij"))
+    wo, wi = spherical(to, 0.0), spherical(ti, p)
+    recipe, model = Recipe.of(stack), make_model("adding", stack)
+    f = model.f(wo, wi) - direct_f(recipe, MULTIPLE, wo, wi)
+    return f.reshape(_THETAS, _THETAS, _PHIS, 3)
+
+
+def _interpolated(table: np.ndarray, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+    cos_phi = (wo[:, 0] * wi[:, 0] + wo[:, 1] * wi[:, 1]) / np.maximum(np.hypot(*wo[:, :2].T) * np.hypot(*wi[:, :2].T), 1e-12)
+    at = [np.arccos(np.clip(wo[:, 2], 0.0, 1.0)) * 2.0 / np.pi, np.arccos(np.clip(wi[:, 2], 0.0, 1.0)) * 2.0 / np.pi,
+          np.arccos(np.clip(cos_phi, -1.0, 1.0)) / np.pi]
+    low, share = [], []
+    for u, n in zip(at, table.shape):
+        i = np.minimum((u * (n - 1)).astype(int), n - 2)
+        low.append(i)
+        share.append(u * (n - 1) - i)
+    result = np.zeros((len(wo), 3))
+    for corner in range(8):
+        bits = [(corner >> k) & 1 for k in range(3)]
+        weight = np.prod([s if b else 1.0 - s for s, b in zip(share, bits)], axis=0)
+        result += weight[:, None] * table[tuple(i + b for i, b in zip(low, bits))]
+    return result

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One picture per fit: slices in the plane of incidence, polar and Cartesian, lobes, and where the residuals are.
+
+Imports matplotlib when called, never on import.
+"""
+
+import numpy as np
+
+from ..figures.plot import new_figure, style
+from ..frame import spherical
+from .compare import Evaluator
+from .fitting import Fit
+from .measurement import Measurement, half_angles
+from .metric import Metric
+
+INCIDENT_DEG = (0.0, 35.0, 65.0)
+"""Those of Weidlich07, figure 9."""
+_VIEW_DEG = np.arange(-85.0, 85.5, 1.0)
+# Measured pairs this near to a slice are drawn on it.
+_NEAR_DEG = 4.0
+_COLORS = ("tab:red", "tab:green", "tab:blue")
+_LOBE_CELLS = 48
+
+
+def picture(
+    measurement: Measurement, fit: Fit, evaluator: Evaluator, truth: Evaluator | None = None, title: str = "",
+    curves: dict[str, Evaluator] | None = None,
+):
+    """A matplotlib figure. `truth` draws the data as a curve where it is known everywhere, as of a model; else pairs
+    near each slice are drawn as dots. `curves` are more models for the slices, by name.
+    """
+    figure = new_figure(13.0, 11.0, title or f"{measurement.source}\n{fit.structure.name}, model {fit.model}: error {100 * fit.error:.2g} %")
+    grid = figure.add_gridspec(4, 3, height_ratios=(1.0, 1.0, 0.9, 0.9))
+    for column, angle in enumerate(INCIDENT_DEG):
+        cartesian, polar = figure.add_subplot(grid[0, column]), figure.add_subplot(grid[1, column], projection="polar")
+        _slice(cartesian, polar, measurement, angle, evaluator, truth, curves or {}, legend=column == 0)
+        _lobe(figure, figure.add_subplot(grid[2, column]), angle, evaluator)
+    _residual_maps(figure, grid, measurement, fit, evaluator)
+    return figure
+
+
+def _slice(cartesian, polar, measurement, angle, evaluator, truth, curves, legend) -> None:
+    wo = spherical(np.radians(_VIEW_DEG), 0.0)
+    wi = np.broadcast_to(spherical(np.radians(angle), np.pi), wo.shape)
+    fitted, exact = evaluator(wi, wo), truth(wi, wo) if truth else None
+    near, view = _on_slice(measurement, angle)
+    single = measurement.channels == 1
+    for c in range(measurement.channels):
+        color = "black" if single else _COLORS[c]
+        for axis, x, dots in ((cartesian, _VIEW_DEG, view), (polar, np.radians(_VIEW_DEG), np.radians(view))):
+            axis.plot(x, fitted[:, c], color="tab:red" if single else color, linewidth=1.6, label="fit" if c == 0 else None)
+            if exact is not None:
+                axis.plot(x, exact[:, c], color=color, linestyle="--", linewidth=1.0, label="data" if c == 0 else None)
+            else:
+                axis.plot(dots, measurement.f[near, c], ".", color=color, markersize=3, label="data" if c == 0 else None)
+    for name, other in curves.items():
+        cartesian.plot(_VIEW_DEG, other(wi, wo)[:, 0 if single else 1], linewidth=0.9, label=name)
+    cartesian.axvline(-angle, color="tab:orange", linewidth=0.8, linestyle=":")
+    shown = exact if exact is not None else fitted
+    limit = 1.3 * float(np.quantile(np.max(shown, axis=1), 0.97)) + 1e-6
+    cartesian.set_ylim(0.0, limit)
+    style(cartesian, f"incident at {angle:g}° (dotted: towards the light)", "view angle (degrees)", "f (1/sr)", legend=legend)
+    polar.set_theta_zero_location("N")
+    polar.set_theta_direction(-1)
+    polar.set_thetalim(-0.5 * np.pi, 0.5 * np.pi)
+    polar.set_rlim(0.0, limit)
+    polar.set_yticks(np.linspace(0.0, limit, 5)[1:-1], [""] * 3)
+    polar.tick_params(labelsize=6)
+
+
+def _on_slice(measurement: Measurement, angle: float) -> tuple[np.ndarray, np.ndarray]:
+    """Rows with the light at an angle and the view in its plane, and those views in degrees, positive beyond the normal."""
+    m = measurement
+    theta_i = np.degrees(np.arccos(np.clip(m.wi[:, 2], 0.0, 1.0)))
+    theta_o = np.degrees(np.arccos(np.clip(m.wo[:, 2], 0.0, 1.0)))
+    turn = np.arctan2(m.wo[:, 1], m.wo[:, 0]) - np.arctan2(m.wi[:, 1], m.wi[:, 0])
+    aside = np.abs(np.sin(turn)) * np.sin(np.radians(theta_o)) * min(1.0, angle / _NEAR_DEG)
+    near = np.flatnonzero((np.abs(theta_i - angle) < _NEAR_DEG) & (aside < np.sin(np.radians(_NEAR_DEG))))
+    sign = np.where(np.cos(turn[near]) > 0.0, -1.0, 1.0)
+    return near, sign * theta_o[near]
+
+
+def _lobe(figure, axis, angle: float, evaluator: Evaluator) -> None:
+    """f cos over the hemisphere of views, seen from above."""
+    x, y = np.meshgrid(*2 * [np.linspace(-0.999, 0.999, _LOBE_CELLS)])
+    z2 = 1.0 - x * x - y * y
+    inside = z2 > 0.01
+    wo = np.stack([x[inside], y[inside], np.sqrt(z2[inside])], axis=-1)
+    wi = np.broadcast_to(spherical(np.radians(angle), np.pi), wo.shape)
+    values = np.full(x.shape, np.nan)
+    values[inside] = np.log10(np.maximum(np.mean(evaluator(wi, wo), axis=1) * wo[:, 2], 1e-6))
+    top = float(np.nanmax(values))
+    image = axis.imshow(values, origin="lower", extent=(-1, 1, -1, 1), cmap="viridis", vmin=top - 2.0, vmax=top)
+    axis.set_title(f"fit: log10 f cos, light at {angle:g}° from the left", fontsize=8)
+    axis.set_axis_off()
+    figure.colorbar(image, ax=axis, shrink=0.8).ax.tick_params(labelsize=6)
+
+
+def _residual_maps(figure, grid, measurement, fit, evaluator) -> None:
+    """Mean residual by half and difference angle, by view and light angle, and the errors per region."""
+    m = measurement.subset(np.arange(0, len(measurement.f), max(1, len(measurement.f) // 6000)))
+    metric = Metric(m, fit.metric.kind)
+    f = evaluator(m.wi, m.wo)
+    residual = np.mean(metric.residual(f), axis=1)
+    theta_h, theta_d, _ = (np.degrees(a) for a in half_angles(m.wi, m.wo))
+    limit = max(float(np.quantile(np.abs(residual), 0.95)), 1e-3)
+    pairs = (("half angle", theta_h, "difference angle", theta_d),
+             ("light angle", np.degrees(np.arccos(m.wi[:, 2])), "view angle", np.degrees(np.arccos(m.wo[:, 2]))))
+    for column, (x_name, x, y_name, y) in enumerate(pairs):
+        axis = figure.add_subplot(grid[3, column])
+        edges = np.linspace(0.0, 90.0, 19)
+        count, *_ = np.histogram2d(x, y, (edges, edges))
+        total, *_ = np.histogram2d(x, y, (edges, edges), weights=residual)
+        mean = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+        image = axis.imshow(mean.T, origin="lower", extent=(0, 90, 0, 90), cmap="RdBu_r", vmin=-limit, vmax=limit, aspect="auto")
+        style(axis, "mean residual (fit above data: red)", f"{x_name} (degrees)", f"{y_name} (degrees)", legend=False)
+        figure.colorbar(image, ax=axis).ax.tick_params(labelsize=6)
+    axis = figure.add_subplot(grid[3, 2])
+    bands = metric.bands(f)
+    axis.barh(list(bands), [100.0 * v for v in bands.values()], color="tab:gray")
+    axis.invert_yaxis()
+    style(axis, "error per region", "RMS residual (%)", "", legend=False)

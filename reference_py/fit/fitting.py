@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The fit of one structure to one measurement.
+
+Guesses are improved on the stand-in of a slow model (`forward`), then the model itself is asked: the stand-in plus what
+it lacks at the last point is fitted (Bandler et al. 2004, "Space Mapping: The State of the Art"), where what it lacks is kept as a linear
+function that every evaluation corrects by one rank (Broyden 1965, "A Class of Methods for Solving Nonlinear
+Simultaneous Equations"). So the truth is evaluated about once per step.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from ..stack import Stack
+from .forward import DEFAULT_MODEL, Forward, require_fittable, stand_in
+from .measurement import Measurement, subsample
+from .metric import Metric, rms
+from .parameters import Parameters, Structure
+from .solve import Solution, least_squares
+from .starts import best_starts
+
+SAMPLES, STARTS, STEPS = 500, 4, 14
+_ROUGH_SAMPLES, _ROUGH_STEPS, _ROUGH_TOLERANCE = 200, 20, 3e-3
+_DIRECT_STEPS, _CORRECTED_STEPS = 60, 8
+# Trust region of the first corrected step, in coordinates, and the least move that counts.
+_RADIUS, _STILL, _LEAST_RADIUS = 0.25, 2e-5, 1e-3
+# A step that gains less than this part of the error is idle; so many in a row are enough.
+_SETTLED, _PATIENCE = 1e-2, 2
+# Good enough, as a residual: an order below the accuracy of `adding`.
+_EXACT = 3e-4
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A stack, how far it is from the data, and how well they determine it. `x` (p,) is in coordinates of the parameters."""
+
+    model: str
+    parameters: Parameters
+    metric: Metric
+    x: np.ndarray
+    residual: np.ndarray
+    jacobian: np.ndarray
+    evaluations: int
+    lack: np.ndarray
+    """What the stand-in lacks here, (m,)."""
+
+    @property
+    def error(self) -> float:
+        """RMS residual on the data that were fitted."""
+        return rms(self.residual)
+
+    @property
+    def structure(self) -> Structure:
+        return self.parameters.structure
+
+    @property
+    def count(self) -> int:
+        """Number of parameters."""
+        return self.parameters.size
+
+    @property
+    def stack(self) -> Stack:
+        source = self.metric.measurement.source
+        text = f"Fitted to {source}: error {100.0 * self.error:.2g} % of model {self.model}"
+        return self.parameters.stack(self.x, self.structure.name.capitalize(), text)
+
+
+def subsampled(measurement: Measurement, samples: int = SAMPLES, seed: int = 0) -> Metric:
+    """The metric on at most `samples` pairs."""
+    return Metric(subsample(measurement, samples, np.random.default_rng(seed)))
+
+
+def rough_fits(
+    metric: Metric, structure: Structure, model: str, starts: int, rng: np.random.Generator,
+    known: Sequence[tuple[Parameters, np.ndarray, int]] = (),
+) -> list[Solution]:
+    """Fits of the stand-in from several starts, best first; see `best_starts`."""
+    few = Metric(subsample(metric.measurement, _ROUGH_SAMPLES, rng), metric.kind)
+    forward, _ = stand_in(model, Parameters(structure, metric.measurement.channels), few)
+    found = [_solved(forward, x) for x in best_starts(forward, starts, rng, known)]
+    return sorted(found, key=lambda s: s.cost)
+
+
+def _solved(forward: Forward, x: np.ndarray, tolerance: float = _ROUGH_TOLERANCE, steps: int = _ROUGH_STEPS) -> Solution:
+    zero, one = np.zeros(len(x)), np.ones(len(x))
+    return least_squares(forward.residual, forward.jacobian, x, zero, one, steps, tolerance)
+
+
+def refined(
+    metric: Metric, structure: Structure, model: str, x: np.ndarray, steps: int = STEPS, progress: Progress | None = None,
+    options: Mapping = MappingProxyType({}),
+) -> Fit:
+    """The fit of the model itself, begun at coordinates (p,); `options` are those of a slow model, such as `QUICK`."""
+    parameters = Parameters(structure, metric.measurement.channels)
+    coarse, is_other = stand_in(model, parameters, metric)
+    if not is_other:
+        solved = _solved(coarse, x, 1e-6, _DIRECT_STEPS)
+        return Fit(model, parameters, metric, solved.x, solved.residual, solved.jacobian, solved.steps, np.zeros(len(solved.residual)))
+    fine = Forward(model, tuple(options.items()), parameters, metric)
+    size, radius = parameters.size, _RADIUS
+    at, value, base = x, fine.compressed(x), coarse.compressed(x)
+    target = metric.compressed(metric.measurement.f).ravel()
+    lacks = np.zeros((len(value), size))
+    evaluations, idle = 1, 0
+    for step in range(steps):
+        lack = value - base
+        solved = corrected(coarse, lack, lacks, at, radius, target)
+        moved = solved.x - at
+        if np.max(np.abs(moved)) < _STILL:
+            break
+        new, new_base = fine.compressed(solved.x), coarse.compressed(solved.x)
+        evaluations += 1
+        change = (new - new_base) - lack - lacks @ moved
+        lacks = lacks + np.outer(change, moved) / (moved @ moved)
+        before, after = rms(value - target), rms(new - target)
+        if after < before:
+            at, value, base = solved.x, new, new_base
+            radius = min(2.0 * radius, 0.5)
+            idle = 0 if before - after > _SETTLED * before else idle + 1
+            if after < _EXACT:
+                break
+        else:
+            radius = 0.4 * float(np.max(np.abs(moved)))
+            # a step too far is no sign of the end; one that changes nothing is
+            idle += after - before < _SETTLED * before
+        if idle == _PATIENCE or radius < _LEAST_RADIUS:
+            break
+        if progress is not None:
+            progress((step + 1) / steps)
+    # the stand-in's own derivatives: updates of one rank say nothing of directions that were not taken
+    return Fit(model, parameters, metric, at, value - target, coarse.jacobian(at), evaluations, value - base)
+
+
+def corrected(coarse: Forward, lack: np.ndarray, lacks: np.ndarray, at: np.ndarray, radius: float, target: np.ndarray) -> Solution:
+    """Fit of the stand-in plus `lack` (m,) at coordinates `at` (p,), which changes by `lacks` (m, p), near them."""
+    return least_squares(
+        lambda y: coarse.compressed(y) + lack + lacks @ (y - at) - target,
+        lambda y, r: coarse.jacobian(y) + lacks,
+        at, np.maximum(at - radius, 0.0), np.minimum(at + radius, 1.0), _CORRECTED_STEPS, 1e-5,
+    )  # fmt: skip
+
+
+def fit_structure(
+    measurement: Measurement, structure: Structure, model: str = DEFAULT_MODEL, samples: int = SAMPLES, starts: int = STARTS,
+    seed: int = 0, progress: Progress | None = None,
+    options: Mapping = MappingProxyType({}),
+) -> Fit:
+    """The best stack of one structure; `options` as in `refined`. Raises LaminaError for a model that cannot be fitted."""
+    require_fittable(model)
+    metric = subsampled(measurement, samples, seed)
+    rough = rough_fits(metric, structure, model, starts, np.random.default_rng(seed))
+    return refined(metric, structure, model, rough[0].x, STEPS, progress, options)

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which values of a stack are free, and how a vector in the unit cube becomes a stack.
+
+Kinds, names and bounds come from the schema. Not free are `thickness`, since only tint ** thickness matters, and the
+ways to give a metal other than by its colors. Colors and tints are the squares of their coordinates, as dark ones
+matter like bright ones once f is compressed.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import LaminaError
+from ..schema import COLOR, DIELECTRIC, SCHEMA, Kind, Parameter
+from ..stack import Stack
+
+BASES = tuple(SCHEMA.bases)
+_METAL_BY = ("reflectance", "edge_color")
+_FIXED = ("thickness",)
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Count of dielectric layers, kind of base, and the distribution of every surface that has one, from the top."""
+
+    layers: int
+    base: str
+    distributions: tuple[str, ...]
+
+    @classmethod
+    def of(cls, layers: int, base: str, distribution: str = "ggx") -> "Structure":
+        """All surfaces alike. Raises LaminaError on an unknown base."""
+        kind = SCHEMA.base(base, "fit")
+        surfaces = layers + any(p.name == "distribution" for p in kind.parameters)
+        return cls(layers, base, (distribution,) * surfaces)
+
+    @property
+    def name(self) -> str:
+        return f"{self.layers} layer{'s' * (self.layers != 1)} over {self.base}"
+
+
+@dataclass(frozen=True)
+class Group:
+    """One parameter of one element. A color has a coordinate per channel, each of which moves that channel alone."""
+
+    where: str
+    parameter: Parameter
+    index: tuple[int, ...]
+
+    @property
+    def is_color(self) -> bool:
+        return self.parameter.type == COLOR
+
+    @property
+    def name(self) -> str:
+        return f"{self.parameter.name} of {self.where}"
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """The free values of a structure; `channels` is 3, or 1 for grey data."""
+
+    structure: Structure
+    channels: int
+
+    @cached_property
+    def groups(self) -> tuple[Group, ...]:
+        s = self.structure
+        elements = [(f"layer {i}", DIELECTRIC) for i in range(s.layers)] + [("the base", SCHEMA.bases[s.base])]
+        groups, start = [], 0
+        for where, kind in elements:
+            for parameter in _free(kind):
+                size = self.channels if parameter.type == COLOR else 1
+                groups.append(Group(where, parameter, tuple(range(start, start + size))))
+                start += size
+        return tuple(groups)
+
+    @property
+    def size(self) -> int:
+        return self.groups[-1].index[-1] + 1
+
+    @property
+    def names(self) -> list[str]:
+        """One name per coordinate."""
+        color = ("red", "green", "blue") if self.channels == 3 else ("",)
+        return [f"{c} {g.name}".strip() if g.is_color else g.name for g in self.groups
+                for c in (color if g.is_color else ("",))]
+
+    def values(self, x: np.ndarray) -> np.ndarray:
+        """(p,) values in the schema's units of coordinates (p,) in 0 to 1."""
+        out = np.empty(len(x))
+        for g in self.groups:
+            u, p = x[list(g.index)], g.parameter
+            out[list(g.index)] = p.minimum + (p.maximum - p.minimum) * (np.square(u) if g.is_color else u)
+        return out
+
+    def slopes(self, x: np.ndarray) -> np.ndarray:
+        """(p,) derivative of `values`."""
+        out = np.empty(len(x))
+        for g in self.groups:
+            u, p = x[list(g.index)], g.parameter
+            out[list(g.index)] = (p.maximum - p.minimum) * (2.0 * u if g.is_color else np.ones(len(u)))
+        return out
+
+    def ranges(self) -> np.ndarray:
+        """(p,) width of each value's range."""
+        return np.concatenate([[g.parameter.maximum - g.parameter.minimum] * len(g.index) for g in self.groups])
+
+    def coordinates(self, stack: Stack) -> np.ndarray:
+        """The vector (p,) of a stack of this structure; the inverse of `stack`."""
+        elements = {f"layer {i}": e for i, e in enumerate(stack.layers)} | {"the base": stack.base}
+        x = np.empty(self.size)
+        for g in self.groups:
+            p = g.parameter
+            if p.name not in elements[g.where]:
+                raise LaminaError(f"fit: {g.where} has no {p.name}")
+            value = np.atleast_1d(elements[g.where][p.name])[: len(g.index)]
+            u = (value - p.minimum) / (p.maximum - p.minimum)
+            x[list(g.index)] = np.sqrt(u) if g.is_color else u
+        return x
+
+    def stack(self, x: np.ndarray, name: str = "", source: str = "") -> Stack:
+        """The stack at coordinates (p,)."""
+        s, values = self.structure, self.values(np.clip(x, 0.0, 1.0))
+        elements = [{"kind": DIELECTRIC.name} for _ in range(s.layers)] + [{"kind": s.base}]
+        for element, distribution in zip(elements, s.distributions):
+            element["distribution"] = distribution
+        for g in self.groups:
+            here = elements[-1] if g.where == "the base" else elements[int(g.where.split()[1])]
+            value = values[list(g.index)].tolist()
+            here[g.parameter.name] = (value if self.channels == 3 else value * 3) if g.is_color else value[0]
+        return Stack.from_dict({"name": name, "source": source, "layers": elements[:-1], "base": elements[-1]}, "fit")
+
+
+def _free(kind: Kind) -> list[Parameter]:
+    other = {name for group in kind.alternatives if group != _METAL_BY for name in group}
+    return [p for p in kind.parameters if not p.is_structural and p.name not in other and p.name not in _FIXED]

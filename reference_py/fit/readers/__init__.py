@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Readers: each turns one kind of file into a `Measurement`, or says in one line what is wrong with the file."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from ...errors import LaminaError
+from ..measurement import Measurement
+from . import merl, rgl, table
+
+_BY_SUFFIX: dict[str, Callable[[Path, float | None], Measurement]] = {
+    ".binary": merl.read, ".bsdf": rgl.read, ".csv": table.read, ".txt": table.read,
+}
+SUFFIXES = tuple(_BY_SUFFIX)
+
+
+def read(path: str | os.PathLike, wavelength_nm: float | None = None) -> Measurement:
+    """Read a measurement, by its suffix: .binary (MERL), .bsdf (RGL), .csv or .txt (a table).
+
+    With `wavelength_nm` it has one channel. Raises LaminaError.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in _BY_SUFFIX:
+        raise LaminaError(f"{path}: unknown kind of measurement {path.suffix!r}; choose .binary (MERL), .bsdf (RGL), .csv or .txt (table)")
+    try:
+        return _BY_SUFFIX[path.suffix.lower()](path, wavelength_nm)
+    except OSError as error:
+        raise LaminaError(f"{path}: cannot read the measurement: {error.strerror or error}") from None

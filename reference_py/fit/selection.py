@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How many layers, over which base: the fewest that the data support.
+
+Structures are judged by the Bayesian information criterion (Schwarz 1978, "Estimating the Dimension of a Model"),
+n log(error^2) + p log(n). n counts pairs of directions as far as their residuals are independent, since what no stack can
+say would ask for ever more layers otherwise. No error counts as less than `MODEL_ERROR`: below the model's own accuracy
+there is nothing to explain. Layers are added as long as the criterion falls; the first that it does not ask for is fitted
+too, to say what it gains.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..errors import LaminaError
+from ..schema import DIELECTRIC
+from .certainty import MODEL_ERROR, independent_pairs
+from .fitting import SAMPLES, Fit, Progress, corrected, refined, rough_fits, subsampled
+from .forward import DEFAULT_MODEL, QUICK, require_fittable, stand_in
+from .measurement import Measurement
+from .metric import Metric
+from .parameters import BASES, Parameters, Structure
+
+AUTO = "auto"
+DISTRIBUTIONS = DIELECTRIC.parameter("distribution").choices
+MOST_LAYERS, LEAST_SAMPLES = 8, 50
+_AUTO_LAYERS = 3
+_LOOK_STEPS, _STARTS, _MORE_STARTS = 1, 3, 2
+# Bases whose squared rough error is so many times the best's so far are not looked at more closely.
+_FAR = 6.0
+# Bases whose error is so many times the best's are not looked at under more layers.
+_HOPELESS = 1.5
+# Part of the cost below which another distribution, judged by the stand-in, is worth a fit.
+_BETTER = 0.93
+# A fit above this error explains too little to be called one.
+UNEXPLAINED = 0.25
+
+Report = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Selection:
+    """The chosen fit, the best fit of every count of layers that was tried, and why."""
+
+    best: Fit
+    tried: tuple[Fit, ...]
+    reason: str
+
+
+def criterion(fit: Fit, against: Fit | None = None) -> float:
+    """Bayesian information criterion of a fit, less is better; with the count of independent residuals of `against`."""
+    independent = independent_pairs(against or fit)
+    return independent * float(np.log(fit.error**2 + MODEL_ERROR**2)) + fit.count * float(np.log(independent))
+
+
+def supported(more: Fit, less: Fit) -> bool:
+    """Whether the data ask for the larger of two fits."""
+    return criterion(more) < criterion(less, more)
+
+
+def select(
+    measurement: Measurement, layers: int | str = AUTO, base: str = AUTO, model: str = DEFAULT_MODEL, samples: int = SAMPLES,
+    seed: int = 0, progress: Progress | None = None, report: Report | None = None,
+) -> Selection:
+    """Fit a measurement. `layers` and `base` are chosen where they are "auto".
+
+    `progress` gets the share that is done, `report` sentences. Raises LaminaError on a bad choice.
+    """
+    require_fittable(model)
+    if layers != AUTO and not (isinstance(layers, int) and 0 <= layers <= MOST_LAYERS):
+        raise LaminaError(f"layers {layers!r}: choose {AUTO} or 0 to {MOST_LAYERS}")
+    if base not in (AUTO, *BASES):
+        raise LaminaError(f"unknown base {base!r}; choose {AUTO}, {', '.join(BASES)}")
+    if samples < LEAST_SAMPLES:
+        raise LaminaError(f"samples {samples}: choose at least {LEAST_SAMPLES}")
+    if len(measurement.f) < LEAST_SAMPLES:
+        raise LaminaError(f"{measurement.source}: {len(measurement.f)} pairs of directions are too few to fit; at least {LEAST_SAMPLES}")
+    search = _Search(subsampled(measurement, samples, seed), model, np.random.default_rng(seed))
+    say, done = report or (lambda text: None), progress or (lambda share: None)
+    last = _AUTO_LAYERS if layers == AUTO else layers
+    bases = BASES if base == AUTO else (base,)
+    # few layers that were not asked for are fitted as well: more are found from them
+    tried: list[Fit] = []
+    for count in range(last + 1):
+        found = search.look(count, bases)
+        bases = search.promising(count, found, bases)
+        quick = min(found.values(), key=lambda fit: criterion(fit, tried[-1] if tried else None))
+        # counts of layers are compared by the model itself, as what its quick settings lack could pass for a layer
+        tried.append(search.refined(quick) if layers in (AUTO, count) else quick)
+        done((count + 1) / (last + 2))
+        say(f"{tried[-1].structure.name}: error {100.0 * tried[-1].error:.2g} %")
+        if layers == AUTO and count and not supported(tried[-1], tried[-2]):
+            break
+    chosen = tried[-1]
+    if layers == AUTO and len(tried) > 1 and not supported(tried[-1], tried[-2]):
+        chosen = tried[-2]
+    best = search.with_best_surfaces(chosen)
+    done(1.0)
+    tried = [best if fit is chosen else fit for fit in tried]
+    return Selection(best, tuple(tried), _reason(best, tried, layers))
+
+
+@dataclass
+class _Search:
+    """Fits of growing structures, each begun from those before."""
+
+    metric: Metric
+    model: str
+    rng: np.random.Generator
+
+    def __post_init__(self):
+        self._by_base: dict[str, Fit] = {}
+
+    def look(self, count: int, bases: tuple[str, ...]) -> dict[str, Fit]:
+        """Quick fits by base, under `count` layers."""
+        before, self._by_base, rough = self._by_base, {}, {}
+        for base in bases:
+            known = []
+            if base in before:
+                old = before[base]
+                known += [(old.parameters, old.x, 0), (old.parameters, old.x, 1)]
+            if base == "oren_nayar" and "lambert" in self._by_base:
+                known.append((self._by_base["lambert"].parameters, self._by_base["lambert"].x, 0))
+            options = []
+            for distributions in _surfaces(count, base, before.get(base)):
+                structure = Structure(count, base, distributions)
+                found = rough_fits(self.metric, structure, self.model, _STARTS if not known else _MORE_STARTS, self.rng, known)[0]
+                options.append((found.cost, structure, found.x))
+            rough[base] = min(options, key=lambda option: option[0])
+            least = min(option[0] for option in rough.values())
+            if rough[base][0] <= _FAR * least or len(bases) == 1:
+                _, structure, x = rough[base]
+                self._by_base[base] = refined(self.metric, structure, self.model, x, _LOOK_STEPS, options=QUICK.get(self.model, {}))
+        return self._by_base
+
+    def refined(self, fit: Fit) -> Fit:
+        """A quick fit at the model's own settings; more layers begin from it."""
+        fit = refined(self.metric, fit.structure, self.model, fit.x)
+        self._by_base[fit.structure.base] = fit
+        return fit
+
+    @staticmethod
+    def promising(count: int, found: dict[str, Fit], bases: tuple[str, ...]) -> tuple[str, ...]:
+        """The bases worth more layers; without layers nothing is told yet about what would be below them."""
+        if not count:
+            return bases
+        least = min(fit.error for fit in found.values())
+        return tuple(base for base in found if found[base].error <= _HOPELESS * least)
+
+    def with_best_surfaces(self, fit: Fit) -> Fit:
+        """The fit, or that with another distribution of one surface after the other where that comes closer."""
+        if fit.error < 2.0 * MODEL_ERROR:
+            return fit
+        for i, kind in enumerate(fit.structure.distributions):
+            other = tuple(_other(k) if j == i else k for j, k in enumerate(fit.structure.distributions))
+            structure = replace(fit.structure, distributions=other)
+            coarse, _ = stand_in(self.model, Parameters(structure, fit.parameters.channels), self.metric)
+            target = self.metric.compressed(self.metric.measurement.f).ravel()
+            guess = corrected(coarse, fit.lack, np.zeros(fit.jacobian.shape), fit.x, 0.3, target)
+            if guess.cost < _BETTER * float(fit.residual @ fit.residual):
+                trial = refined(self.metric, structure, self.model, guess.x)
+                fit = min(fit, trial, key=lambda f: f.error)
+        return fit
+
+
+def _surfaces(count: int, base: str, before: Fit | None) -> list[tuple[str, ...]]:
+    """Distributions worth a try: what fewer layers have, with either on top; all alike where nothing is known."""
+    alike = [Structure.of(count, base, kind).distributions for kind in DISTRIBUTIONS]
+    if before is None or before.structure.layers != count - 1:
+        return sorted(set(alike))
+    return sorted({(kind, *before.structure.distributions)[: len(alike[0])] for kind in DISTRIBUTIONS})
+
+
+def _other(kind: str) -> str:
+    return next(k for k in DISTRIBUTIONS if k != kind)
+
+
+def _reason(best: Fit, tried: list[Fit], layers) -> str:
+    if layers != AUTO:
+        return "as many layers as asked for"
+    more = next((f for f in tried if f.structure.layers == best.structure.layers + 1), None)
+    if more is None:
+        return f"the most layers that auto tries; choose --layers {best.structure.layers + 1} for more"
+    change = criterion(more) - criterion(best, more)
+    return (f"one more layer would bring the error from {100.0 * best.error:.2g} to {100.0 * more.error:.2g} % with "
+            f"{more.count - best.count:+d} parameters: the criterion rises by {change:.0f}")

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bounded nonlinear least squares: Levenberg and Marquardt with an active set, in numpy.
+
+Blender's Python has no scipy, and the operator has to work there, so this is the one solver; a test holds it against
+`scipy.optimize.least_squares`. Damping follows Nielsen 1999, "Damping Parameter in Marquardt's Method".
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Solution:
+    """`x` (p,), residual (m,) and Jacobian (m, p) there, and the count of steps."""
+
+    x: np.ndarray
+    residual: np.ndarray
+    jacobian: np.ndarray
+    steps: int
+
+    @property
+    def cost(self) -> float:
+        return float(self.residual @ self.residual)
+
+
+def least_squares(
+    residual: Callable[[np.ndarray], np.ndarray],
+    jacobian: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    start: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    steps: int = 60,
+    tolerance: float = 1e-7,
+) -> Solution:
+    """Minimise |residual(x)|^2 for low <= x <= high.
+
+    residual: x (p,) to (m,); jacobian: (x, residual(x)) to (m, p). Stops after `steps` trials or when cost or x move less
+    than `tolerance` (relative, and absolute).
+    """
+    x = np.clip(start, low, high)
+    r = residual(x)
+    j = jacobian(x, r)
+    damping, growth, cost = 1e-3, 2.0, float(r @ r)
+    for step in range(steps):
+        gradient = j.T @ r
+        free = ~(((x <= low) & (gradient > 0.0)) | ((x >= high) & (gradient < 0.0)))
+        if not free.any() or cost == 0.0:
+            break
+        normal = j[:, free].T @ j[:, free]
+        scale = np.maximum(np.diagonal(normal), 1e-9 * max(float(np.max(np.diagonal(normal))), 1e-30))
+        move = np.zeros(len(x))
+        move[free] = -np.linalg.solve(normal + damping * np.diag(scale), gradient[free])
+        trial = np.clip(x + move, low, high)
+        moved = trial - x
+        new = residual(trial)
+        new_cost = float(new @ new)
+        expected = -float(2.0 * gradient @ moved + np.sum(np.square(j @ moved)))
+        if np.max(np.abs(moved)) < tolerance:
+            break
+        if new_cost < cost:
+            settled = cost - new_cost < tolerance * cost
+            gain = (cost - new_cost) / expected if expected > 0.0 else 0.0
+            x, r, cost = trial, new, new_cost
+            damping, growth = damping * max(1.0 / 3.0, 1.0 - (2.0 * gain - 1.0) ** 3), 2.0
+            j = jacobian(x, r)
+            if settled:
+                break
+        else:
+            damping, growth = damping * growth, 2.0 * growth
+            if damping > 1e12:
+                break
+    return Solution(x, r, j, step + 1 if steps else 0)

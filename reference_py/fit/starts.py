@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the search begins: many guesses are looked at, few are followed."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .metric import rms
+from .forward import Forward
+from .parameters import Parameters
+
+# Usual values in the schema's units, between which guesses lie; a diffuse color comes from the data.
+_USUAL = {
+    "ior": (1.2, 2.0), "roughness": (0.1, 0.8), "tint": (0.4, 1.0), "reflectance": (0.3, 0.95), "edge_color": (0.3, 1.0),
+    "sigma_deg": (5.0, 40.0), "color": (0.5, 1.8),
+}
+_GUESSES, _SAME = 32, 0.06
+
+
+def best_starts(
+    forward: Forward, count: int, rng: np.random.Generator, known: Sequence[tuple[Parameters, np.ndarray, int]] = ()
+) -> list[np.ndarray]:
+    """The `count` guesses (p,) of least error that are not alike, best first.
+
+    `known`: parameters and coordinates of simpler fits, and the number of layers to put on top of them; what they know is
+    taken over into as many guesses again, each.
+    """
+    parameters = forward.parameters
+    diffuse = np.clip(np.pi * np.median(forward.metric.measurement.f, axis=0), 1e-3, 0.9)
+    guesses = [_guess(parameters, diffuse, rng) for _ in range(_GUESSES)]
+    for old, x, above in known:
+        guesses += [_carried(old, x, above, parameters, _guess(parameters, diffuse, rng)) for _ in range(_GUESSES // 2)]
+    errors = [rms(forward.residual(x)) for x in guesses]
+    chosen: list[np.ndarray] = []
+    for i in np.argsort(errors):
+        if all(np.sqrt(np.mean(np.square(guesses[i] - other))) > _SAME for other in chosen):
+            chosen.append(guesses[i])
+        if len(chosen) == count:
+            break
+    return chosen
+
+
+def _carried(old: Parameters, x: np.ndarray, above: int, new: Parameters, guess: np.ndarray) -> np.ndarray:
+    """`guess` with the values of a simpler fit, whose layers lie below `above` new ones."""
+    places = {(g.where, g.parameter.name): list(g.index) for g in new.groups}
+    for g in old.groups:
+        where = g.where if g.where == "the base" else f"layer {int(g.where.split()[1]) + above}"
+        if (where, g.parameter.name) in places:
+            guess[places[where, g.parameter.name]] = x[list(g.index)]
+    return guess
+
+
+def _guess(parameters: Parameters, diffuse: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    x = np.empty(parameters.size)
+    for g in parameters.groups:
+        p = g.parameter
+        low, high = _USUAL[p.name]
+        value = low + (high - low) * rng.random()
+        value = np.clip(value * diffuse if p.name == "color" else np.full(len(g.index), value), p.minimum, p.maximum)
+        u = (value - p.minimum) / (p.maximum - p.minimum)
+        x[list(g.index)] = np.sqrt(u) if g.is_color else u
+    return x

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From samples of a stack to the stack: solver, selection, what is determined, and the models that we compare with."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.measured import paint
+
+from lamina.reference_py import presets
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.fit import fit_structure, select
+from lamina.reference_py.fit.certainty import certainty, independent_pairs
+from lamina.reference_py.fit.dense import evaluate_all
+from lamina.reference_py.fit.fitting import subsampled
+from lamina.reference_py.fit.measurement import checked, spread_pairs
+from lamina.reference_py.fit.metric import Metric, shape_error
+from lamina.reference_py.fit.outcome import outcome
+from lamina.reference_py.fit.parameters import Parameters, Structure
+from lamina.reference_py.fit.peers import PEER_MODELS, fit_peer
+from lamina.reference_py.fit.readers.sampled import sample_model
+from lamina.reference_py.fit.solve import least_squares
+from lamina.reference_py.fit.study import random_stack, random_structure, recovery
+from lamina.reference_py.models import make_model
+from lamina.reference_py.stack import Stack
+
+COATED = Stack.from_dict({
+    "layers": [{"kind": "dielectric", "ior": 1.6, "roughness": 0.45, "tint": [0.9, 0.6, 0.5]}],
+    "base": {"kind": "lambert", "color": [0.3, 0.5, 0.7]},
+})
+
+
+def differences(residual):
+    def jacobian(x, r):
+        return np.stack([(residual(x + h) - residual(x - h)) / 2e-6 for h in 1e-6 * np.eye(len(x))], axis=1)
+
+    return jacobian
+
+
+T = np.linspace(0.0, 4.0, 60)
+WAVE = 2.0 * np.exp(-0.7 * T) * np.cos(3.0 * T) + 0.02 * np.sin(17.0 * T)
+PROBLEMS = {
+    "rosenbrock": (lambda x: np.array([10.0 * (x[1] - x[0] ** 2), 1.0 - x[0]]), [-1.2, 1.0], [-2.0, -2.0], [2.0, 2.0]),
+    "rosenbrock at a bound": (lambda x: np.array([10.0 * (x[1] - x[0] ** 2), 1.0 - x[0]]), [-1.2, 1.0], [-2.0, 1.5], [2.0, 2.0]),
+    "a wave": (lambda x: x[0] * np.exp(-x[1] * T) * np.cos(x[2] * T) - WAVE, [1.0, 0.3, 2.6], [0.0] * 3, [5.0] * 3),
+    "a wave at a bound": (lambda x: x[0] * np.exp(-x[1] * T) * np.cos(x[2] * T) - WAVE, [1.0, 0.2, 2.6], [0.0] * 3, [5.0, 0.4, 5.0]),
+    "one value says nothing": (lambda x: np.array([x[0] - 0.3, 2.0 * x[0] - 0.7, 0.0 * x[1]]), [0.9, 0.4], [0.0] * 2, [1.0] * 2),
+}
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_the_solver_ends_where_scipy_does(name):
+    optimize = pytest.importorskip("scipy.optimize")
+    residual, start, low, high = PROBLEMS[name]
+    start, low, high = np.array(start), np.array(low), np.array(high)
+    ours = least_squares(residual, differences(residual), start, low, high, 300, 1e-12)
+    theirs = optimize.least_squares(residual, np.clip(start, low + 1e-9, high - 1e-9), bounds=(low, high), xtol=1e-12, ftol=1e-12)
+    assert ours.cost <= 2.0 * theirs.cost * (1.0 + 1e-5) + 1e-12
+    assert np.all((ours.x >= low) & (ours.x <= high))
+
+
+def test_coordinates_are_the_inverse_of_the_stack():
+    for number in range(5):
+        structure = random_structure(2, number)
+        stack = random_stack(structure, np.random.default_rng(number))
+        parameters = Parameters(structure, 3)
+        again = parameters.stack(parameters.coordinates(stack))
+        assert parameters.coordinates(again) == pytest.approx(parameters.coordinates(stack))
+        assert [e.kind for e in again.layers] == [e.kind for e in stack.layers] and again.base.kind == stack.base.kind
+        # the ends of the cube are the schema's bounds: Stack checks them
+        for x in (np.zeros(parameters.size), np.ones(parameters.size)):
+            parameters.stack(x)
+
+
+def test_the_papers_model_is_found_again_exactly():
+    data = sample_model("weidlich_wilkie", COATED, pairs=800)
+    fit = fit_structure(data, Structure.of(1, "lambert"), "weidlich_wilkie")
+    assert fit.error < 1e-4
+    assert fit.stack.layers[0]["ior"] == pytest.approx(1.6, abs=2e-3)
+    assert fit.stack.layers[0]["roughness"] == pytest.approx(0.45, abs=1e-3)
+
+
+def test_the_truth_is_found_again():
+    structure = random_structure(1, 0)
+    stack = random_stack(structure, np.random.default_rng(0))
+    clean, _ = recovery(stack, structure, "adding", 0.0, 0)
+    assert clean.shape < 0.01 and clean.error < 0.01 and clean.worst < 0.03 and clean.determined >= 3
+    # the truth is slow: it is asked a few times, and the closures of the tier analytic do the search
+    assert clean.evaluations <= 8
+
+
+def test_fewest_layers_that_the_data_support():
+    bare = sample_model("weidlich_wilkie", replace(COATED, layers=()), pairs=400, noise=0.05)
+    assert select(bare, base="lambert", model="weidlich_wilkie").best.structure == Structure.of(0, "lambert")
+    coated = sample_model("weidlich_wilkie", COATED, pairs=400, noise=0.05)
+    chosen = select(coated, model="weidlich_wilkie")
+    assert chosen.best.structure == Structure.of(1, "lambert")
+    assert "one more layer would bring the error from" in chosen.reason
+    # not the data's noise is fitted but what is below it
+    clean = sample_model("weidlich_wilkie", COATED, pairs=2000, seed=9)
+    f = make_model("weidlich_wilkie", chosen.best.stack).f(clean.wo, clean.wi)
+    assert shape_error(f, clean.f, clean.wi[:, 2]) < 0.03
+
+
+def test_same_seed_same_stack():
+    data = sample_model("weidlich_wilkie", COATED, pairs=300)
+    stacks = [select(data, 1, "lambert", "weidlich_wilkie", 200, seed=3).best.stack for _ in range(2)]
+    assert stacks[0] == stacks[1]
+
+
+def test_what_data_do_not_determine_is_named():
+    # behind a strong tint nothing is seen of the base
+    dark = Stack.from_dict({"layers": [{"kind": "dielectric", "roughness": 0.4, "tint": [1e-4] * 3}], "base": {"kind": "lambert"}})
+    data = sample_model("weidlich_wilkie", dark, pairs=400, noise=0.02)
+    values = {v.name: v for v in certainty(fit_structure(data, Structure.of(1, "lambert"), "weidlich_wilkie"))}
+    assert values["roughness of layer 0"].determined and values["ior of layer 0"].determined
+    assert not values["red color of the base"].determined or not values["red tint of layer 0"].determined
+    assert values["roughness of layer 0"].value == pytest.approx(0.4, abs=4.0 * values["roughness of layer 0"].standard_error)
+
+
+def test_what_a_model_cannot_say_counts_less_than_noise():
+    noisy = sample_model("weidlich_wilkie", COATED, pairs=400, noise=0.05)
+    fitted = fit_structure(noisy, Structure.of(1, "lambert"), "weidlich_wilkie")
+    lacking = fit_structure(sample_model("weidlich_wilkie", COATED, pairs=400), Structure.of(0, "oren_nayar"), "weidlich_wilkie")
+    assert independent_pairs(fitted) > 0.7 * 400
+    assert independent_pairs(lacking) < 0.5 * 400
+
+
+def test_a_measurement_that_no_stack_explains():
+    wi, wo = spread_pairs(400, np.random.default_rng(0))
+    f = np.where(np.sin(25.0 * wo[:, :1]) > 0.0, 3.0, 0.01) * np.ones(3)
+    data = checked(wi, wo, f, "stripes")
+    told = outcome(data, select(data, 1, "lambert", "weidlich_wilkie"))
+    assert not told["explains"] and told["error"] > 0.5
+    good = sample_model("weidlich_wilkie", COATED, pairs=400)
+    told = outcome(good, select(good, 1, "lambert", "weidlich_wilkie"))
+    assert told["explains"] and Stack.from_dict(told["stack"]).layers
+
+
+def test_one_wavelength_gives_a_grey_stack():
+    data = sample_model("lafortune", presets.load("blue_wall_paint"), 550.0, pairs=300)
+    assert data.channels == 1
+    stack = fit_structure(data, Structure.of(1, "lambert"), "weidlich_wilkie").stack
+    assert len(set(stack.base["color"])) == 1
+
+
+def test_bad_choices_are_named():
+    data = sample_model("weidlich_wilkie", COATED, pairs=60)
+    for options, word in (({"model": "position_free"}, "adding"), ({"base": "gold"}, "conductor"), ({"layers": 9}, "0 to 8"), ({"samples": 3}, "50")):
+        with pytest.raises(LaminaError, match=word):
+            select(data, **options)
+
+
+@pytest.mark.parametrize("peer", PEER_MODELS, ids=lambda p: p.name)
+def test_peers_find_themselves(peer):
+    low, high = peer.bounds(1)
+    usual = np.array([0.5 * sum(t.usual) if t.name != "diffuse" else 0.3 for t in peer.terms])
+    if peer.name == "lafortune":
+        usual = np.array([0.3, -0.9, 0.9, 30.0, -0.4, 0.1, 3.0, 0.85, 0.8, 20.0])
+    wi, wo = spread_pairs(300, np.random.default_rng(1))
+    f = peer.f(peer.values(usual, 1), wi, wo)
+    fit = fit_peer(peer, subsampled(checked(wi, wo, f, peer.name)))
+    assert fit.count == len(low) == peer.count(1)
+    assert fit.error < 0.01
+
+
+def test_millions_of_directions_cost_little():
+    grey = COATED.layers[0].with_values(tint=(1.0,) * 3)
+    stack = replace(COATED, layers=(grey,), base=COATED.base.with_values(color=(0.5,) * 3))
+    wi, wo = spread_pairs(1000, np.random.default_rng(2))
+    exact = make_model("adding", stack).f(wo, wi)
+    many = 25
+    quick = evaluate_all("adding", stack, np.tile(wo, (many, 1)), np.tile(wi, (many, 1)))[:1000]
+    assert shape_error(quick, exact, wi[:, 2]) < 0.01
+
+
+def test_the_metric_reads_as_a_relative_error():
+    wi, wo = spread_pairs(500, np.random.default_rng(3))
+    data = checked(wi, wo, paint(wi, wo), "paint")
+    assert Metric(data).error(1.02 * data.f) == pytest.approx(0.02, rel=0.15)
+    assert Metric(data).error(data.f) == 0.0

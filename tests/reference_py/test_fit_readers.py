@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Readers give back the f that was written, in every format, and one clear line for every broken file."""
+
+import numpy as np
+import pytest
+from support import measured
+
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.fit import read
+from lamina.reference_py.fit.measurement import checked, half_angles, directions_of, spread_pairs, subsample
+from lamina.reference_py.fit.readers import rgl
+
+
+def refused(path, *words):
+    with pytest.raises(LaminaError) as told:
+        read(path)
+    text = str(told.value)
+    assert "\n" not in text and path.name in text
+    for word in words:
+        assert word in text, text
+
+
+@pytest.fixture
+def merl(tmp_path):
+    path = tmp_path / "paint.binary"
+
+    def write(data):
+        path.write_bytes(data)
+        return path
+
+    return write
+
+
+def test_half_and_difference_angles_are_inverse():
+    rng = np.random.default_rng(1)
+    wi, wo = spread_pairs(200, rng)
+    again = half_angles(*directions_of(*half_angles(wi, wo)))
+    assert np.array(again) == pytest.approx(np.array(half_angles(wi, wo)), abs=1e-7)
+
+
+def test_merl_gives_back_f(merl):
+    m = read(merl(measured.merl_bytes(measured.merl_values())))
+    assert m.f == pytest.approx(measured.paint(m.wi, m.wo), rel=1e-12)
+    assert any("20 x 20 x 40" in sentence for sentence in m.found)
+    # a light towards which nothing is masked: cells of all kinds are there
+    assert min(m.wi[:, 2].min(), m.wo[:, 2].min()) < 0.15
+
+
+def test_broken_merl_files_are_named(merl):
+    values = measured.merl_values()
+    data = measured.merl_bytes(values)
+    refused(merl(data[:-800]), "truncated", "48000")
+    refused(merl(data[:5]), "no MERL file")
+    refused(merl(measured.merl_bytes(values, ">")), "byte order")
+    refused(merl(data[:12] + values.astype(">f8").tobytes()), "byte order")
+    refused(merl(measured.merl_bytes(values.transpose(0, 3, 2, 1))), "axes are swapped", "theta_h, theta_d, phi_d")
+    refused(merl(data[:12] + values.transpose(0, 2, 1, 3).tobytes()), "axes are swapped", "theta_d, theta_h, phi_d")
+    refused(merl(data[:12] + values.transpose(0, 3, 1, 2).tobytes()), "axes are swapped", "phi_d, theta_h, theta_d")
+    refused(merl(measured.merl_bytes(0.0 * values)), "black")
+    refused(merl(b"\x07\0\0\0" * 3 + data[12:]), "sizes [7, 7, 7]")
+
+
+def test_bad_values_are_left_out_and_counted(merl):
+    values = measured.merl_values()
+    above = np.flatnonzero(values[0].ravel() > 0.0)[:7]
+    flat = values.reshape(3, -1)
+    flat[0, above[:5]], flat[1, above[5:]] = -0.1, np.nan
+    m = read(merl(measured.merl_bytes(values)))
+    assert any(s.startswith("5 of") and "negative" in s for s in m.found) and any(s.startswith("2 of") and "not finite" in s for s in m.found)
+    assert np.isfinite(m.f).all() and (m.f >= 0.0).all()
+
+
+@pytest.mark.parametrize("nm", [None, [400, 500, 600, 700]], ids=["rgb", "spectra"])
+def test_rgl_gives_back_f(tmp_path, nm):
+    path = tmp_path / "paint.bsdf"
+    path.write_bytes(measured.tensor_bytes(measured.rgl_fields(wavelength_nm=nm)))
+    m = read(path)
+    assert "isotropic" in m.found[0] and "synthetic" in m.found[0]
+    exact = measured.paint(m.wi, m.wo)
+    exact = exact if nm is None else exact[:, :1] * np.ones(3)  # a flat spectrum is grey
+    inner = (m.wi[:, 2] > 0.2) & (m.wo[:, 2] > 0.2)
+    error = np.abs(m.f / exact - 1.0)[inner]
+    # what remains is linear interpolation in 9 angles of incidence
+    assert np.median(error) < 0.01 and np.quantile(error, 0.95) < 0.1
+    if nm:
+        assert read(path, 550.0).channels == 1
+        with pytest.raises(LaminaError, match="400 to 700"):
+            read(path, 900.0)
+
+
+def test_rgl_is_symmetric_where_only_a_part_of_the_azimuths_was_measured(tmp_path):
+    def brushed(wi, wo):
+        wh = wi + wo
+        return np.repeat((0.1 + np.square(wh[:, 0]) * 0.2)[:, None], 3, axis=1)
+
+    path = tmp_path / "brushed.bsdf"
+    path.write_bytes(measured.tensor_bytes(measured.rgl_fields(brushed, phis=np.linspace(-np.pi, -0.5 * np.pi, 7))))
+    material = rgl.Material.load(path)
+    wi, wo = spread_pairs(400, np.random.default_rng(2))
+    inner = (wi[:, 2] > 0.3) & (wo[:, 2] > 0.3)
+    wi, wo = wi[inner], wo[inner]
+    assert not material.is_isotropic
+    assert np.median(np.abs(material.f(wi, wo) / brushed(wi, wo) - 1.0)) < 0.02
+    flip = np.array([-1.0, 1.0, 1.0])
+    assert material.f(wi * flip, wo * flip) == pytest.approx(material.f(wi, wo), rel=1e-9)
+
+
+def test_broken_rgl_files_are_named(tmp_path):
+    path = tmp_path / "paint.bsdf"
+    fields = measured.rgl_fields(thetas=4, cells=8)
+    data = measured.tensor_bytes(fields)
+
+    def write(content):
+        path.write_bytes(content)
+        return path
+
+    refused(write(data[:-100]), "truncated")
+    refused(write(data[:30]), "truncated")
+    refused(write(b"tensor" + data), "tensor_file")
+    refused(write(data[:14] + data[14:18][::-1] + data[18:]), "byte order")
+    refused(write(measured.tensor_bytes({k: v for k, v in fields.items() if k != "vndf"})), "'vndf'", "rgb")
+    refused(write(measured.tensor_bytes({**fields, "rgb": fields["rgb"].swapaxes(1, 2).copy()})), "axes do not match")
+    refused(write(measured.tensor_bytes({**fields, "rgb": 0 * fields["rgb"]})), "black")
+    refused(write(measured.tensor_bytes({**fields, "theta_i": fields["theta_i"] * 57.3})), "radians")
+    refused(write(measured.tensor_bytes({k: v for k, v in fields.items() if k != "rgb"})), "spectra")
+
+
+def test_tables_give_back_f(tmp_path):
+    wi, wo = spread_pairs(60, np.random.default_rng(3))
+    f = measured.paint(wi, wo)
+    path = tmp_path / "paint.csv"
+    path.write_text("# measured today\n" + measured.table_text(wi, wo, f))
+    m = read(path)
+    assert m.f == pytest.approx(f, rel=1e-6) and m.wi == pytest.approx(wi, abs=1e-6)
+    path.write_text(measured.table_text(wi, wo, f[:, [0, 0]], ("500nm", "600")))
+    assert read(path, 550.0).f[:, 0] == pytest.approx(f[:, 0], rel=1e-6)
+    path.write_text(measured.table_text(wi, wo, f))
+    assert read(path, 550.0).f[:, 0] == pytest.approx(f[:, 1], rel=1e-6)
+
+
+def test_broken_tables_are_named(tmp_path):
+    path = tmp_path / "paint.csv"
+    head = "theta_i,phi_i,theta_o,phi_o,r,g,b\n"
+
+    def write(text):
+        path.write_text(text)
+        return path
+
+    refused(write("theta_i,phi_i,r,g,b\n1,2,3,4,5\n"), "theta_o, phi_o")
+    refused(write("theta_i,phi_i,theta_o,phi_o,r,b\n1,2,3,4,5,6\n"), "missing column g")
+    refused(write("theta_i,phi_i,theta_o,phi_o,r,g,haze\n1,2,3,4,5,6,7\n"), "'haze'")
+    refused(write(head + "10,0,20,0,1,1,1\n10,0,20,360,1,1,1\n"), "lines 2 and 3", "same angles")
+    refused(write(head + "10,0,20,0,1,1,1\n10,0,200,0,1,1,1\n"), "line 3", "theta_o is 200", "0 to 180")
+    refused(write(head + "10,0,20,0,1,1\n"), "line 2", "6 cells")
+    refused(write(head + "10,0,20,0,1,1,much\n"), "line 2", "'much'")
+    refused(write(head + "0.1,0,0.5,0,1,1,1\n0.3,0,1.2,0,1,1,1\n"), "radians")
+    refused(write(head + "100,0,20,0,1,1,1\n"), "below the horizon")
+    refused(write(head + "10,0,20,0,0,0,0\n"), "black")
+    refused(write(head + "10,0,20,0,-1,1,1\n20,0,20,0,nan,1,1\n"), "negative or not finite")
+    refused(write(head), "no rows")
+    refused(write(""), "no rows")
+    refused(tmp_path / "missing.csv", "No such file")
+    refused(tmp_path / "paint.exr", "'.exr'", ".binary")
+
+
+def test_subsamples_are_even_seeded_and_whole_when_there_are_few():
+    wi, wo = spread_pairs(4000, np.random.default_rng(4))
+    m = checked(wi, wo, measured.paint(wi, wo), "x")
+    few = subsample(m, 300, np.random.default_rng(5))
+    again = subsample(m, 300, np.random.default_rng(5))
+    assert len(few.f) == 300 and np.array_equal(few.f, again.f)
+    assert subsample(m, 5000, np.random.default_rng(5)) is m
+    # data that crowd at one place do not outvote the rest
+    crowded = checked(np.concatenate([wi, np.repeat(wi[:1], 9000, 0)]), np.concatenate([wo, np.repeat(wo[:1], 9000, 0)]),
+                      measured.paint(wi[:1], wo[:1]) * np.ones((13000, 3)), "x")
+    chosen = subsample(crowded, 300, np.random.default_rng(5))
+    assert np.mean(np.all(chosen.wi == wi[0], axis=1)) < 0.1
