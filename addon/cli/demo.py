@@ -1,19 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The main job in one command: all presets rendered on one page, and a table of their cost and error."""
+"""The main job in one command: presets rendered on one page, and a table of their cost and error."""
 
 import time
 from pathlib import Path
 
-import numpy as np
-
 from ...reference_py import presets
 from ...reference_py.atomic import output_folder, write_text
-from ...reference_py.network import DEFAULT_TIER, AutoNetwork
-from ...reference_py.network.judge import Judge
-from ...reference_py.network.memory import truth_of
+from ...reference_py.network import DEFAULT_TIER
+from .charts.presets import THETA_DEG, errors_of
 from .session import blender, say
 
-THETA_DEG = np.array([0.0, 30.0, 60.0, 75.0])
 COLUMNS = 5
 
 
@@ -22,7 +18,7 @@ def demo(options) -> None:
     folder = output_folder(options.output)
     sheet, table = folder / "presets.png", folder / "presets.txt"
     report = say("demo")
-    stacks = {name: presets.load(name) for name in presets.names()}
+    stacks = {name: presets.load(name) for name in (presets.names() if options.all else presets.PAPER)}
     with blender(report):
         seconds = _render(stacks, sheet, options, report)
     lines = [
@@ -30,12 +26,9 @@ def demo(options) -> None:
         f"{'preset':20} {'chosen':18} {'closures':>8} {'seconds':>8} {'albedo error':>13} {'shape error':>12}",
     ]
     for name, stack in stacks.items():
-        network = AutoNetwork(stack)
-        errors = Judge(stack, truth_of(stack), np.cos(np.radians(THETA_DEG))).errors(network)
-        lines.append(
-            f"{name:20} {network.choice.chosen.label:18} {network.lobe_count:8} {seconds[name]:8.1f}"
-            f" {100 * errors.albedo.max():11.2f} % {100 * errors.shape.max():10.1f} %"
-        )
+        errors = errors_of(stack)
+        shape = "" if errors.shape is None else f"{100 * errors.shape:.1f} %"
+        lines.append(f"{name:20} {errors.chosen:18} {errors.closures:8} {seconds[name]:8.1f} {100 * errors.albedo:11.2f} % {shape:>12}")
     text = "\n".join(lines) + "\n"
     write_text(table, text)
     print(text, end="")

@@ -29,7 +29,7 @@ def _material(stack: Stack, tier: str = "weidlich_wilkie"):
     return material, stack_of(material)
 
 
-@pytest.mark.parametrize("name", presets.names())
+@pytest.mark.parametrize("name", presets.PAPER)
 def test_render_equals_mirror(blender, name):
     material, stack = _material(presets.load(name))
     mirror = make_model("mirror", stack, tier="weidlich_wilkie")
@@ -67,7 +67,7 @@ def test_baked_coat_is_as_bright_as_the_truth(blender):
     assert measured[0, 1] == pytest.approx(0.316, abs=0.003)
 
 
-@pytest.mark.parametrize("name", presets.names())
+@pytest.mark.parametrize("name", presets.PAPER)
 def test_furnace_equals_mirror(blender, name):
     from lamina.addon.rendering.measure import render_furnace
 

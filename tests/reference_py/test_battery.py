@@ -136,7 +136,7 @@ def test_names_in_the_registry_are_the_models_own():
 @pytest.mark.parametrize("name", error.COMPARED)
 def test_the_committed_albedo_error_is_that_of_this_code(name):
     rows = {(row[0], row[1]): row[2:] for row in csv.reader(ERRORS.read_text().splitlines())}
-    assert {key for key in rows if key[0] in presets.names()} == {(p, m) for p in presets.names() for m in error.COMPARED}
+    assert {key for key in rows if key[0] in presets.PAPER} == {(p, m) for p in presets.PAPER for m in error.COMPARED}
     preset, chosen = "metallic_car_paint", np.array([0, 6, 10])
     stack, wo = presets.load(preset), spherical(np.radians(error.THETA_DEG[chosen]), 0.0)
     measured = error.worst_channel(make_subject(name, stack).albedo(wo), make_model("adding", stack).albedo(wo))

@@ -89,7 +89,7 @@ def test_tables_stay_and_lobes_without_weight_go():
     assert tabulate(TableNetwork((none,))).tables == (none,)
 
 
-@pytest.mark.parametrize("name", presets.names())
+@pytest.mark.parametrize("name", presets.PAPER)
 def test_between_knots_tables_follow_the_network(name):
     """Of the last lobe, which has no Fresnel curve: the middles of all cells, relative to the greatest weight."""
     network = make_network(presets.load(name), "weidlich_wilkie")

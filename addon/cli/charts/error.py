@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`lamina chart error`: albedo error of every model against the truth, for every surface type, by view angle.
+"""`lamina chart error`: albedo error of every model against the truth, for every surface type of the paper, by view angle.
 
 Truth is `adding` with lossless surfaces; `lamina chart suite` checks it against the walks of `position_free`.
 """
@@ -33,8 +33,8 @@ def chart(folder: Path, report: Report) -> None:
     table = folder / "error_by_angle.csv"
     require_writable(table)
     wo, errors = spherical(np.radians(THETA_DEG), 0.0), {}
-    for i, preset in enumerate(presets.names()):
-        report(f"{100 * i // len(presets.names()):3} % {preset}")
+    for i, preset in enumerate(presets.PAPER):
+        report(f"{100 * i // len(presets.PAPER):3} % {preset}")
         stack = presets.load(preset)
         exact = make_model("adding", stack).albedo(wo)
         for name in COMPARED:
@@ -52,7 +52,7 @@ def worst_channel(albedo: np.ndarray, exact: np.ndarray) -> np.ndarray:
 
 
 def _summary(name: str, errors: dict) -> list[str]:
-    names = presets.names()
+    names = presets.PAPER
     table = np.array([errors[preset, name] for preset in names])
     row, column = np.unravel_index(np.argmax(np.abs(table)), table.shape)
     steep = table[:, THETA_DEG <= 60.0]
@@ -66,7 +66,7 @@ def _draw(path: Path, errors: dict, report: Report) -> None:
     if plot is None:
         return
     figure, axes = plot.subplots(2, 5, figsize=(17, 8), layout="constrained", sharex=True, sharey=True)
-    for axis, preset in zip(axes.flat, presets.names()):
+    for axis, preset in zip(axes.flat, presets.PAPER):
         axis.axhspan(-1.0, 1.0, color="0.92", zorder=0)
         axis.axhline(0.0, color="0.5", linewidth=0.8)
         for i, name in enumerate(COMPARED):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`lamina chart network`: error of each preset's network of the paper's own tier against the paper's model, by view angle."""
+"""`lamina chart network`: error of each network of the tier weidlich_wilkie against the model of that name, for the presets of the paper, by view angle."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ def chart(folder: Path, report: Report) -> None:
     """Write network_error.csv and .png and print the table."""
     table = folder / "network_error.csv"
     require_writable(table)
-    names = presets.names()
+    names = presets.PAPER
     results = {}
     for i, name in enumerate(names):
         report(f"{100 * i // len(names):3} % {name}")

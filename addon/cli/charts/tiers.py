@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`lamina chart tiers`: how far what Cycles is told lies from the truth, for every preset and every stack of the suite."""
+"""`lamina chart tiers`: how far what Cycles is told lies from the truth, for the paper's presets and every stack of the suite."""
 
 from pathlib import Path
 
@@ -31,7 +31,7 @@ def chart(folder: Path, report: Report) -> None:
     """Write tier_errors.csv and print, for each tier, the medians and worst over all stacks."""
     table = folder / "tier_errors.csv"
     require_writable(table)
-    stacks = {name: presets.load(name) for name in presets.names()}
+    stacks = {name: presets.load(name) for name in presets.PAPER}
     stacks |= {f"suite/{name}": stack for name, stack in suite().items()}
     rows = []
     for i, (name, stack) in enumerate(stacks.items()):

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders the thumbnail of every preset, or of those named, into addon/presets. `make thumbnails` runs it."""
+
+import sys
+
+import bpy
+
+from ..addon.cli.session import blender, say
+from ..addon.preset_catalogues import thumbnail_of
+from ..addon.thumbnails import render_thumbnail
+from ..reference_py import presets
+from .materials import preset_material
+
+SAMPLES = 64
+
+
+def main() -> None:
+    report = say("thumbnails")
+    names = sys.argv[1:] or presets.names()
+    with blender(report):
+        for i, name in enumerate(names):
+            report(f"{100 * i // len(names):3} % {name}")
+            bpy.ops.wm.read_factory_settings(use_empty=True)
+            render_thumbnail(preset_material(name), thumbnail_of(name), samples=SAMPLES)
+    report(f"wrote {len(names)} pictures into {thumbnail_of('any').parent}")
+
+
+if __name__ == "__main__":
+    main()
+    import os
+
+    os._exit(0)
