@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Builds presets.blend: every preset on a ball of its own in one studio. `make blends` runs it."""
+"""Builds presets.blend: every preset of the paper on a ball of its own in one studio. `make blends` runs it."""
 
 import sys
 from pathlib import Path
@@ -28,7 +28,7 @@ def build() -> bpy.types.Scene:
     for scene in [s for s in bpy.data.scenes if s != studio.scene]:
         remove_scene(scene)
     scene, ball, stand = studio.scene, studio.ball, studio.scene.objects["Stand"]
-    names = presets.names()
+    names = presets.PAPER
     for index, name in enumerate(names):
         row, column = divmod(index, COLUMNS)
         location = Vector(((column - (COLUMNS - 1) / 2) * SPACING[0], row * SPACING[1] - 0.6, -STAND_FLOOR * SCALE))

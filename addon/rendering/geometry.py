@@ -6,7 +6,7 @@ import numpy as np
 import bpy
 
 
-def _mesh(name: str, vertices: np.ndarray, faces: np.ndarray, uv: np.ndarray, smooth: bool,
+def mesh_of(name: str, vertices: np.ndarray, faces: np.ndarray, uv: np.ndarray, smooth: bool,
           slots: np.ndarray | None = None) -> bpy.types.Mesh:
     """Mesh from (v, 3) positions, (f, 4) quads (a last index of -1 makes a triangle), (v, 2) UVs, (f,) slots."""
     used = faces >= 0
@@ -26,7 +26,7 @@ def _mesh(name: str, vertices: np.ndarray, faces: np.ndarray, uv: np.ndarray, sm
     return mesh
 
 
-def _grid_faces(rows: int, columns: int) -> np.ndarray:
+def grid_faces(rows: int, columns: int) -> np.ndarray:
     """Quads ((rows-1) * (columns-1), 4) of a row-major grid of vertices."""
     corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
     return np.stack([corner, corner + columns, corner + columns + 1, corner + 1], axis=1)
@@ -61,7 +61,7 @@ def lathe(name: str, profile: np.ndarray, segments: int, slots: np.ndarray | Non
     used = np.unique(faces[faces >= 0])
     renumber = np.full(rows * segments + 1, -1)
     renumber[used] = np.arange(len(used))
-    return _mesh(name, vertices.reshape(-1, 3)[used], renumber[faces], uv.reshape(-1, 2)[used], True, per_face)
+    return mesh_of(name, vertices.reshape(-1, 3)[used], renumber[faces], uv.reshape(-1, 2)[used], True, per_face)
 
 
 def sphere_mesh(name: str, segments: int = 512, rings: int = 256) -> bpy.types.Mesh:
@@ -85,10 +85,10 @@ def plane_mesh(name: str, half_width: float) -> bpy.types.Mesh:
     """Square in the plane z = 0 about the origin, facing +z, with UVs 0 to 1."""
     uv = np.array([[0, 0], [0, 1], [1, 0], [1, 1]], float)
     corners = np.concatenate([(2.0 * uv - 1.0) * half_width, np.zeros((4, 1))], axis=1)
-    return _mesh(name, corners, np.array([[0, 2, 3, 1]]), uv, False)
+    return mesh_of(name, corners, np.array([[0, 2, 3, 1]]), uv, False)
 
 
-def _round_corners(points: np.ndarray, radii: np.ndarray, steps: int = 10) -> np.ndarray:
+def round_corners(points: np.ndarray, radii: np.ndarray, steps: int = 10) -> np.ndarray:
     """Polyline (n, 2) whose inner corners are replaced by arcs (quadratic Bezier) reaching `radii` along each side."""
     out = [points[:1]]
     t = np.linspace(0.0, 1.0, steps)[:, None]
@@ -117,10 +117,10 @@ def ball_mesh(name: str, segments: int = 256) -> bpy.types.Mesh:
     inner = 1.0 - BAND_DEPTH
     upper = _arc(0.0, BAND_TOP, 1.0, 140)
     upper[0, 0] = 0.0
-    lip = _round_corners(np.concatenate([_arc(BAND_TOP - 1.8, BAND_TOP, 1.0, 2), _arc(BAND_TOP, BAND_TOP, inner, 1)]),
+    lip = round_corners(np.concatenate([_arc(BAND_TOP - 1.8, BAND_TOP, 1.0, 2), _arc(BAND_TOP, BAND_TOP, inner, 1)]),
                          np.full(3, 0.028))
     core = _arc(BAND_TOP, BAND_BOTTOM, inner, 10)
-    low_lip = _round_corners(np.concatenate([_arc(BAND_BOTTOM, BAND_BOTTOM, inner, 1),
+    low_lip = round_corners(np.concatenate([_arc(BAND_BOTTOM, BAND_BOTTOM, inner, 1),
                                              _arc(BAND_BOTTOM, BAND_BOTTOM + 1.8, 1.0, 2)]), np.full(3, 0.028))
     lower = _arc(BAND_BOTTOM + 1.9, BALL_END, 1.0, 40)
     upper = upper[upper[:, 1] > lip[0, 1] + 0.002]
@@ -134,7 +134,7 @@ def stand_mesh(name: str, segments: int = 192) -> bpy.types.Mesh:
     r, z = np.sin(np.radians(BALL_END)), np.cos(np.radians(BALL_END))
     points = np.array([[r - 0.06, z - 0.02], [r + 0.015, z + 0.012], [r + 0.035, z - 0.06], [r + 0.17, z - 0.12],
                        [r + 0.17, STAND_FLOOR], [0.0, STAND_FLOOR]])
-    return lathe(name, _round_corners(points, np.array([0, 0.02, 0.05, 0.035, 0.01, 0])), segments)
+    return lathe(name, round_corners(points, np.array([0, 0.02, 0.05, 0.035, 0.01, 0])), segments)
 
 
 STAND_FLOOR = -1.04
@@ -150,4 +150,4 @@ def backdrop_mesh(name: str, half_width: float = 14.0, front: float = -9.0, back
     side = np.array([-half_width, half_width])
     vertices = np.stack(np.broadcast_arrays(side, path[:, :1], path[:, 1:]), axis=-1).reshape(-1, 3)
     uv = np.stack(np.broadcast_arrays([0.0, 1.0], (length / length[-1])[:, None]), axis=-1).reshape(-1, 2)
-    return _mesh(name, vertices, _grid_faces(len(path), 2)[:, ::-1], uv, True)
+    return mesh_of(name, vertices, grid_faces(len(path), 2)[:, ::-1], uv, True)
