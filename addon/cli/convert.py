@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Command that converts a stack to Principled or OpenPBR, and a MaterialX file to a stack."""
+
+import json
+from pathlib import Path
+
+from ...reference_py.atomic import require_writable, write_text
+from ...reference_py.errors import LaminaError
+from ...reference_py.exchange.materialx import SUFFIX, load_mtlx, save_mtlx
+from ...reference_py.exchange.openpbr import from_openpbr, to_openpbr
+from ...reference_py.exchange.principled import to_principled
+from ...reference_py.exchange.report import shown
+from .numbers import load_stack
+from .session import say
+
+PRINCIPLED, OPENPBR = "principled", "openpbr"
+_SUFFIXES = {PRINCIPLED: ".json", OPENPBR: SUFFIX}
+
+
+def convert(options) -> None:
+    """Values or a file, and the report on stdout."""
+    if options.output:
+        require_writable(options.output)
+    if Path(options.source).suffix.lower() == SUFFIX:
+        _import(options)
+        return
+    if not options.to:
+        raise LaminaError(f"convert {options.source}: give --to {PRINCIPLED} or --to {OPENPBR}; only a {SUFFIX} file needs none")
+    _require_suffix(options.output, _SUFFIXES[options.to])
+    stack = load_stack(options.source)
+    converted = (to_principled if options.to == PRINCIPLED else to_openpbr)(stack)
+    for name, value in converted.values.items():
+        print(f"{name:30} {shown(value)}")
+    _print(converted.report)
+    if options.output:
+        if options.to == OPENPBR:
+            save_mtlx(converted.values, stack.name, options.output)
+        else:
+            write_text(options.output, json.dumps({"values": converted.values, "report": converted.report.lines()}, indent=2) + "\n")
+        say("convert")(f"wrote {options.output}")
+
+
+def _import(options) -> None:
+    if options.to:
+        raise LaminaError(f"--to {options.to}: a {SUFFIX} file becomes a stack; leave out --to")
+    if not options.output:
+        raise LaminaError(f"{options.source}: give -o STACK.json, the stack file to write")
+    _require_suffix(options.output, ".json")
+    name, values, told = load_mtlx(options.source)
+    converted = from_openpbr(values, name)
+    for sentence in told:
+        print(f"lost: {sentence}")
+    _print(converted.report)
+    converted.stack.save(options.output)
+    say("convert")(f"wrote {options.output}")
+
+
+def _print(report) -> None:
+    print(*report.lines(), sep="\n")
+
+
+def _require_suffix(path: str | None, suffix: str) -> None:
+    if path and Path(path).suffix.lower() != suffix:
+        raise LaminaError(f"-o {path}: unknown ending {Path(path).suffix!r}; choose a name that ends in {suffix}")

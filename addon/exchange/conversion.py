@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A material with a Principled node becomes a stack; a stack gets a Principled copy. Textures stay linked."""
+
+import bpy
+
+from ...reference_py.exchange.openpbr import from_openpbr
+from ...reference_py.exchange.principled import PLACES, from_principled, to_principled
+from ...reference_py.exchange.report import Report
+from ...reference_py.stack import Stack
+from .. import material as materials
+from ..elements import kind_of, node_of, shown_parameters
+from .sources import PRINCIPLED, animated_parts, is_layer, link_through, linked_places, parameter_of, principled_of, read_principled
+
+
+def to_lamina(material: bpy.types.Material) -> tuple[Report, list[str]]:
+    """Put the stack of its Principled node in its place. Returns the report and what the links became.
+
+    Raises LaminaError, and leaves the material as it was, where there is no such node.
+    """
+    materials.require_editable(material)
+    principled = principled_of(material)
+    values, sources = read_principled(principled)
+    converted = from_principled(values, material.name, "Base Color" in sources, frozenset(sources))
+    told = ["lost: keyframes and drivers of the Principled node stay behind"] if animated_parts(principled) else []
+    stack = _with_linked_features(converted.stack, converted.owners, sources)
+    name = principled.name
+    materials.apply_stack(material, stack)  # which removes the node where nothing is linked to it
+    with materials.changing(material):
+        elements = [*material.lamina.shown_layers, material.lamina.base]
+        for socket, source in sources.items():
+            told.append(_link(socket, source, elements, converted))
+    principled = material.node_tree.nodes.get(name)
+    if principled is not None and not any(output.is_linked for output in principled.outputs):
+        material.node_tree.nodes.remove(principled)
+    return converted.report, told
+
+
+def _roles(roles, owners: dict, name: str) -> list[str]:
+    """The slots that a socket goes to: a normal to all that there are, all else to the first."""
+    here = [role for role in roles if role in owners]
+    return here if name == "normal" else here[:1]
+
+
+def _with_linked_features(stack: Stack, owners: dict[str, int], sources) -> Stack:
+    """A stack whose elements have the features that textures feed."""
+    data = stack.to_dict()
+    rows = [*data["layers"], data["base"]]
+    for socket, roles, name in PLACES:
+        if socket in sources and name in ("normal", "coverage"):
+            for role in _roles(roles, owners, name):
+                rows[owners[role]].setdefault(name, [0.0, 0.0, 0.0] if name == "normal" else 1.0)
+    return Stack.from_dict(data, stack.name or "conversion")
+
+
+def _link(socket: str, source, elements, converted) -> str:
+    roles, name = next(((r, n) for s, r, n in PLACES if s == socket), ((), ""))
+    owners = _roles(roles, converted.owners, name)
+    linked = False
+    for role in owners:
+        element = elements[converted.owners[role]]
+        kind = kind_of(element)
+        parameter = parameter_of(element, name)
+        if parameter not in {p.name for p in shown_parameters(kind, element.given)} | {p.name for f in kind.features for p in f.parameters}:
+            continue
+        target = node_of(element).inputs[kind.parameter(parameter).label]
+        if socket == "Base Color":
+            link_through(source, target, converted.colors)
+        else:
+            source.id_data.links.new(source, target)
+        linked = True
+    if not linked:
+        return f"lost: {socket} texture: a stack has no place for it"
+    return f"kept: {socket} texture: " + ("through nodes that keep the mean albedo" if socket == "Base Color" else "linked to the layer")
+
+
+def principled_copy(material: bpy.types.Material) -> tuple[bpy.types.Material, Report, list[str]]:
+    """A new material with a Principled node as bright as the stack, fed by the same textures. The old one stays as it is."""
+    stack = materials.stack_of(material)
+    converted = to_principled(stack, textured=True) if _has_linked_color(material) else to_principled(stack)
+    copy = material.copy()
+    copy.name = f"{material.name} Principled"
+    try:
+        told = _rebuild(copy, stack, converted)
+    except Exception:
+        bpy.data.materials.remove(copy)
+        raise
+    return copy, converted.report, told
+
+
+def _has_linked_color(material) -> bool:
+    return any(socket == "Base Color" for socket, *_ in linked_places(material, {"base": -1}))
+
+
+def _rebuild(copy: bpy.types.Material, stack: Stack, converted) -> list[str]:
+    tree, lamina = copy.node_tree, copy.lamina
+    principled = tree.nodes.new(PRINCIPLED)
+    set_values(principled, converted.values)
+    told = []
+    for socket, element, parameter, source in linked_places(copy, converted.owners):
+        told.append(_link_back(socket, element, parameter, source, principled.inputs[socket], stack, converted))
+    found = len(told)
+    linked = sum(s.is_linked for e in (*lamina.shown_layers, lamina.base) for s in node_of(e).inputs)
+    if linked > found:
+        told.append(f"lost: {linked - found} more links of layers: Principled has no place for them")
+    output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
+    principled.location = (output.location.x - 320, output.location.y)
+    tree.links.new(principled.outputs["BSDF"], output.inputs["Surface"])
+    left = {element.node for element in (*lamina.layers, lamina.base)} | {lamina.shader_node}
+    for node in [node for node in tree.nodes if node.name in left]:
+        tree.nodes.remove(node)
+    copy.property_unset("lamina")
+    return told
+
+
+def set_values(principled: bpy.types.Node, values: dict) -> None:
+    """Set a Principled node's sockets by name."""
+    for name, value in values.items():
+        principled.inputs[name].default_value = (*value, 1.0) if isinstance(value, tuple) else value
+
+
+def _link_back(socket: str, element, parameter, source, target, stack: Stack, converted) -> str:
+    tree = target.id_data
+    if is_layer(source.node):
+        return f"lost: {element.name} {parameter.label}: it was linked to another layer"
+    if socket == "Base Color":
+        link_through(source, target, converted.colors)
+        return "kept: Base Color texture: through nodes that keep the mean albedo"
+    if parameter.name == "tint" and len(stack.layers) > 1:
+        return f"lost: {element.name} {parameter.label} texture: the media of several layers share one tint"
+    if parameter.name == "tint":
+        power = 2.0 * node_of(element).inputs["Thickness"].default_value
+        gamma = tree.nodes.new("ShaderNodeGamma")
+        gamma.label, gamma.inputs["Gamma"].default_value = "Lamina round trip", power
+        gamma.location = (target.node.location.x - 200, target.node.location.y - 400)
+        tree.links.new(source, gamma.inputs["Color"])
+        source = gamma.outputs["Color"]
+    tree.links.new(source, target)
+    return f"kept: {socket} texture: linked"
+
+
+def apply_openpbr(material: bpy.types.Material, name: str, values: dict) -> Report:
+    """Give a material the stack of OpenPBR values. Raises LaminaError, and leaves it as it was."""
+    converted = from_openpbr(values, name)
+    materials.apply_stack(material, converted.stack)
+    return converted.report

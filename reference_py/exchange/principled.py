@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's Principled BSDF, by the names of its sockets (4.5 to 5.2), to a stack and back."""
+
+import numpy as np
+
+from ..models.peers import PrincipledCoat
+from ..models.peers.parts import dielectric_f0, metal_colors
+from ..optics.diffuse import fujii_roughness
+from ..stack import Stack
+from .conversion import Converted, lost_if, require_finite, slots_to_stack, stack_to_slots
+from .report import APPROXIMATED, KEPT, LOST, Loss
+from .slots import BASE, COAT, GLOSS, Slots, Surface, edge_of_f82, sigma_of_fujii
+
+NAME = "Principled"
+# Sockets take any number; below this one nothing but total reflection is left.
+_LEAST_IOR = 0.2
+DEFAULTS = {
+    "Base Color": (0.8, 0.8, 0.8), "Metallic": 0.0, "Roughness": 0.5, "IOR": 1.5, "Alpha": 1.0, "Diffuse Roughness": 0.0,
+    "Subsurface Weight": 0.0, "Specular IOR Level": 0.5, "Specular Tint": (1.0, 1.0, 1.0), "Anisotropic": 0.0,
+    "Anisotropic Rotation": 0.0, "Transmission Weight": 0.0, "Coat Weight": 0.0, "Coat Roughness": 0.03, "Coat IOR": 1.5,
+    "Coat Tint": (1.0, 1.0, 1.0), "Sheen Weight": 0.0, "Emission Strength": 0.0, "Thin Film Thickness": 0.0, "Thin Film IOR": 1.33,
+}  # fmt: skip
+_NO_PLACE = {
+    "Subsurface Weight": "a stack's base is opaque", "Transmission Weight": "a stack's base is opaque",
+    "Sheen Weight": "a stack has no sheen", "Emission Strength": "a stack does not emit; add an Emission node", "Alpha": "a stack is opaque; mix with a Transparent node",
+}  # fmt: skip
+# Where the inputs of the node are in a stack: socket, slots in order of preference, parameter. Base Color goes through a map.
+PLACES = (
+    ("Base Color", (BASE,), "color"), ("Roughness", (GLOSS, BASE), "roughness"), ("Normal", (BASE, GLOSS), "normal"),
+    ("Anisotropic", (GLOSS, BASE), "anisotropy"), ("Anisotropic Rotation", (GLOSS, BASE), "rotation"),
+    ("Thin Film Thickness", (GLOSS, BASE), "film_thickness"), ("Thin Film IOR", (GLOSS, BASE), "film_ior"),
+    ("Coat Weight", (COAT,), "coverage"), ("Coat Roughness", (COAT,), "roughness"), ("Coat IOR", (COAT,), "ior"),
+    ("Coat Tint", (COAT,), "tint"), ("Coat Normal", (COAT,), "normal"),
+)  # fmt: skip
+
+
+def to_principled(stack: Stack, textured: bool = False) -> Converted:
+    """Socket values as bright as the stack. `textured`: with a map for textures of the base color, which takes seconds."""
+    slots, owners, report, colors = stack_to_slots(stack, PrincipledCoat.name, NAME, textured=textured)
+    return Converted(stack, _values(slots), slots, owners, report, colors)
+
+
+def _values(slots: Slots) -> dict:
+    """Values by socket name; what is not named is at its default."""
+    values = {"Base Color": tuple(slots.color)}
+    coat, gloss = slots.coat, slots.gloss
+    if coat:
+        values |= {"Coat Weight": slots.coat_weight, "Coat Roughness": coat.roughness, "Coat IOR": coat.eta, "Coat Tint": tuple(slots.coat_tint)}
+    features = gloss.features if gloss else slots.features
+    if slots.is_metal:
+        tint = metal_colors(slots.image(False))[1]
+        values |= {"Metallic": 1.0, "Specular Tint": tuple(tint), "Roughness": slots.roughness}
+    elif gloss:
+        values |= {"IOR": gloss.eta, "Roughness": gloss.roughness}
+    else:
+        values |= {"Specular IOR Level": 0.0}
+    if slots.sigma_deg:
+        values["Diffuse Roughness"] = float(fujii_roughness(slots.sigma_deg))
+    names = {parameter: socket for socket, _, parameter in PLACES if parameter in features}
+    return values | {names[parameter]: value for parameter, value in features.items()}
+
+
+def from_principled(values: dict, name: str = "", textured: bool = False, used: frozenset[str] = frozenset()) -> Converted:
+    """The stack that is as bright as a Principled node. `values` by socket name; those left out are at Blender's default.
+
+    `used`: sockets with a texture, whose features the stack gets though the value is the default.
+    """
+    values = DEFAULTS | {k: v for k, v in values.items() if k in DEFAULTS}
+    require_finite(values, NAME)
+    losses: list[Loss] = []
+    for socket, why in _NO_PLACE.items():
+        lost_if(losses, socket, values[socket], DEFAULTS[socket], why)
+        if socket in used:
+            losses.append(Loss(socket, "texture", LOST, why))
+    is_metal = values["Metallic"] >= 0.5
+    if 0.0 < values["Metallic"] < 1.0:
+        losses.append(Loss("Metallic", values["Metallic"], LOST, f"a base is metal or not; it is {'metal' if is_metal else 'diffuse'}"))
+    elif values["Metallic"]:
+        losses.append(Loss("Metallic", values["Metallic"], KEPT, "a conductor"))
+    if "Metallic" in used:
+        losses.append(Loss("Metallic", "texture", LOST, "a base is metal or not; the socket's own value decides"))
+    slots = _slots(values, is_metal, used, losses)
+    done = slots_to_stack(slots, PrincipledCoat.name, name, "Converted from a Principled BSDF", losses, textured)
+    return Converted(done.stack, values, done.slots, done.owners, done.report, done.colors)
+
+
+def _slots(values: dict, is_metal: bool, used: frozenset[str], losses: list[Loss]) -> Slots:
+    color = tuple(float(c) for c in np.clip(values["Base Color"], 0.0, 1.0))
+    losses.append(Loss("Base Color", color, APPROXIMATED, "solved such that the mean albedo stays"))
+    losses.append(Loss("Roughness", values["Roughness"], KEPT, "as roughness"))
+    features = _features(values, used)
+    losses += [Loss(socket, values[socket], KEPT, "as it is") for socket, _, p in PLACES if p in features and socket in values and not socket.startswith("Coat")]
+    if values["Thin Film Thickness"] > features.get("film_thickness", 0.0):
+        losses.append(Loss("Thin Film Thickness", values["Thin Film Thickness"], APPROXIMATED, "a film is at most 2000 nm"))
+    coat = _coat(values, used, losses)
+    if is_metal:
+        edge = edge_of_f82(np.array(color), np.clip(values["Specular Tint"], 0.0, 1.0))
+        losses.append(Loss("Specular Tint", values["Specular Tint"], APPROXIMATED, "as the edge color of the nearest metal"))
+        return Slots(color, edge=tuple(edge), roughness=values["Roughness"], features=features, **coat)
+    eta = effective_ior(values["IOR"], values["Specular IOR Level"])
+    losses.append(Loss("IOR", values["IOR"], KEPT if values["IOR"] == eta else APPROXIMATED, f"with the Specular IOR Level an index of {eta:.4g}"))
+    lost_if(losses, "Specular Tint", values["Specular Tint"], (1.0, 1.0, 1.0), "a dielectric's highlight has no color")
+    if coat.get("coat_weight", 1.0) < 1.0 and eta != 1.0:
+        losses.append(Loss("IOR", values["IOR"], APPROXIMATED, "below the coat as Principled has it; beside it the gloss is stronger"))
+    sigma = sigma_of_fujii(values["Diffuse Roughness"])
+    if sigma == 90.0:
+        losses.append(Loss("Diffuse Roughness", values["Diffuse Roughness"], APPROXIMATED, "as the roughest Oren-Nayar base, 90 degrees"))
+    elif sigma:
+        losses.append(Loss("Diffuse Roughness", values["Diffuse Roughness"], KEPT, f"as a slope deviation of {sigma:.4g} degrees"))
+    gloss = None if eta == 1.0 else Surface(eta, values["Roughness"], features)
+    if gloss is None:
+        losses += [Loss(s, values[s], LOST, "there is no specular reflection") for s in ("Anisotropic", "Thin Film Thickness") if values[s]]
+    return Slots(color, sigma_deg=sigma, gloss=gloss, **coat)
+
+
+def effective_ior(ior: float, level: float) -> float:
+    """Index whose reflectance at normal incidence is that of `ior` times twice the Specular IOR Level, as Cycles has it."""
+    ior = max(ior, _LEAST_IOR)
+    if level == 0.5:
+        return float(ior)
+    root = np.sqrt(np.clip(dielectric_f0(ior) * 2.0 * level, 0.0, 0.99))
+    eta = (1.0 + root) / (1.0 - root)
+    return float(1.0 / eta if ior < 1.0 else eta)
+
+
+def _features(values: dict, used: frozenset[str]) -> dict:
+    features = {}
+    if values["Anisotropic"] or "Anisotropic" in used:
+        features |= {"anisotropy": values["Anisotropic"], "rotation": values["Anisotropic Rotation"] % 1.0}
+    if values["Thin Film Thickness"] > 0.0 or "Thin Film Thickness" in used:
+        thickness, ior = np.clip(values["Thin Film Thickness"], 0.0, 2000.0), np.clip(values["Thin Film IOR"], 1.0, 4.0)
+        features |= {"film_thickness": float(thickness), "film_ior": float(ior)}
+    return features
+
+
+def coat_ior_loss(parameter: str, ior: float) -> Loss:
+    """What becomes of a coat's index."""
+    return Loss(parameter, ior, KEPT, "as the layer's") if ior >= 1.0 else Loss(parameter, ior, APPROXIMATED, "below 1 it counts as 1")
+
+
+def _coat(values: dict, used: frozenset[str], losses: list[Loss]) -> dict:
+    weight = values["Coat Weight"]
+    if not weight and "Coat Weight" not in used:
+        return {}
+    losses.append(Loss("Coat Weight", weight, KEPT, "a layer on the whole surface" if weight == 1.0 else "as the layer's coverage"))
+    losses += [Loss("Coat Roughness", values["Coat Roughness"], KEPT, "as the layer's"), coat_ior_loss("Coat IOR", values["Coat IOR"])]
+    losses.append(Loss("Coat Tint", values["Coat Tint"], KEPT, "a medium whose round trip leaves it: half a crossing of this tint each way"))
+    tint = tuple(float(c) for c in np.clip(values["Coat Tint"], 0.0, 1.0))
+    # where a texture says where the coat is, the socket's own value says nothing
+    weight = weight if "Coat Weight" not in used else 1.0
+    return {"coat": Surface(max(values["Coat IOR"], 1.0), values["Coat Roughness"]), "coat_tint": tint, "coat_weight": weight}

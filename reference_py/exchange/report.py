@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a conversion did: one line per parameter, and the error that remains."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+KEPT, APPROXIMATED, LOST = "kept", "approximated", "lost"
+FATES = (KEPT, APPROXIMATED, LOST)
+
+
+def shown(value) -> str:
+    """A number, a color or a word as short text."""
+    if isinstance(value, str):
+        return value
+    if np.ndim(value):
+        return " ".join(f"{v:.4g}" for v in value)
+    return f"{value:.4g}"
+
+
+@dataclass(frozen=True)
+class Loss:
+    """What became of one parameter: `fate` is one of FATES, `how` says the rest in words."""
+
+    parameter: str
+    value: object
+    fate: str
+    how: str
+
+    def __str__(self) -> str:
+        return f"{self.fate}: {self.parameter} {shown(self.value)}: {self.how}"
+
+
+@dataclass(frozen=True)
+class Match:
+    """How far the converted material's albedo is from the original's, over views from the normal to grazing."""
+
+    mean: np.ndarray
+    """(3,) mean albedo of the original, weighted by the view's cosine."""
+    mean_error: np.ndarray
+    """(3,) that of the converted material less it."""
+    worst: float
+    """Largest difference of albedo, of any view and channel."""
+    worst_theta_deg: float
+    soft_light: float
+    """Mean difference in uniform light, relative to the mean albedo."""
+    without_film: bool = False
+    """Whether these are figures of both materials without their thin film."""
+
+    def __str__(self) -> str:
+        off = np.max(np.abs(self.mean_error))
+        bare = "without the thin film: " if self.without_film else ""
+        return (
+            f"{bare}mean albedo {shown(self.mean)}, off by {off:.1e} at most; worst albedo error {self.worst:.3f}, seen at "
+            f"{self.worst_theta_deg:.0f} degrees; difference in soft light {100.0 * self.soft_light:.1f} %"
+        )
+
+
+@dataclass(frozen=True)
+class Report:
+    losses: tuple[Loss, ...]
+    match: Match
+
+    def of(self, fate: str) -> tuple[Loss, ...]:
+        return tuple(loss for loss in self.losses if loss.fate == fate)
+
+    @property
+    def summary(self) -> str:
+        """One line: how many parameters met which fate, and the error."""
+        counts = ", ".join(f"{len(self.of(fate))} {fate}" for fate in FATES)
+        return f"{counts}; {self.match}"
+
+    def lines(self) -> list[str]:
+        """Lost ones first, then the approximated and the kept, then the error."""
+        return [*(str(loss) for fate in reversed(FATES) for loss in self.of(fate)), str(self.match)]

@@ -1,0 +1,263 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Principled and OpenPBR have room for: a coat, a gloss and a base; a stack put into it, and a stack made of it."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..colour import artist_color, artist_index
+from ..models.peers.parts import COS_82, conductor
+from ..optics.diffuse import fujii_roughness
+from ..optics.material import conductor_index, mean_alpha, optical_depth
+from ..schema import ANISOTROPY, CONDUCTOR, COVERAGE, DIELECTRIC, NORMAL, THIN_FILM
+from ..stack import Element, Stack
+from .report import APPROXIMATED, KEPT, LOST, Loss, shown
+
+BASE, COAT, GLOSS = "base", "coat", "gloss"
+# At 1 a metal has no finite index.
+MOST_REFLECTANCE = CONDUCTOR.parameter("reflectance").maximum
+# A layer that covers less and is no coat is left out.
+_HALF = 0.5
+# The round trip of a medium is its tint: half of the crossing that the tint is meant for, each way.
+_ONE_WAY = 0.5
+_WHITE = 1e-9  # optical depth below which a medium is clear
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A dielectric interface: its index relative to what is above it, its roughness, and optional features by name."""
+
+    eta: float
+    roughness: float
+    features: dict = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Slots:
+    """Values that both models share. `color` is the diffuse albedo or, of a metal, F0 under its medium; linear RGB."""
+
+    color: tuple
+    edge: tuple | None = None
+    """Gulbrandsen's edge tint of a metal's relative index; None for a diffuse base."""
+    roughness: float = 0.5
+    """Of a metal."""
+    sigma_deg: float = 0.0
+    """Of a diffuse base (Oren-Nayar); 0 is Lambert."""
+    features: dict = field(default_factory=dict)
+    """Of a metal: values of anisotropy and thin film."""
+    gloss: Surface | None = None
+    coat: Surface | None = None
+    coat_tint: tuple = (1.0, 1.0, 1.0)
+    """What two perpendicular crossings of the coat leave."""
+    coat_weight: float = 1.0
+
+    @property
+    def is_metal(self) -> bool:
+        return self.edge is not None
+
+    def with_color(self, color) -> "Slots":
+        return replace(self, color=tuple(float(c) for c in np.broadcast_to(color, 3)))
+
+    def image(self, coated: bool) -> Stack:
+        """The stack that `peers` read as these slots, without features; a clear top of index 1 stands for no coat."""
+        layers, n = [], 1.0
+        if coated and self.coat:
+            n = self.coat.eta
+            layers.append(_layer(n, _isotropic(self.coat.roughness, self.coat.features), self.coat_tint, _ONE_WAY))
+        if self.gloss:
+            layers = layers or [_layer(1.0, 0.0)]
+            n *= self.gloss.eta
+            layers.append(_layer(n, _isotropic(self.gloss.roughness, self.gloss.features)))
+        return Stack(tuple(layers), self._image_base(n))
+
+    def _image_base(self, n: float) -> Element:
+        if self.is_metal:
+            index = metal_index(self.color, self.edge)
+            values = {"eta": tuple(n * index[0]), "k": tuple(n * index[1]), "roughness": _isotropic(self.roughness, self.features), "distribution": "ggx"}
+            return Element("conductor", values)
+        if self.sigma_deg > 0.0:
+            return Element("oren_nayar", {"color": self.color, "sigma_deg": self.sigma_deg})
+        return Element("lambert", {"color": self.color})
+
+
+def metal_index(color, edge) -> tuple[np.ndarray, np.ndarray]:
+    """Relative complex index of a metal given by F0 and edge tint."""
+    return artist_index(np.clip(color, 0.0, MOST_REFLECTANCE), np.asarray(edge))
+
+
+def edge_of_f82(color: np.ndarray, f82_tint: np.ndarray) -> np.ndarray:
+    """Edge tint (3,) of the metal whose reflectance at 82 degrees is nearest to this share of Schlick's curve."""
+    color = np.clip(color, 0.0, MOST_REFLECTANCE)
+    edges = np.linspace(0.0, 1.0, 257)
+    rise = color + (1.0 - color) * (1.0 - COS_82) ** 5
+    reached = [conductor(*artist_index(color, np.full(3, g)))(np.full((), COS_82)) / rise for g in edges]
+    return edges[np.argmin(np.abs(np.array(reached) - f82_tint), axis=0)]
+
+
+def sigma_of_fujii(roughness: float) -> float:
+    """Standard deviation in degrees whose `fujii_roughness` this is; 90 for more than there is."""
+    degrees = np.linspace(0.0, 90.0, 9001)
+    return float(np.interp(roughness, fujii_roughness(degrees), degrees))
+
+
+def _isotropic(roughness: float, features: dict) -> float:
+    """Roughness of the isotropic surface that stands for an anisotropic one."""
+    return mean_alpha(Element("dielectric", {"roughness": roughness, **features})) ** 0.5
+
+
+def _layer(ior: float, roughness: float, tint=(1.0, 1.0, 1.0), thickness: float = 1.0) -> Element:
+    return Element("dielectric", {"ior": ior, "roughness": roughness, "tint": tuple(tint), "thickness": thickness, "distribution": "ggx"})
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Slots, what became of each parameter, and which element of the stack each slot is: a layer's index, -1 the base."""
+
+    slots: Slots
+    losses: tuple[Loss, ...]
+    owners: dict[str, int]
+
+
+def from_stack(stack: Stack, name: str, room: frozenset[str] = frozenset()) -> Placed:
+    """Put a stack into slots of the model called `name`; its base color is still that of the stack.
+
+    `room`: what this model's coat has of the features beside the others, such as "anisotropy". One clear layer over a
+    diffuse base is its gloss, any other top layer the coat; a layer that covers less than half and is no coat is left out.
+    """
+    losses: list[Loss] = []
+    layers = [(i, e) for i, e in enumerate(stack.layers) if _is_there(i, e, losses, name)]
+    working = [(i, e) for n, (i, e) in enumerate(layers) if e["ior"] != (layers[n - 1][1]["ior"] if n else 1.0)]
+    tau = sum((optical_depth(e["tint"], e["thickness"]) for _, e in layers), np.zeros(3))
+    is_metal = stack.base.kind == "conductor"
+    tinted = bool(np.max(tau) > _WHITE)
+    as_gloss = not is_metal and len(working) == 1 and not working[0][1].has(COVERAGE) and (
+        not tinted or any(working[0][1].has(f) for f in (ANISOTROPY, THIN_FILM))
+    )
+    coat = None if as_gloss or not layers else (working or layers)[0]
+    rest = working[1:] if coat and working else working if as_gloss else []
+    gloss = rest[0] if rest and not is_metal else None
+    owners = {BASE: -1} | ({COAT: coat[0]} if coat else {}) | ({GLOSS: gloss[0]} if gloss else {})
+    above = stack.layers[coat[0]]["ior"] if coat else 1.0
+    slots = _base_slots(stack, _medium_above_base(layers), losses, name)
+    if coat:
+        tint = tuple(np.exp(-2.0 * tau))
+        slots = replace(slots, coat=Surface(above, coat[1]["roughness"], _features(coat[1])), coat_tint=tint,
+                        coat_weight=coat[1]["coverage"] if coat[1].has(COVERAGE) else 1.0)
+    if gloss:
+        slots = replace(slots, gloss=Surface(gloss[1]["ior"] / above, gloss[1]["roughness"], _features(gloss[1])))
+    for index, layer in layers:
+        role = next((r for r, i in owners.items() if i == index), None)
+        losses += _layer_losses(f"layer {index}", layer, role, tinted and not coat, name, room, (index, layer) in working)
+    return Placed(slots, tuple(losses), owners)
+
+
+def _is_there(index: int, layer: Element, losses: list[Loss], name: str) -> bool:
+    if index == 0 or not layer.has(COVERAGE) or layer["coverage"] == 1.0:
+        return True
+    there = layer["coverage"] >= _HALF
+    becomes = "counts as whole" if there else "is left out"
+    losses.append(Loss(f"layer {index} coverage", layer["coverage"], LOST, f"only the coat of {name} has a weight; the layer {becomes}"))
+    return there
+
+
+def _medium_above_base(layers) -> float:
+    return layers[-1][1]["ior"] if layers else 1.0
+
+
+def _features(element: Element) -> dict:
+    return {p.name: element[p.name] for f in (ANISOTROPY, THIN_FILM) if element.has(f) for p in f.parameters}
+
+
+def _base_slots(stack: Stack, n: float, losses: list[Loss], name: str) -> Slots:
+    base = stack.base
+    if base.has(NORMAL):
+        losses.append(Loss("base normal", "", KEPT, "as the normal"))
+    if base.kind != "conductor":
+        sigma = base["sigma_deg"] if base.kind == "oren_nayar" else 0.0
+        losses.append(Loss("base color", base["color"], APPROXIMATED, "solved such that the mean albedo stays"))
+        if sigma:
+            losses.append(Loss("base sigma_deg", sigma, KEPT, "as diffuse roughness"))
+        return Slots(tuple(base["color"]), sigma_deg=sigma)
+    f0, edge = artist_color(*(part / n for part in conductor_index(base)))
+    given = next(v for v in ("metal", "eta", "reflectance") if v in base)
+    losses.append(Loss(f"base {given}", base[given], APPROXIMATED, "as reflectance at 0 and 82 degrees, solved such that the mean albedo stays"))
+    losses.append(Loss("base roughness", base["roughness"], KEPT, "as roughness"))
+    losses += _distribution_loss("base", base, name)
+    losses += [Loss(f"base {key}", value, KEPT, "as it is") for key, value in _features(base).items()]
+    return Slots(tuple(np.minimum(f0, MOST_REFLECTANCE)), edge=tuple(edge), roughness=base["roughness"], features=_features(base))
+
+
+def _distribution_loss(where: str, element: Element, name: str) -> list[Loss]:
+    if element["distribution"] == "ggx":
+        return []
+    return [Loss(f"{where} distribution", element["distribution"], LOST, f"{name} has GGX, whose highlights have longer tails")]
+
+
+def _layer_losses(where: str, layer: Element, role: str | None, in_color: bool, name: str, room, works: bool) -> list[Loss]:
+    """What became of a layer's parameters; `in_color`: there is no coat whose tint could hold the media."""
+    losses = []
+    white = np.max(optical_depth(layer["tint"], layer["thickness"])) <= _WHITE
+    if role:
+        losses += [Loss(f"{where} ior", layer["ior"], KEPT, f"as the {role}'s"), Loss(f"{where} roughness", layer["roughness"], KEPT, f"as the {role}'s")]
+        losses += _distribution_loss(where, layer, name)
+    elif works:
+        losses.append(Loss(f"{where} ior", layer["ior"], LOST, f"{name} has no third interface and none between coat and metal"))
+        losses.append(Loss(f"{where} roughness", layer["roughness"], LOST, "goes with its interface"))
+    if white:
+        losses.append(Loss(f"{where} tint", layer["tint"], KEPT, "it is clear"))
+    elif in_color:
+        losses.append(Loss(f"{where} tint", layer["tint"], APPROXIMATED, "in the base color, the same at all angles"))
+    else:
+        how = "its round trip is the coat's tint" if role == COAT else "merged into the coat's tint"
+        losses.append(Loss(f"{where} tint", layer["tint"], KEPT if role == COAT else APPROXIMATED, how))
+    if role == COAT and layer.has(COVERAGE):
+        losses.append(Loss(f"{where} coverage", layer["coverage"], KEPT, "as the coat's weight"))
+    for feature in (ANISOTROPY, THIN_FILM):
+        if layer.has(feature):
+            kept = role == GLOSS or (role == COAT and feature.name in room)
+            losses += [Loss(f"{where} {p.name}", layer[p.name], KEPT if kept else LOST,
+                            "as it is" if kept else f"{name} has no place for it here") for p in feature.parameters]
+    if layer.has(NORMAL):
+        losses.append(Loss(f"{where} normal", "", KEPT if role else LOST, f"as the {role}'s" if role else "goes with its interface"))
+    return losses
+
+
+def to_stack(slots: Slots, name: str, source: str, losses: list[Loss]) -> tuple[Stack, dict[str, int]]:
+    """The stack of slots, and which element each slot is; what the schema does not allow is clamped and said."""
+    rows, n, owners = [], 1.0, {BASE: -1}
+    if slots.coat:
+        n = _ior(slots.coat.eta, "coat IOR", losses)
+        owners[COAT] = len(rows)
+        row = {"kind": "dielectric", "name": "Coat", "ior": n, "roughness": slots.coat.roughness, "tint": list(slots.coat_tint),
+               "thickness": _ONE_WAY, **slots.coat.features}
+        rows.append(row | ({"coverage": slots.coat_weight} if slots.coat_weight < 1.0 else {}))
+    if slots.gloss:
+        n = _ior(n * slots.gloss.eta, "IOR", losses)
+        owners[GLOSS] = len(rows)
+        rows.append({"kind": "dielectric", "name": "Gloss", "ior": n, "roughness": slots.gloss.roughness, **slots.gloss.features})
+    if slots.is_metal:
+        reflectance, edge = artist_color(*(n * part for part in metal_index(slots.color, slots.edge)))
+        base = {"kind": "conductor", "reflectance": list(np.minimum(reflectance, MOST_REFLECTANCE)), "edge_color": list(edge),
+                "roughness": slots.roughness, **slots.features}
+    elif slots.sigma_deg > 0.0:
+        base = {"kind": "oren_nayar", "color": list(slots.color), "sigma_deg": slots.sigma_deg}
+    else:
+        base = {"kind": "lambert", "color": list(slots.color)}
+    data = {"name": name, "source": source, "layers": rows, "base": base}
+    return Stack.from_dict(_plain(data), name or "conversion"), owners
+
+
+def _plain(value):
+    """The same with Python's own floats."""
+    if isinstance(value, dict):
+        return {key: _plain(v) for key, v in value.items()}
+    return [float(v) for v in value] if isinstance(value, list) and value and not isinstance(value[0], dict) else (
+        [_plain(v) for v in value] if isinstance(value, list) else float(value) if isinstance(value, np.floating) else value)
+
+
+def _ior(ior: float, parameter: str, losses: list[Loss]) -> float:
+    limits = DIELECTRIC.parameter("ior")
+    clamped = float(np.clip(ior, limits.minimum, limits.maximum))
+    if abs(clamped - ior) > 1e-9:
+        losses.append(Loss(parameter, ior, APPROXIMATED, f"a layer's index is {shown(limits.minimum)} to {shown(limits.maximum)}; it is {shown(clamped)}"))
+    return clamped

@@ -1,0 +1,290 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Conversions in Blender: textures stay linked, energy is the truth's in a render, and a bake leaves nothing but files."""
+
+import json
+from functools import partial
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from lamina.addon import material as materials  # noqa: E402
+from lamina.addon.elements import node_of  # noqa: E402
+from lamina.addon.exchange import conversion, texture_operator, textures  # noqa: E402
+from lamina.addon.exchange.operators import REPORT_TEXT  # noqa: E402
+from lamina.addon.exchange.sources import PRINCIPLED, principled_of  # noqa: E402
+from lamina.addon.rendering.geometry import plane_mesh  # noqa: E402
+from lamina.addon.rendering.images import read_png  # noqa: E402
+from lamina.addon.rendering.measure import render_furnace  # noqa: E402
+from lamina.addon.rendering.settings import node_tree  # noqa: E402
+from lamina.reference_py.errors import LaminaError  # noqa: E402
+from lamina.reference_py.exchange import openpbr  # noqa: E402
+from lamina.reference_py.exchange.materialx import to_mtlx  # noqa: E402
+from lamina.reference_py.exchange.openpbr import to_openpbr  # noqa: E402
+from lamina.reference_py.exchange.principled import to_principled  # noqa: E402
+from lamina.reference_py.frame import spherical  # noqa: E402
+from lamina.reference_py.models import make_model  # noqa: E402
+from lamina.reference_py.stack import Stack  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+COATED = Stack.from_dict({
+    "name": "Coated",
+    "layers": [{"kind": "dielectric", "tint": [0.9, 0.8, 0.7]}],
+    "base": {"kind": "lambert", "color": [0.7, 0.4, 0.2]},
+})
+SIZE = 32
+
+
+@pytest.fixture
+def plane(blender):
+    """The active object: a plane with UVs, without a material."""
+    item = bpy.data.objects.new("plane", plane_mesh("plane", 1.0))
+    bpy.context.collection.objects.link(item)
+    bpy.context.view_layer.objects.active = item
+    return item
+
+
+def principled(item, **values) -> bpy.types.Material:
+    """The object's new material with a Principled node; keys are socket names with _ for a space."""
+    material = bpy.data.materials.new("Paint")
+    tree = node_tree(material)
+    tree.nodes.clear()
+    node, output = tree.nodes.new(PRINCIPLED), tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(node.outputs[0], output.inputs["Surface"])
+    conversion.set_values(node, {key.replace("_", " "): value for key, value in values.items()})
+    item.data.materials.append(material)
+    return material
+
+
+def layered(item, stack=COATED) -> bpy.types.Material:
+    material = bpy.data.materials.new("Coated")
+    item.data.materials.append(material)
+    materials.apply_stack(material, stack)
+    return material
+
+
+def ramp(material, color=False):
+    """Output of nodes that give U in red, or as a value."""
+    tree = material.node_tree
+    uv, split = tree.nodes.new("ShaderNodeUVMap"), tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(uv.outputs[0], split.inputs[0])
+    return uv.outputs[0] if color else split.outputs["X"]
+
+
+def feeding(socket) -> set[str]:
+    """Names of all nodes before a socket."""
+    return {n for link in socket.links for n in {link.from_node.name}.union(*(feeding(s) for s in link.from_node.inputs))}
+
+
+def counts() -> dict:
+    names = ("scenes", "objects", "meshes", "materials", "images", "worlds", "node_groups")
+    return {name: sorted(block.name for block in getattr(bpy.data, name)) for name in names}
+
+
+def test_a_principled_material_becomes_a_stack_with_its_textures(plane):
+    material = principled(plane, Coat_Weight=1.0, Coat_Roughness=0.1, Sheen_Weight=0.5)
+    node = principled_of(material)
+    color, value = ramp(material, color=True), ramp(material)
+    bump = material.node_tree.nodes.new("ShaderNodeBump")
+    names = [color.node.name, value.node.name, bump.name]
+    for source, socket in ((color, "Base Color"), (value, "Roughness"), (value, "Coat Roughness"), (bump.outputs[0], "Normal"), (value, "Metallic")):
+        material.node_tree.links.new(source, node.inputs[socket])
+    assert bpy.ops.lamina.convert_principled("EXEC_DEFAULT") == {"FINISHED"}
+    coat, gloss = (node_of(layer) for layer in material.lamina.layers)
+    base = node_of(material.lamina.base)
+    assert names[0] in feeding(base.inputs["Color"])
+    assert names[1] in feeding(gloss.inputs["Roughness"]) and names[1] in feeding(coat.inputs["Roughness"])
+    assert names[2] in feeding(base.inputs["Normal"]) and names[2] in feeding(gloss.inputs["Normal"])
+    assert not [n for n in material.node_tree.nodes if n.bl_idname == PRINCIPLED]
+    told = bpy.data.texts[REPORT_TEXT].as_string()
+    assert "lost: Sheen Weight 0.5" in told and "lost: Metallic texture" in told and "worst albedo error" in told
+
+
+def test_converting_is_one_undo_step(plane):
+    principled(plane, Roughness=0.3)
+    bpy.ops.ed.undo_push(message="before")
+    assert bpy.ops.lamina.convert_principled("EXEC_DEFAULT", True) == {"FINISHED"}
+    assert bpy.data.materials["Paint"].lamina.is_layered
+    bpy.ops.ed.undo()
+    material = bpy.data.materials["Paint"]
+    assert not material.lamina.is_layered
+    assert principled_of(material).inputs["Roughness"].default_value == pytest.approx(0.3)
+
+
+def test_what_is_no_principled_material_is_refused_and_left_alone(plane):
+    material = layered(plane)
+    before = materials.stack_of(material)
+    with pytest.raises(LaminaError, match="only a Principled BSDF"):
+        conversion.to_lamina(material)
+    assert materials.stack_of(material) == before
+    assert not bpy.ops.lamina.convert_principled.poll()
+
+
+def test_a_principled_copy_renders_as_bright_as_the_truth(plane):
+    """In a furnace at 40 degrees; what the stack itself would be as a plain mapping is a fifth too bright."""
+    material = layered(plane)
+    copy, report, _ = conversion.principled_copy(material)
+    assert material.lamina.is_layered and not copy.lamina.is_layered
+    assert [n.bl_idname for n in copy.node_tree.nodes].count(PRINCIPLED) == 1 and len(copy.node_tree.nodes) == 2
+    measured, stderr = render_furnace(copy, [40.0], samples=64, size=16)
+    wo = spherical(np.radians(40.0), 0.0)
+    exact = make_model("adding", COATED).albedo(wo)
+    plain = make_model("principled_coat", COATED).albedo(wo)
+    print(f"Principled copy {measured[0]}, truth {exact}, plain mapping {plain}, stated worst error {report.match.worst:.3f}")
+    assert np.all(np.abs(measured[0] - exact) <= report.match.worst + 4.0 * stderr[0])
+    assert np.all(np.abs(measured[0] - exact) <= 0.03 * exact + 4.0 * stderr[0])
+    assert np.max(plain / exact) > 1.2
+
+
+def test_a_copys_textures_are_those_of_the_stack(plane):
+    material = layered(plane)
+    layer, base = node_of(material.lamina.layers[0]), node_of(material.lamina.base)
+    color, value = ramp(material, color=True), ramp(material)
+    for source, target in ((color, base.inputs["Color"]), (value, layer.inputs["Roughness"]), (color, layer.inputs["Tint"]), (value, layer.inputs["Thickness"])):
+        material.node_tree.links.new(source, target)
+    names, before = (color.node.name, value.node.name), sorted(n.name for n in material.node_tree.nodes)
+    copy, _, told = conversion.principled_copy(material)
+    node = principled_of(copy)
+    assert names[0] in feeding(node.inputs["Base Color"]) and names[0] in feeding(node.inputs["Coat Tint"])
+    assert names[1] in feeding(node.inputs["Coat Roughness"])
+    assert "lost: 1 more links of layers: Principled has no place for them" in told
+    assert sorted(n.name for n in material.node_tree.nodes) == before
+
+
+def test_the_operators_go_by_way_of_files(plane, tmp_path):
+    material = layered(plane)
+    file = tmp_path / "coated.mtlx"
+    assert bpy.ops.lamina.export_mtlx("EXEC_DEFAULT", filepath=str(file)) == {"FINISHED"}
+    assert bpy.ops.lamina.principled_copy("EXEC_DEFAULT") == {"FINISHED"}
+    assert "Coated Principled" in bpy.data.materials
+    assert bpy.ops.lamina.import_mtlx("EXEC_DEFAULT", filepath=str(file)) == {"FINISHED"}
+    stack = materials.stack_of(material)
+    np.testing.assert_allclose(stack.base["color"], COATED.base["color"], atol=2e-3)
+    file.write_text("<materialx>")
+    with pytest.raises(RuntimeError, match="not valid XML"):
+        bpy.ops.lamina.import_mtlx("EXEC_DEFAULT", filepath=str(file))
+    assert materials.stack_of(material) == stack
+
+
+def test_textures_are_baked_and_the_file_is_as_before(plane, tmp_path):
+    material = layered(plane)
+    layer, base = node_of(material.lamina.layers[0]), node_of(material.lamina.base)
+    color, value = ramp(material, color=True), ramp(material)
+    material.node_tree.links.new(color, base.inputs["Color"])
+    material.node_tree.links.new(value, layer.inputs["Roughness"])
+    before = counts(), sorted(n.name for n in material.node_tree.nodes)
+    assert bpy.ops.lamina.bake_textures("EXEC_DEFAULT", directory=str(tmp_path), size="64") == {"FINISHED"}
+    after = counts()
+    assert (after, sorted(n.name for n in material.node_tree.nodes)) == before
+    assert sorted(p.name for p in tmp_path.iterdir()) == [
+        "Coated_base_color.png", "Coated_coat.png", "Coated_coat_roughness.png", "Coated_metallic.png", "Coated_principled.json", "Coated_roughness.png",
+    ]  # fmt: skip
+    u = (np.arange(64) + 0.5) / 64
+    rough = read_png(tmp_path / "Coated_coat_roughness.png")[0][32, :, 0]
+    np.testing.assert_allclose(rough / 255.0, u, atol=0.01)
+    colors = to_principled(materials.stack_of(material), textured=True).colors
+    red = colors(np.stack([u, u, 0 * u], axis=-1))[:, 0]
+    shown = read_png(tmp_path / "Coated_base_color.png")[0][32, :, 0] / 255.0
+    linear = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
+    np.testing.assert_allclose(linear, red, atol=0.012)
+    assert np.all(red <= u) and np.max(u - red) > 0.1, "the correction does something"
+    assert np.all(read_png(tmp_path / "Coated_metallic.png")[0] == 0)
+    assert "worst albedo error" in json.loads((tmp_path / "Coated_principled.json").read_text())["report"][-1]
+
+
+def test_a_flat_normal_is_flat(plane, tmp_path):
+    material = layered(plane, Stack.from_dict({**COATED.to_dict(), "base": {"kind": "lambert", "normal": [0, 0, 0]}}))
+    geometry = material.node_tree.nodes.new("ShaderNodeNewGeometry")
+    material.node_tree.links.new(geometry.outputs["Normal"], node_of(material.lamina.base).inputs["Normal"])
+    assert bpy.ops.lamina.bake_textures("EXEC_DEFAULT", directory=str(tmp_path), size="64") == {"FINISHED"}
+    normal = read_png(tmp_path / "Coated_normal.png")[0].astype(int)
+    assert np.max(np.abs(normal - np.array([128, 128, 255]))) <= 1
+
+
+@pytest.mark.parametrize("after", (1, 3, 4))
+def test_a_cancelled_bake_leaves_nothing(plane, tmp_path, after):
+    material = layered(plane)
+    material.node_tree.links.new(ramp(material), node_of(material.lamina.layers[0]).inputs["Roughness"])
+    before = counts()
+    steps = textures.TextureBake(material, plane, tmp_path, SIZE).steps()
+    for _ in range(after):
+        next(steps)
+    steps.close()
+    assert counts() == before and not list(tmp_path.iterdir())
+
+
+def test_blenders_materialx_takes_the_file_and_has_the_same_defaults(blender):
+    library = pytest.importorskip("MaterialX", reason="this Blender bundles no MaterialX")
+    standard, document = library.createDocument(), library.createDocument()
+    folder = Path(bpy.utils.resource_path("LOCAL")).parent / "lib" / "materialx"
+    if not folder.is_dir():
+        pytest.skip(f"this Blender has no MaterialX library in {folder}")
+    library.loadLibraries(["libraries"], library.FileSearchPath(str(folder)), standard)
+    stack = Stack.from_dict({**COATED.to_dict(), "base": {"kind": "conductor", "metal": "gold", "anisotropy": 0.5, "film_thickness": 300.0}})
+    library.readFromXmlString(document, to_mtlx(to_openpbr(stack).values, "coated"))
+    document.setDataLibrary(standard)
+    valid, message = document.validate()
+    assert valid, message
+    definition = document.getNodes("open_pbr_surface")[0].getNodeDef()
+    assert definition is not None
+    for name, default in openpbr.DEFAULTS.items():
+        given = definition.getActiveInput(name)
+        assert given is not None, name
+        np.testing.assert_allclose([float(v) for v in given.getValueString().split(",")], np.ravel(default), err_msg=name)
+    for given in document.getNodes("open_pbr_surface")[0].getInputs():
+        assert given.getType() == definition.getActiveInput(given.getName()).getType()
+
+
+class Window:
+    """What the bake's operator touches of a window, and of itself."""
+
+    def __init__(self, bake):
+        self.left, self.said, self.shares, self.texts = False, [], [], []
+        self._bake, self._steps, self._timer = bake, bake.steps(), None
+        self.window_manager = SimpleNamespace(progress_update=self.shares.append, event_timer_remove=lambda _: setattr(self, "left", True), progress_end=list)
+        self.workspace = SimpleNamespace(status_text_set=self.texts.append)
+
+    def report(self, level, text):
+        self.said.append(text)
+
+    def __getattr__(self, name):
+        return partial(getattr(texture_operator.LAMINA_OT_bake_textures, name), self)
+
+    def send(self, kind: str) -> set[str]:
+        return texture_operator.LAMINA_OT_bake_textures.modal(self, self, SimpleNamespace(type=kind))
+
+
+def test_escape_cancels_between_steps_and_a_timer_goes_on(plane, tmp_path):
+    material = layered(plane)
+    before = counts()
+    window = Window(textures.TextureBake(material, plane, tmp_path, SIZE))
+    assert [window.send(kind) for kind in ("TIMER", "TIMER", "A", "TIMER")] == [{"RUNNING_MODAL"}] * 4
+    assert window.send("ESC") == {"CANCELLED"} and window.left
+    assert counts() == before and not list(tmp_path.iterdir())
+    window = Window(textures.TextureBake(material, plane, tmp_path, SIZE))
+    while (done := window.send("TIMER")) == {"RUNNING_MODAL"}:
+        pass
+    assert done == {"FINISHED"} and window.left and counts() == before and len(list(tmp_path.iterdir())) == 6
+
+
+def test_a_bake_that_cannot_be_is_refused_in_words(plane, tmp_path, monkeypatch):
+    material = layered(plane)
+    material.node_tree.links.new(ramp(material), node_of(material.lamina.layers[0]).inputs["Roughness"])
+    before = counts()
+    with pytest.raises(RuntimeError, match="choose a folder"):
+        bpy.ops.lamina.bake_textures("EXEC_DEFAULT")
+
+    def fail(*_):
+        raise LaminaError("the disk is full")
+
+    monkeypatch.setattr(textures, "write_png", fail)
+    with pytest.raises(RuntimeError, match="the disk is full"):
+        bpy.ops.lamina.bake_textures("EXEC_DEFAULT", directory=str(tmp_path), size="64")
+    assert counts() == before and not list(tmp_path.iterdir())
+    plane.data.uv_layers.remove(plane.data.uv_layers[0])
+    with pytest.raises(RuntimeError, match="has no UV map"):
+        bpy.ops.lamina.bake_textures("EXEC_DEFAULT", directory=str(tmp_path), size="64")

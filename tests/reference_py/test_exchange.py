@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Conversions: energy is kept, what is within reach comes back, and nothing is lost without a word."""
+
+import numpy as np
+import pytest
+
+from lamina.addon.cli.main import run
+from lamina.reference_py import presets
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.exchange.materialx import from_mtlx, load_mtlx, to_mtlx
+from lamina.reference_py.exchange.matching import color_map, mean, peer, truth
+from lamina.reference_py.exchange.openpbr import from_openpbr, to_openpbr
+from lamina.reference_py.exchange.principled import effective_ior, from_principled, to_principled
+from lamina.reference_py.exchange.report import LOST
+from lamina.reference_py.frame import spherical
+from lamina.reference_py.models import make_model
+from lamina.reference_py.stack import Stack
+
+PAINT = {"kind": "lambert", "color": [0.7, 0.3, 0.05]}
+METAL = {"kind": "conductor", "reflectance": [0.8, 0.6, 0.4], "edge_color": [0.9, 0.85, 0.8], "roughness": 0.4}
+CLEAR = {"kind": "dielectric", "ior": 1.5}
+TINTED = {"kind": "dielectric", "ior": 1.4, "tint": [0.9, 0.7, 0.5], "thickness": 0.8}
+TO = {"principled": to_principled, "openpbr": to_openpbr}
+BACK = {"principled": from_principled, "openpbr": from_openpbr}
+
+
+def stack(base, *layers):
+    return Stack.from_dict({"layers": list(layers), "base": base})
+
+
+REACHED = {
+    "paint": stack(PAINT),
+    "chalk": stack({"kind": "oren_nayar", "color": [0.7, 0.3, 0.05], "sigma_deg": 25.0}),
+    "plastic": stack(PAINT, CLEAR),
+    "tinted coat": stack(PAINT, TINTED),
+    "partly coated": stack(PAINT, {**CLEAR, "coverage": 0.4}),
+    "two interfaces": stack({**PAINT, "color": [0.7, 0.3, 0.2]}, {**TINTED, "ior": 1.3}, {**CLEAR, "ior": 1.6}),
+    "metal": stack(METAL),
+}
+
+
+@pytest.mark.parametrize("target", TO)
+@pytest.mark.parametrize("name", REACHED)
+def test_what_is_within_reach_comes_back(name, target):
+    """Round trip: roughness and index exactly, base colors within .006."""
+    original = REACHED[name]
+    back = BACK[target](TO[target](original).values).stack
+    assert [e.kind for e in back.layers] == [e.kind for e in original.layers] and back.base.kind == original.base.kind
+    for old, new in zip(original.layers, back.layers):
+        assert new["ior"] == pytest.approx(old["ior"]) and new["roughness"] == pytest.approx(old["roughness"])
+        np.testing.assert_allclose(np.power(new["tint"], new["thickness"]), np.power(old["tint"], old["thickness"]), atol=1e-9)
+        assert new.values.get("coverage", 1.0) == old.values.get("coverage", 1.0)
+    key = "reflectance" if original.base.kind == "conductor" else "color"
+    np.testing.assert_allclose(back.base[key], original.base[key], atol=0.006)
+    if "sigma_deg" in original.base:
+        assert back.base["sigma_deg"] == pytest.approx(original.base["sigma_deg"], abs=0.01)
+
+
+@pytest.mark.parametrize("target, model", (("principled", "principled_coat"), ("openpbr", "openpbr_coat")))
+def test_mean_albedo_is_the_truths(target, model):
+    """And a plain mapping of the coat's color is far too bright in Principled, so the test can fail."""
+    original = stack(PAINT, {**CLEAR, "tint": [0.9, 0.8, 0.7]})
+    converted = TO[target](original)
+    cosines, weights = np.polynomial.legendre.leggauss(12)
+    cosines, weights = 0.5 * (cosines + 1.0), 0.5 * weights * (cosines + 1.0)
+    wo = spherical(np.arccos(cosines), 0.0)
+    exact = weights @ make_model("adding", original).albedo(wo)
+    rendered = weights @ make_model(model, converted.slots.image(True)).albedo(wo)
+    np.testing.assert_allclose(rendered, exact, rtol=5e-3)
+    if target == "principled":
+        plain = weights @ make_model(model, original).albedo(wo)
+        assert np.max(plain / exact) > 1.15
+    match = converted.report.match
+    np.testing.assert_allclose(match.mean, exact, rtol=5e-3)
+    assert np.max(np.abs(match.mean_error)) < 2e-4 and 0.0 < match.worst < 0.2
+
+
+def test_textures_go_through_the_map_that_single_colors_take():
+    original = stack(PAINT, CLEAR)
+    converted = to_principled(original, textured=True)
+    np.testing.assert_allclose(converted.colors(np.array(PAINT["color"])), converted.values["Base Color"], atol=2e-4)
+    exact, rendered = truth(original), peer("principled_coat", converted.slots)
+    for color in (0.1, 0.5, 0.9):
+        np.testing.assert_allclose(mean(rendered(converted.colors(np.full(3, color)))), mean(exact(np.full(3, color))), atol=2e-3)
+    there, back = color_map(exact, rendered), color_map(rendered, exact)
+    colors = np.linspace(0.1, 0.9, 5)[:, None] * np.ones(3)
+    np.testing.assert_allclose(back(there(colors)), colors, atol=1e-9)
+
+
+def test_the_report_names_every_parameter_and_what_was_lost():
+    rough = {**CLEAR, "roughness": 0.3, "distribution": "beckmann", "coverage": 0.7}
+    original = stack(METAL, {**CLEAR, "film_thickness": 300.0, "film_ior": 1.8, "normal": [0, 0, 0]}, {**rough, "ior": 1.7, "tint": [0.9, 0.5, 0.5]})
+    report = to_principled(original).report
+    named = {loss.parameter for loss in report.losses}
+    for where, element in (("layer 0", original.layers[0]), ("layer 1", original.layers[1])):
+        ggx = set() if element["distribution"] == "beckmann" and where == "layer 0" else {"distribution"}
+        assert {f"{where} {p}" for p in element.values if p not in {"thickness"} | ggx} <= named
+    lost = {loss.parameter for loss in report.of(LOST)}
+    assert {"layer 0 film_thickness", "layer 1 ior", "layer 1 roughness", "layer 1 coverage"} <= lost
+    assert any("worst albedo error" in line for line in report.lines())
+
+
+def test_what_a_stack_cannot_have_is_lost_by_name():
+    odd = {"Metallic": 0.3, "Subsurface Weight": 0.5, "Transmission Weight": 0.2, "Sheen Weight": 0.1, "Emission Strength": 2.0, "Alpha": 0.5}
+    lost = {loss.parameter for loss in from_principled(odd).report.of(LOST)}
+    assert lost == set(odd)
+    assert not from_principled({}).report.of(LOST)
+    lost = {loss.parameter for loss in from_openpbr({"fuzz_weight": 0.5, "transmission_weight": 1.0, "coat_darkening": 0.0}).report.of(LOST)}
+    assert lost == {"fuzz_weight", "transmission_weight", "coat_darkening"}
+
+
+def test_what_is_no_number_is_refused_and_what_is_out_of_range_is_said():
+    with pytest.raises(LaminaError, match="Principled: Roughness is nan"):
+        from_principled({"Roughness": float("nan")})
+    with pytest.raises(LaminaError, match="OpenPBR: base_color is .* inf"):
+        from_openpbr({"base_color": (0.0, 0.0, float("inf"))})
+    report = from_principled({"IOR": 10.0, "Coat Weight": 1.0, "Coat IOR": 0.5}).report
+    assert {"Coat IOR", "IOR"} <= {loss.parameter for loss in report.of("approximated")}
+
+
+def test_a_base_that_is_not_seen_keeps_its_textures_color():
+    hidden = stack(PAINT, {**CLEAR, "tint": [0.0, 0.5, 1.0], "thickness": 3.0})
+    mapped = to_principled(hidden, textured=True).colors(np.full(3, 0.5))
+    assert mapped[0] == 0.5 and np.all(np.isfinite(mapped))
+
+
+def test_specular_level_is_an_index():
+    assert effective_ior(1.5, 0.5) == 1.5 and effective_ior(1.5, 0.0) == 1.0
+    assert effective_ior(1.5, 1.0) == pytest.approx((1 + 0.08**0.5) / (1 - 0.08**0.5))
+    assert effective_ior(0.8, 1.0) < 0.8
+
+
+@pytest.mark.parametrize("target, metre", (("principled", "Thin Film Thickness"), ("openpbr", "thin_film_thickness")))
+def test_films_and_brushing_go_both_ways(target, metre):
+    original = stack({**METAL, "anisotropy": 0.6, "film_thickness": 250.0, "film_ior": 2.0})
+    values = TO[target](original).values
+    assert values[metre] == pytest.approx(250.0 if target == "principled" else 0.25)
+    back = BACK[target](values).stack.base
+    for name in ("anisotropy", "film_thickness", "film_ior", "roughness"):
+        assert back[name] == pytest.approx(original.base[name])
+
+
+def test_files_come_back_and_broken_ones_are_refused_in_one_line(tmp_path):
+    values = to_openpbr(REACHED["tinted coat"]).values
+    text = to_mtlx(values, "2 coats & <more>")
+    name, read, told = from_mtlx(text)
+    assert not told and read.keys() == values.keys() and name == "M_2_coats_more"
+    for key, value in values.items():
+        np.testing.assert_allclose(read[key], value, rtol=1e-6)
+    bomb = '<!DOCTYPE x [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]><materialx>&b;</materialx>'
+    broken = {
+        "truncated": (text[: len(text) // 2], "not valid XML"), "bomb": (bomb, "document type"), "empty": ("", "not valid XML"),
+        "node": (text.replace("open_pbr_surface", "standard_surface"), "it has standard_surface"),
+        "root": ("<svg/>", "its root is <svg>"), "nan": (text.replace('value="1.4"', 'value="nan"'), "coat_ior is 'nan'"),
+        "word": (text.replace('value="1.4"', 'value="thick"'), "coat_ior is 'thick'"), "range": (text.replace('value="1.4"', 'value="-3"'), "0 to 10"),
+        "deep": ("<a>" * 1000 + "</a>" * 1000, "nested too deeply"), "zero": ("<materialx>\0</materialx>", "not valid XML"),
+    }  # fmt: skip
+    for key, (content, words) in broken.items():
+        file = tmp_path / f"{key}.mtlx"
+        file.write_text(content)
+        with pytest.raises(LaminaError) as error:
+            load_mtlx(file)
+        assert words in str(error.value) and "\n" not in str(error.value), key
+    large = tmp_path / "large.mtlx"
+    large.write_bytes(b" " * 5_000_000)
+    with pytest.raises(LaminaError, match="too large"):
+        load_mtlx(large)
+
+
+def test_connected_and_unknown_inputs_are_named():
+    text = to_mtlx({"base_color": (0.1, 0.2, 0.3)}, "x").replace("<input", '<input name="fuzz_color" type="color3" value="1,1,1"/><input', 1)
+    text = text.replace("<input", '<input name="coat_roughness" type="float" nodename="noise"/><input', 1)
+    assert from_mtlx(text)[2] == ["coat_roughness: is connected to other nodes; its default stands in", "fuzz_color: has no place in a stack"]
+
+
+def test_the_command_converts_there_and_back(tmp_path, capsys):
+    file, again = tmp_path / "mug.mtlx", tmp_path / "mug.json"
+    assert run(["convert", "glazed_mug", "--to", "openpbr", "-o", str(file)]) == 0
+    assert "worst albedo error" in capsys.readouterr().out
+    assert run(["convert", str(file), "-o", str(again)]) == 0
+    np.testing.assert_allclose(Stack.load(again).base["color"], presets.load("glazed_mug").base["color"], atol=1e-3)
+    file.write_text("<materialx")
+    capsys.readouterr()
+    for arguments in (["convert", str(file), "-o", str(tmp_path / "no.json")], ["convert", "glazed_mug"], ["convert", str(file)],
+                      ["convert", "glazed_mug", "--to", "openpbr", "-o", str(tmp_path / "no.txt")]):
+        assert run(arguments) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["mug.json", "mug.mtlx"]
