@@ -6,14 +6,13 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
-from pathlib import Path
 from types import MappingProxyType
 
 from .atomic import write_text
 from .errors import LaminaError
+from .json_input import parse_json, read_text
 from .schema import SCHEMA, SCHEMA_VERSION, Feature, Kind, Schema
 
-MAX_FILE_BYTES = 4_000_000
 MAX_LAYERS = 64
 
 
@@ -113,20 +112,7 @@ class Stack:
 
     @classmethod
     def from_json(cls, text: str, where: str = "stack") -> "Stack":
-        try:
-            data = json.loads(text, parse_constant=_no_constant)
-            json.dumps(data, ensure_ascii=False).encode()
-        except json.JSONDecodeError as error:
-            raise LaminaError(f"{where}: not valid JSON at line {error.lineno} column {error.colno}: {error.msg}") from None
-        except LaminaError as error:
-            raise LaminaError(f"{where}: {error}") from None
-        except UnicodeEncodeError as error:
-            raise LaminaError(f"{where}: text holds half a character, {ascii(error.object[error.start])}") from None
-        except RecursionError:
-            raise LaminaError(f"{where}: not readable as JSON: nested too deeply") from None
-        except ValueError as error:  # an integer of thousands of digits
-            raise LaminaError(f"{where}: not readable as JSON: {error}") from None
-        return cls.from_dict(data, where)
+        return cls.from_dict(parse_json(text, where), where)
 
     def to_json(self) -> str:
         return _json_text(self.to_dict()) + "\n"
@@ -134,17 +120,7 @@ class Stack:
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Stack":
         """Read a stack file. Raises LaminaError when it cannot be read or is not a valid stack."""
-        path = Path(path)
-        try:
-            size = path.stat().st_size
-            if size > MAX_FILE_BYTES:
-                raise LaminaError(f"{path}: {size} bytes is too large for a stack file; at most {MAX_FILE_BYTES}")
-            text = path.read_text(encoding="utf-8-sig")
-        except UnicodeDecodeError as error:
-            raise LaminaError(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from None
-        except OSError as error:
-            raise LaminaError(f"{path}: cannot read stack file: {error.strerror}") from None
-        return cls.from_json(text, str(path))
+        return cls.from_json(read_text(path, "stack file"), str(path))
 
     def save(self, path: str | os.PathLike) -> None:
         """Write the stack as JSON, whole or not at all. Raises LaminaError when the path is not writable."""
@@ -166,10 +142,6 @@ def _json_text(value, indent: str = "") -> str:
     if isinstance(value, list) and any(isinstance(v, (dict, list)) for v in value):
         return "[\n" + ",\n".join(inner + _json_text(v, inner) for v in value) + f"\n{indent}]"
     return json.dumps(value, ensure_ascii=False)
-
-
-def _no_constant(token: str):
-    raise LaminaError(f"{token} is not a number that a stack can hold")
 
 
 def _element(data, where: str, kind_of, version: int) -> Element:

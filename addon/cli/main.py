@@ -32,6 +32,11 @@ def _between(low: int, high: int):
     return convert
 
 
+def _layers(text: str) -> int | str:
+    """An argparse type: "auto" or a count."""
+    return text if text == "auto" else _between(0, 8)(text)
+
+
 _samples = _between(1, 1_000_000)
 _pixels = _between(2, 16_384)
 
@@ -89,17 +94,50 @@ def build_parser() -> argparse.ArgumentParser:
     for command in (render, apply):
         command.add_argument("--backend", choices=BACKENDS, default=DEFAULT_BACKEND,
                              help="OSL shader or stock nodes (default: %(default)s, which is OSL where there is OSL)")
-    demo = _command(commands, "demo", "demo", "render a contact sheet of all presets and print their errors")
+    convert = _command(commands, "convert", "convert", "convert a stack to Principled or OpenPBR, or a MaterialX file to a stack, and say what was lost")
+    convert.add_argument("source", metavar="STACK|FILE.mtlx", help=STACK_HELP + ", or a MaterialX file with an OpenPBR surface")
+    convert.add_argument("--to", choices=("principled", "openpbr"), help="what a stack becomes")
+    convert.add_argument("-o", "--output", metavar="FILE", help="file to write: .json for Principled and stacks, .mtlx for OpenPBR")
+    fit = _command(commands, "fit", "fit", "fit a layer stack to measured reflectance")
+    fit.add_argument("file", metavar="FILE", help="MERL .binary, RGL .bsdf, or a table .csv; with --sample a stack")
+    fit.add_argument("-o", "--output", metavar="STACK.json", help="stack file to write")
+    fit.add_argument("--layers", type=_layers, default="auto", metavar="auto|N", help="count of layers (default: the fewest that the data support)")
+    fit.add_argument("--base", default="auto", metavar="KIND", help="auto, lambert, oren_nayar or conductor (default: %(default)s)")
+    fit.add_argument("--wavelength", type=float, metavar="NM", help="fit one wavelength alone, as a grey stack")
+    fit.add_argument("--model", default="adding", help="model that is fitted (default: %(default)s, the truth that auto renders)")
+    fit.add_argument("--sample", metavar="MODEL", help="FILE is a stack or a preset: fit samples of this model of it")
+    fit.add_argument("--samples", type=_between(50, 20_000), default=500, metavar="N", help="pairs of directions that are fitted (default: %(default)s)")
+    fit.add_argument("--seed", type=_between(0, 2**31), default=0, metavar="N", help="of the pairs and the starts (default: %(default)s)")
+    fit.add_argument("--report", metavar="PICTURE", help="slices, lobes and residuals, .png (needs matplotlib)")
+    fit.add_argument("--compare", action="store_true", help="fit other models too and print their errors")
+    demo = _command(commands, "demo", "demo", "render a contact sheet of the paper's presets, or of all, and print their errors")
+    demo.add_argument("--all", action="store_true", help="all presets, which takes a quarter of an hour (default: those of the paper)")
     demo.add_argument("-o", "--output", default="demo", metavar="FOLDER", help="folder for the pictures (default: %(default)s)")
     demo.add_argument("--samples", type=_samples, default=48, metavar="N", help="samples per pixel (default: %(default)s)")
     demo.add_argument("--size", type=_pixels, default=288, metavar="PIXELS", help="width of a tile (default: %(default)s)")
+    batch = _command(commands, "batch", "batch", "render every picture that a job file names, by several processes; run it again to go on where it stopped")
+    batch.epilog = "A job is a JSON file such as {\"stacks\": [\"clean_copper\"], \"views\": [0, 120, 240], \"size\": 128}; `--keys` lists all it can say."
+    batch.add_argument("job", metavar="JOB.json", nargs="?", help="what to render")
+    batch.add_argument("-o", "--output", metavar="FOLDER", help="folder for pictures, table and contact sheets (default: named like the job)")
+    batch.add_argument("--processes", type=_between(1, 256), metavar="N", help="Blenders at work at the same time (default: one for each four cores)")
+    batch.add_argument("--no-sheet", action="store_true", help="write no contact sheets")
+    batch.add_argument("--keys", action="store_true", help="list every key of a job file, and leave")
+    batch.add_argument("--worker", action="store_true", help=argparse.SUPPRESS)
+    batch.add_argument("--threads", type=_between(1, 1024), default=1, help=argparse.SUPPRESS)
+    farm = _command(commands, "farm", "farm", "write a job as files that a render farm runs without Lamina: Open Job Description and Flamenco")
+    farm.add_argument("job", metavar="JOB.json", help="what to render (see `lamina batch --keys`)")
+    farm.add_argument("-o", "--output", metavar="FOLDER", required=True, help="new folder for the template, its scenes and scripts")
+    farm.add_argument("--chunk", type=_between(1, 10_000), default=10, metavar="N", help="pictures per task (default: %(default)s)")
     chart = _command(commands, "chart", "chart", "measure a chart's numbers, print the table and draw it")
-    chart.add_argument("chart", choices=("network", "tiers", "error", "stress", "suite", "pareto", "pair", "levers"), help=(
-        "network: what Cycles is told against the exact model; tiers: the same in every tier against the truth; "
+    chart.add_argument("chart", choices=("network", "presets", "tiers", "error", "stress", "suite", "pareto", "pair", "levers", "fit", "scale"), help=(
+        "network: what Cycles is told against the exact model; presets: what Cycles renders of every preset against the truth; "
+        "tiers: the same in every tier, for the presets of the paper and a suite of stacks; "
         "error: every model against the truth, by angle; "
         "stress: every model in every hard case; suite: the two truths against each other; "
         "pareto: error against cost of every way to render a surface in Cycles; "
         "levers: what lobes and closures cost in Cycles; "
+        "scale: time and memory over the number of materials, layers, samples and pictures; "
+        "fit: how well stacks are found from measurements, and a blue paint by other models; "
         "pair: one car paint by Cycles' layer(), by Lamina and as explicit geometry"))
     chart.add_argument("-o", "--output", default=".", metavar="FOLDER", help="folder for table and picture (default: %(default)s)")
     chart.add_argument("--surface", nargs="+", metavar="NAME", help="pareto: presets or stacks of the suite (default: six surface types)")
@@ -111,7 +149,7 @@ def build_parser() -> argparse.ArgumentParser:
     figures.add_argument("--only", nargs="+", metavar="FIGURE", help="some of figure3, figure5 ... figure9, spectral (default: all)")
     figures.add_argument("--size", type=_pixels, default=112, metavar="PIXELS", help="width of a sphere (default: %(default)s)")
 
-    for command in (presets, schema, models, albedo, evaluate, render, explain):
+    for command in (presets, schema, models, albedo, evaluate, render, explain, fit):
         command.add_argument("--json", action="store_true", help="print JSON")
     return parser
 

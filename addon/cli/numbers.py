@@ -84,6 +84,7 @@ def print_albedo(
         result = {"model": model, **(how or {}), "theta_deg": list(theta), "albedo": value.tolist()}
         print(json.dumps(result if stderr is None else {**result, "stderr": stderr.tolist()}))
         return
+    print(f"{model}: share of light reflected, red green blue")
     for i, angle in enumerate(theta):
         numbers = " ".join(f"{v:.5f}" for v in value[i])
         error = "" if stderr is None else "   +- " + " ".join(f"{v:.5f}" for v in stderr[i])
@@ -106,6 +107,7 @@ def eval(options) -> None:  # noqa: A001  (the command is called eval)
                   "f": value.tolist()}
         print(json.dumps(result if stderr is None else {**result, "stderr": stderr.tolist()}))
         return
+    print(f"{options.model}: f in 1/sr, red green blue, wo {options.wo}")
     for i, text in enumerate(options.wi):
         error = "" if stderr is None else "   +- " + " ".join(f"{v:.3g}" for v in stderr[i])
         print(f"wi {text:12}   {' '.join(f'{v:.6g}' for v in value[i])}{error}")

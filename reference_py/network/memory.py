@@ -55,7 +55,7 @@ def known(key: str, unpack: Callable[[dict], T]) -> T | None:
     if key not in _memory and _folder is not None:
         try:
             _remember(key, unpack(json.loads(_file(key).read_text(encoding="utf-8"))))
-        except (OSError, ValueError, KeyError, TypeError):
+        except (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, RecursionError):
             return None
     return _memory.get(key)
 
@@ -74,8 +74,9 @@ def _write(key: str, data: dict) -> None:
     try:
         _folder.mkdir(parents=True, exist_ok=True)
         write_text(_file(key), json.dumps(data))
-        files = sorted(_folder.glob("*.json"), key=lambda file: file.stat().st_mtime)
-        for old in files[:-_FILES]:
+        # by their dates, which a clock may have set back: what was just written is not among them
+        others = sorted((f for f in _folder.glob("*.json") if f != _file(key)), key=lambda file: file.stat().st_mtime)
+        for old in others[:max(len(others) + 1 - _FILES, 0)]:
             old.unlink(missing_ok=True)
     except (OSError, LaminaError) as error:
         _complain(f"what is baked cannot be kept in {_folder}, so the next session bakes it again ({error}); {FOLDER_VARIABLE} names another folder")

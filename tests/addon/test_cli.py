@@ -7,26 +7,16 @@ import shlex
 import signal
 import stat
 import subprocess
-import sys
 
 import numpy as np
 import pytest
+from support.commands import RUN, lamina
 
 from lamina import version
 from lamina.reference_py import presets
 from lamina.reference_py.frame import spherical
 from lamina.reference_py.models import MODELS, make_model
 from lamina.reference_py.stack import Stack
-
-RUN = [sys.executable, "-c", "from lamina.addon.cli.main import main; main()"]
-
-
-def lamina(*arguments, code=0, **options):
-    """Run the command; returns (stdout, stderr) after checking the exit code."""
-    result = subprocess.run([*RUN, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options)
-    assert result.returncode == code, result.stdout + result.stderr
-    assert "Traceback" not in result.stderr
-    return result.stdout, result.stderr
 
 
 def test_albedo_prints_the_documented_json():
@@ -93,6 +83,17 @@ def test_explain_says_what_was_tried_and_chosen():
     assert data["chosen"] in [row["label"] for row in data["tried"]]
     assert all(row["albedo"] < 0.01 for row in data["tried"] if row["label"].startswith("baked"))
     assert "chosen: " in lamina("explain", "glazed_mug")[0]
+
+
+def test_tables_name_their_model():
+    assert lamina("albedo", "clean_copper")[0].startswith("weidlich_wilkie: ")
+    assert lamina("eval", "clean_copper", "--model", "mirror", "--option", "tier=analytic", "--wo", "30,0", "--wi", "30,180")[0].startswith("mirror: f in 1/sr")
+
+
+def test_explain_refuses_more_layers_than_a_shader_takes(tmp_path):
+    (tmp_path / "many.json").write_text(json.dumps({"layers": [{"kind": "dielectric"}] * 40, "base": {"kind": "lambert"}}))
+    _, err = lamina("explain", tmp_path / "many.json", code=2)
+    assert len(err.splitlines()) == 1 and "40 layers need" in err and "choose fewer layers" in err
 
 
 def test_lists():
@@ -202,10 +203,10 @@ def test_a_folder_without_permission(tmp_path):
 def test_render_writes_both_formats_and_furnace_prints_json(tmp_path, blender):
     from lamina.addon.rendering.images import read_exr, read_png
 
-    lamina("render", "metal_foil", "--scene", "sphere", "-o", "a.exr", "--size", 24, "--samples", 4, cwd=tmp_path)
+    lamina("render", "metal_foil", "--scene", "sphere", "--tier", "analytic", "-o", "a.exr", "--size", 24, "--samples", 4, cwd=tmp_path)
     red = read_exr(tmp_path / "a.exr").channels["R"]
     assert red.shape == (24, 24) and np.isfinite(red).all()
-    out, error = lamina("render", "clean_copper", "-o", "b.png", "--size", 32, "--samples", 1, cwd=tmp_path)
+    out, error = lamina("render", "clean_copper", "--tier", "analytic", "-o", "b.png", "--size", 32, "--samples", 1, cwd=tmp_path)
     assert out == "" and "wrote b.png" in error
     assert read_png(tmp_path / "b.png")[0].shape[:2] == (32, 32)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.exr", "b.png"]

@@ -233,10 +233,10 @@ def test_png_round_trip_and_blender_agrees(tmp_path):
     y, x = np.mgrid[0:40, 0:50]
     smooth = np.stack([x * 5, y * 6, (x * y) % 256], axis=-1)
     pixels = np.concatenate([smooth, np.random.default_rng(1).integers(0, 256, (40, 50, 3))]).astype(np.uint8)
-    images.write_png(tmp_path / "a.png", pixels, {"Title": "caf\u00e9"})
+    images.write_png(tmp_path / "a.png", pixels, {"lamina:Title": "caf\u00e9"})
     back, metadata = images.read_png(tmp_path / "a.png")
     np.testing.assert_array_equal(back, pixels)
-    assert metadata == {"Title": "caf\u00e9"}
+    assert metadata == {"lamina:Title": "caf\u00e9"}
     image = bpy.data.images.load(str(tmp_path / "a.png"))
     image.colorspace_settings.name = "Non-Color"
     loaded = np.empty(80 * 50 * 4, np.float32)
@@ -258,6 +258,18 @@ def test_broken_pictures_are_named(tmp_path, read, name):
         read(tmp_path / name)
 
 
+def test_a_header_that_claims_too_much_is_refused_in_one_line(tmp_path):
+    """Found by make fuzz: OpenImageIO says it in several lines, and without a limit asks for the memory."""
+    images.write_exr(tmp_path / "a.exr", {"R": np.zeros((4, 4))})
+    data = (tmp_path / "a.exr").read_bytes()
+    window = np.array([0, 0, 3, 3], "<i4").tobytes()
+    assert data.count(window) == 2
+    (tmp_path / "a.exr").write_bytes(data.replace(window, np.array([0, 0, 199_999, 199_999], "<i4").tobytes()))
+    with pytest.raises(LaminaError, match="a.exr: not an EXR file") as raised:
+        images.read_exr(tmp_path / "a.exr")
+    assert "\n" not in str(raised.value)
+
+
 def test_sheet_shows_each_material_over_its_label(tmp_path):
     def principled(color):
         material = bpy.data.materials.new("Look")
@@ -268,12 +280,12 @@ def test_sheet_shows_each_material_over_its_label(tmp_path):
     seen = []
     items = [sheet.Tile("Red", principled((0.6, 0.01, 0.01))), sheet.Tile("Blue", principled((0.01, 0.01, 0.6)))]
     sheet.render_sheet(items, tmp_path / "sheet.png", 2, 64, 2, lambda done, text: seen.append((done, text)),
-                       metadata={"Software": "test"})
+                       metadata={"Source": "test"})
     pixels, metadata = images.read_png(tmp_path / "sheet.png")
     half = pixels.shape[1] // 2
     ball = pixels[30:45].astype(int)  # across both balls, below their highlights
     red, blue = ball[:, 25:half - 25].mean(axis=(0, 1)), ball[:, half + 25:-25].mean(axis=(0, 1))
     assert red[0] > 1.5 * red[2] and blue[2] > 1.5 * blue[0]
     assert pixels[70:].max() > 120 and pixels[:4].max() < 40  # labels below the tiles, nothing in the margin
-    assert seen[0] == (0.0, "Red") and seen[-1][0] == 1.0 and metadata["Software"] == "test"
+    assert seen[0] == (0.0, "Red") and seen[-1][0] == 1.0 and metadata["Source"] == "test"
     assert os.listdir(tmp_path) == ["sheet.png"]

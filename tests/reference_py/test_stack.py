@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 
 from lamina.reference_py import presets
 from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.json_input import MAX_FILE_BYTES
 from lamina.reference_py.schema import SCHEMA, SCHEMA_VERSION, VECTOR
-from lamina.reference_py.stack import MAX_FILE_BYTES, Stack
+from lamina.reference_py.stack import Stack
 
 LAMBERT = {"kind": "lambert"}
 

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How wrong a stack's shader is said to be, for the header of its pictures. Needs no bpy."""
+
+from ...reference_py.errors import LaminaError
+from ...reference_py.network import AutoNetwork, make_network
+from ...reference_py.network.judge import Judge, ball_cosines
+from ...reference_py.network.memory import remembered, truth_of
+from ...reference_py.stack import Stack
+
+
+def estimate(stack: Stack, tier: str) -> dict[str, str]:
+    """Texts "lamina:chosen" and "lamina:error": errors as shares of the reflected light, or why there are none."""
+    network = make_network(stack, tier)
+    own = isinstance(network, AutoNetwork)
+    chosen = network.choice.chosen.label if own else network.resolved.tier
+    if own:
+        c = network.choice.chosen
+        error = {"albedo": c.albedo, "soft_light": c.soft_light, "shape": c.shape}
+    else:
+        try:
+            error = remembered(f"errors {tier} {AutoNetwork.key(stack)}", lambda: _judged(stack, network), dict, dict)
+        except LaminaError as why:
+            return {"lamina:chosen": chosen, "lamina:error": f"unknown: {why}"}
+    return {"lamina:chosen": chosen, "lamina:error": " ".join(f"{name} {value:.5f}" for name, value in error.items())}
+
+
+def _judged(stack: Stack, network) -> dict[str, float]:
+    errors = Judge(stack, truth_of(stack), ball_cosines()).errors(network)
+    return {"albedo": float(errors.albedo.max()), "soft_light": float(errors.soft_light.mean()), "shape": float(errors.shape.mean())}

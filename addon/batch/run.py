@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs a batch: what is there already is verified and skipped, the rest is shared out among worker processes."""
+
+import os
+import queue
+import shutil
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from ...reference_py.errors import LaminaError
+from .items import Item
+from .outputs import Output, verified
+from .worker import Worker
+
+WORK = ".work"
+_POLL_SECONDS = 0.2
+
+
+def run_items(items: Sequence[Item], folder: Path, processes: int, report: Callable[[str], None]) -> list[Output]:
+    """Render what is not there yet; returns one output per item, failed ones with their problem.
+
+    Raises LaminaError when no worker can be started, KeyboardInterrupt when cancelled; workers are gone then.
+    """
+    outputs = {item.id: verified(item, folder) for item in items}
+    left = deque(item for item in items if outputs[item.id].problem)
+    report(f"{len(items)} pictures, {len(items) - len(left)} of them are there and whole")
+    if not left:
+        return list(outputs.values())
+    clear_leftovers(folder)
+    work = folder / WORK
+    work.mkdir(exist_ok=True)
+    try:
+        _render(left, outputs, folder, work, max(1, min(processes, len(left))), report)
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+    return list(outputs.values())
+
+
+def clear_leftovers(folder: Path) -> None:
+    """Remove what a killed batch left half-made. Only for who owns the folder."""
+    shutil.rmtree(folder / WORK, ignore_errors=True)
+    for half in folder.glob(".*.exr"):
+        half.unlink(missing_ok=True)
+
+
+def _render(left: deque, outputs: dict, folder: Path, work: Path, processes: int, report) -> None:
+    threads = max(1, (os.cpu_count() or 1) // processes)
+    done: queue.Queue = queue.Queue()
+    hands = [_Hand(left, done, folder, work, threads) for _ in range(processes)]
+    total, started = len(left), time.monotonic()
+    for hand in hands:
+        hand.start()
+    try:
+        finished = 0
+        while finished < total:
+            try:
+                item, error = done.get(timeout=_POLL_SECONDS)
+            except queue.Empty:
+                if not any(hand.is_alive() for hand in hands):
+                    raise LaminaError(f"no worker is left: {hands[0].problem}") from None
+                continue
+            finished += 1
+            output = verified(item, folder)
+            outputs[item.id] = Output(item, error, {}) if error else output
+            seconds = (time.monotonic() - started) / finished * (total - finished)
+            state = f"failed: {error}" if error else "failed: " + output.problem if output.problem else "done"
+            report(f"{finished}/{total}, {100 * finished // total} %, {_time_left(seconds)}: {item.id} {state}")
+    finally:
+        left.clear()
+        for hand in hands:
+            hand.stop()
+
+
+def _time_left(seconds: float) -> str:
+    if seconds < 90:
+        return f"about {seconds:.0f} s left"
+    return f"about {seconds / 60:.0f} min left" if seconds < 5400 else f"about {seconds / 3600:.1f} h left"
+
+
+class _Hand(threading.Thread):
+    """Feeds one worker, and a new one when an item takes it down."""
+
+    def __init__(self, left: deque, done: queue.Queue, folder: Path, work: Path, threads: int):
+        super().__init__(daemon=True)
+        self._left, self._done, self._where = left, done, (folder, work, threads)
+        self._worker: Worker | None = None
+        self._stopped = False
+        self.problem = ""
+
+    def run(self) -> None:
+        while not self._stopped:
+            try:
+                if self._worker is None:
+                    self._worker = Worker(*self._where)
+                    self._worker.wait_until_ready()
+            except (LaminaError, OSError) as error:
+                self.problem = f"cannot start Blender for rendering: {error}"
+                self._drop()
+                return
+            try:
+                item = self._left.popleft()
+            except IndexError:
+                break
+            try:
+                error = self._worker.render(item)
+            except LaminaError as why:  # the process is gone
+                self._drop()
+                error = str(why)
+            self._done.put((item, error))
+        self._drop()
+
+    def _drop(self) -> None:
+        worker, self._worker = self._worker, None
+        if worker is not None:
+            worker.stop()
+
+    def stop(self) -> None:
+        self._stopped = True
+        worker = self._worker
+        if worker is not None:
+            worker.stop()
+        self.join(timeout=5.0)
+        self._drop()  # one that it started meanwhile

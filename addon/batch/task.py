@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders items of a batch from scenes that are ready, each to a whole EXR with its origin in the header, or to none.
+
+Also a script for farms, where Lamina is not installed: a copy of this file and of `oiio.py` beside it run as
+
+    blender -b SCENE.blend --python render_items.py -- --items items.json --range 0-9 --output FOLDER
+"""
+
+import contextlib
+import hashlib
+import importlib.util
+import json
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import bpy
+from mathutils import Matrix
+
+WITH_CAMERA = "lamina_with_camera"
+
+if __package__:
+    from ..rendering import oiio
+else:
+    _spec = importlib.util.spec_from_file_location("oiio", Path(__file__).with_name("oiio.py"))
+    oiio = importlib.util.module_from_spec(_spec)
+    _spec.loader.exec_module(oiio)
+
+
+def render_item(scene: bpy.types.Scene, target: bpy.types.Object, item: dict, texts: dict[str, str], folder: Path) -> None:
+    """Render one item, its material already on `target`, into `folder`.
+
+    `item` has file, view, frame, seed, samples and size (None: the scene's own), as `Item.to_dict` gives them; `texts`
+    go into the header. Raises OSError, ValueError or RuntimeError, and then no file was written or changed.
+    """
+    started = time.monotonic()
+    _set_up(scene, item)
+    with _camera_around(scene, target, item["view"]), tempfile.TemporaryDirectory() as work:
+        picture = Path(work, "picture.exr")
+        scene.render.filepath = str(picture)
+        bpy.ops.render.render(write_still=True, scene=scene.name)
+        if not picture.is_file():  # render() says FINISHED even then
+            raise RuntimeError("Blender wrote no picture")
+        channels, _ = oiio.read(picture)
+    channels = {name: channels[name] for name in "RGBA"}
+    texts = texts | {
+        "lamina:inputs": item["inputs"],
+        "lamina:pixels": pixel_hash(channels),
+        "lamina:blender": bpy.app.version_string,
+        "lamina:samples": str(scene.cycles.samples),
+        "lamina:seed": str(item["seed"]),
+        "lamina:seconds": f"{time.monotonic() - started:.2f}",
+    }
+    _write(folder / item["file"], channels, texts)
+
+
+def pixel_hash(channels: dict) -> str:
+    """Of the values as float32, channel after channel."""
+    digest = hashlib.sha256()
+    for name in "RGBA":
+        digest.update(channels[name].astype("<f4").tobytes())
+    return digest.hexdigest()
+
+
+def _set_up(scene, item: dict) -> None:
+    if scene.render.engine != "CYCLES":
+        raise RuntimeError(f"the scene {scene.name} renders with {scene.render.engine}, not with Cycles")
+    scene.frame_set(item["frame"])
+    scene.render.use_persistent_data = True  # a shader's start in Cycles takes seconds
+    scene.cycles.seed, scene.cycles.use_animated_seed = item["seed"], False
+    if item["samples"]:
+        scene.cycles.samples = item["samples"]
+    if item["size"]:
+        scene.render.resolution_x, scene.render.resolution_y = item["size"]
+        scene.render.resolution_percentage = 100
+    image = scene.render.image_settings
+    if hasattr(image, "media_type"):  # Blender 5.0
+        image.media_type = "IMAGE"
+    image.file_format, image.color_mode, image.color_depth, image.exr_codec = "OPEN_EXR", "RGBA", "32", "ZIP"
+    scene.render.use_file_extension = scene.render.use_overwrite = True
+
+
+@contextlib.contextmanager
+def _camera_around(scene, target, degrees: float):
+    """The scene's camera moved around the vertical through the target's origin; its own place and animation stay as they are.
+
+    What the scene's property `WITH_CAMERA` names, one name a line, goes along, such as a studio's backdrop.
+    """
+    own = scene.camera
+    if own is None:
+        raise RuntimeError(f"the scene {scene.name} has no camera")
+    if not degrees:
+        yield
+        return
+    scene.view_layers[0].update()  # nothing else does, in a scene that no window shows
+    axis = Matrix.Translation(target.matrix_world.translation)
+    turn = axis @ Matrix.Rotation(degrees * 3.141592653589793 / 180.0, 4, "Z") @ axis.inverted()
+    along = [scene.objects[name] for name in scene.get(WITH_CAMERA, "").splitlines()]
+    # exactly, which a matrix that is taken apart again would not be
+    places = [(item.location.copy(), item.rotation_euler.copy(), item.scale.copy()) for item in along]
+    moved = bpy.data.objects.new("Lamina View", own.data)
+    scene.collection.objects.link(moved)
+    try:
+        moved.matrix_world = turn @ own.matrix_world
+        for item in along:
+            item.matrix_world = turn @ item.matrix_world
+        scene.camera = moved
+        yield
+    finally:
+        scene.camera = own
+        bpy.data.objects.remove(moved)
+        for item, place in zip(along, places):
+            item.location, item.rotation_euler, item.scale = place
+
+
+def _write(path: Path, channels: dict, texts: dict[str, str]) -> None:
+    handle, name = tempfile.mkstemp(prefix=".", suffix=".exr", dir=path.parent)
+    os.close(handle)
+    try:
+        oiio.write(name, channels, texts)
+        os.chmod(name, 0o644)
+        os.replace(name, path)
+    finally:
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(name)
+
+
+def _farm(arguments: list[str]) -> int:
+    """Render a range of the items of a bundle. Returns the exit code."""
+    import argparse
+
+    parser = argparse.ArgumentParser(prog="render_items.py")
+    parser.add_argument("--items", type=Path, required=True)
+    parser.add_argument("--range", required=True, help="such as 0-9, 3 or 0-9,12")
+    parser.add_argument("--output", type=Path, required=True)
+    options = parser.parse_args(arguments)
+    items = json.loads(options.items.read_text(encoding="utf-8"))["items"]
+    ends = [part.partition("-") for part in options.range.split(",")]
+    wanted = [items[i] for first, _, last in ends for i in range(int(first), int(last or first) + 1)]
+    options.output.mkdir(parents=True, exist_ok=True)
+    failed = []
+    for i, item in enumerate(wanted):
+        print(f"openjd_status: {item['id']}", flush=True)
+        try:
+            if is_there(options.output / item["file"], item["inputs"]):
+                print(f"{item['id']}: is there already", flush=True)
+            else:
+                scene, target = _shown(item, options.items.parent)
+                render_item(scene, target, item, item["texts"], options.output)
+        except Exception as error:  # one picture must not cost the others
+            failed.append(item["id"])
+            print(f"openjd_status: {item['id']} failed: {' '.join(str(error).split())}", flush=True)
+        print(f"openjd_progress: {100.0 * (i + 1) / len(wanted):.1f}", flush=True)
+    if failed:
+        print(f"lamina: failed: {', '.join(failed)}", flush=True)
+    return 1 if failed else 0
+
+
+def _shown(item: dict, folder: Path):
+    """The item's scene and its object, with its material."""
+    path = folder / item["blend"]
+    if not bpy.data.filepath or not os.path.samefile(bpy.data.filepath, path):
+        bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
+    scene = bpy.data.scenes[item["scene"]]
+    target = scene.objects[item["object"]]
+    slot, wanted = target.material_slots[item["slot"]], item["material_file"]
+    if slot.material is None or slot.material.get("lamina_file") != wanted:
+        with bpy.data.libraries.load(str(folder / wanted), link=False) as (_, chosen):
+            chosen.materials = [item["material"]]
+        former, slot.material = slot.material, chosen.materials[0]
+        slot.material["lamina_file"] = wanted
+        if former is not None and former.get("lamina_file"):
+            bpy.data.materials.remove(former)
+    return scene, target
+
+
+def is_there(path: Path, inputs: str) -> bool:
+    """Whether a file is a whole picture of these very inputs."""
+    return not problem(path, inputs)[0]
+
+
+def problem(path: Path, inputs: str) -> tuple[str, dict[str, str]]:
+    """What is wrong with an output, empty if nothing, and the texts in its header."""
+    try:
+        channels, texts = oiio.read(path)
+    except FileNotFoundError:
+        return "is not there", {}
+    except (OSError, ValueError, MemoryError) as error:
+        return f"cannot be read: {' '.join(str(error).split())}", {}
+    if texts.get("lamina:inputs") != inputs:
+        return "is of other inputs", texts
+    if not all(name in channels for name in "RGBA") or pixel_hash(channels) != texts.get("lamina:pixels"):
+        return "has other pixels than were written", texts
+    return "", texts
+
+
+if __name__ == "__main__":
+    code = _farm(sys.argv[sys.argv.index("--") + 1:])
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)  # some versions hang in their exit handlers

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`lamina batch`: every picture that a job file names, by several processes, resumable."""
+
+import json
+import os
+from pathlib import Path
+
+from ...reference_py.atomic import output_folder
+from ...reference_py.errors import LaminaError
+from ..backend import backend_here
+from ..batch.items import expand
+from ..batch.job import KEYS, REQUIRED, Job
+from .session import blender, say
+
+FAILED = 1
+
+
+def batch(options) -> int | None:
+    """Render what is not there yet, then write the table and the contact sheets."""
+    if options.worker:
+        from ..batch.worker import serve
+
+        serve(Path(options.output or "."), options.threads)
+        return None
+    if options.keys:
+        print_keys()
+        return None
+    if not options.job:
+        raise LaminaError("which job? Give a JOB.json (`lamina batch --keys` lists what it can say)")
+    job = Job.load(options.job)
+    items = expand(job)
+    folder = output_folder(options.output or Path(options.job).with_suffix(""))
+    report = say("batch")
+    with blender(report):
+        from ..batch.lock import sole_owner
+        from ..batch.outputs import write_sheets, write_table
+        from ..batch.run import run_items
+        from ..rendering.images import require_pictures
+
+        require_pictures()
+        backend_here(job.backend)
+        with sole_owner(folder):
+            outputs = run_items(items, folder, options.processes or _processes(), report)
+            try:
+                report(f"wrote {write_table(outputs, folder)}")
+                for sheet in write_sheets(outputs, folder, job.name) if not options.no_sheet else ():
+                    report(f"wrote {sheet}")
+                written = True
+            except LaminaError as error:  # such as a disk that is full by now
+                report(str(error))
+                written = False
+    failed = [output for output in outputs if output.problem]
+    report(f"{len(outputs) - len(failed)} of {len(outputs)} pictures are done")
+    for output in failed:
+        report(f"failed: {output.item.id}: {output.problem}")
+    return FAILED if failed or not written else None
+
+
+def print_keys() -> None:
+    """Every key of a job file."""
+    for key in KEYS:
+        default = "needed" if key.default is REQUIRED else f"default {json.dumps(key.default)}"
+        print(f"{key.name:11} {key.help}; {default}")
+
+
+def _processes() -> int:
+    """Cycles uses several cores well, so a process has four, as far as there are."""
+    return max(1, (os.cpu_count() or 1) // 4)

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A job's scenes, materials and item list in one folder, with the script that renders them in any Blender."""
+
+import hashlib
+import json
+import shutil
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from ...reference_py.atomic import replacing, write_text
+from ..batch.items import Item
+from ..batch.stage import Stage, own_texts
+from ..blend_files import save_copy, save_material
+from .bundle_names import ITEMS, SCRIPT
+
+_ADDON = Path(__file__).resolve().parents[1]
+# name in the bundle: the module it is a copy of
+_SCRIPTS = {SCRIPT: _ADDON / "batch" / "task.py", "oiio.py": _ADDON / "rendering" / "oiio.py"}
+
+
+def write_files(items: Sequence[Item], folder: Path, report: Callable[[str], None]) -> None:
+    """Write scenes, materials, scripts and, last, the list of the items into `folder`. Raises LaminaError.
+
+    What takes a worker Lamina is done here: bakes, shaders and their compilation.
+    """
+    for name in ("scenes", "materials"):
+        (folder / name).mkdir(parents=True, exist_ok=True)
+    for name, source in _SCRIPTS.items():
+        with replacing(folder / name) as temporary:
+            shutil.copyfile(source, temporary)
+    stage, rows = Stage(), []
+    scene_file = material_file = ""
+    blend = material = None
+    for i, item in enumerate(items):
+        stage.show(item)
+        if blend != item.blend:
+            blend, scene_file = item.blend, f"scenes/{_digest(item.blend or 'ball')}.blend"
+            save_copy(folder / scene_file)
+        if material != stage.material:
+            material = stage.material
+            material_file = f"materials/{_digest(item.stack.to_json() + item.tier + item.backend)}.blend"
+            save_material(folder / material_file, material)
+            report(f"{100 * i // len(items):3} % {item.look}, {item.words}")
+        rows.append({
+            "id": item.id, "file": item.file, "blend": scene_file, "scene": stage.scene.name, "object": stage.target.name, "slot": stage.slot,
+            "material_file": material_file, "material": material.name, "view": item.view, "frame": item.frame, "seed": item.seed,
+            "samples": item.samples, "size": item.size, "inputs": item.inputs, "texts": stage.texts | own_texts(item),
+        })  # fmt: skip
+    write_text(folder / ITEMS, json.dumps({"items": rows}, indent=1) + "\n")
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:12]

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`lamina batch` as its user meets it: what it leaves, and what it makes of all that goes wrong meanwhile."""
+
+import csv
+import json
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import time
+
+import numpy as np
+import pytest
+from support.commands import RUN, lamina
+
+import lamina as package
+from lamina.reference_py import presets
+
+pytest.importorskip("bpy")
+
+pytestmark = pytest.mark.blender
+
+JOB = {"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "backend": "nodes", "frames": "1-3", "size": 16, "samples": 2}
+
+
+def write_job(folder, **keys):
+    path = folder / "job.json"
+    path.write_text(json.dumps(JOB | keys))
+    return path
+
+
+def table(folder) -> list[dict]:
+    with open(folder / "batch.csv", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def pixels(folder) -> dict:
+    return {row["id"]: (row["state"], row["inputs"], row["pixels"]) for row in table(folder)}
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """A job that was done without disturbance, and what was said."""
+    folder = tmp_path_factory.mktemp("batch")
+    _, said = lamina("batch", write_job(folder), "-o", folder / "out", "--processes", 1)
+    return folder, said
+
+
+@pytest.fixture
+def copy(done, tmp_path):
+    """A copy of what `done` left."""
+    shutil.copytree(done[0], tmp_path / "copy")
+    return tmp_path / "copy"
+
+
+def test_a_batch_leaves_pictures_with_their_origin_a_table_and_a_sheet(done, registered_lamina):
+    from lamina.addon.rendering.images import read_exr, read_png
+
+    folder, said = done
+    rows = table(folder / "out")
+    assert [row["state"] for row in rows] == ["done"] * 3 and "3/3, 100 %, about 0 s left" in said
+    assert sorted(f.name for f in (folder / "out").iterdir()) == sorted([".lamina-batch", "batch.csv", "sheet.png", *(r["id"] + ".exr" for r in rows)])
+    for row in rows:
+        picture = read_exr(folder / "out" / f"{row['id']}.exr")
+        texts = picture.metadata
+        assert set(picture.channels) == set("RGBA") and picture.channels["R"].shape == (16, 16)
+        assert json.loads(texts["lamina:stack"]) == presets.load("clean_copper").to_dict()
+        assert texts["lamina:version"] == package.version() and texts["lamina:tier"] == "weidlich_wilkie"
+        assert texts["lamina:seed"] == row["frame"] == row["seed"] and texts["lamina:samples"] == "2"
+        assert texts["lamina:blender"][0] in "45" and texts["lamina:inputs"] == row["inputs"]
+        assert 0.0 < float(row["soft_light_error"]) < 1.0 and "soft_light " + row["soft_light_error"] in texts["lamina:error"]
+        assert float(row["mean_r"]) == pytest.approx(float(picture.channels["R"].mean()), rel=1e-4) and float(row["mean_r"]) > 0.01
+    assert len({row["pixels"] for row in rows}) == 3  # each frame has its own noise
+    assert read_png(folder / "out" / "sheet.png")[0].shape[2] == 3
+
+
+def test_whole_pictures_are_kept_and_damaged_ones_made_anew(done, copy, registered_lamina):
+    """Truncated, bent, missing and foreign ones; dates that a clock running backwards leaves do not matter."""
+    from lamina.addon.rendering import oiio
+
+    out = copy / "out"
+    first, second, third = (out / f"{row['id']}.exr" for row in table(out))
+    os.utime(first, (4e9, 4e9))
+    shutil.copy(first, third)  # of other inputs
+    second.write_bytes(second.read_bytes()[:-200])
+    _, said = lamina("batch", copy / "job.json", "-o", out, "--processes", 1)
+    assert "3 pictures, 1 of them are there and whole" in said
+    assert first.stat().st_mtime == 4e9
+    assert pixels(out) == pixels(done[0] / "out")
+    channels, texts = oiio.read(second)
+    channels["G"][3, 3] += 1e-3
+    oiio.write(second, channels, texts)  # a bit that turned, with a header that looks right
+    from lamina.addon.batch.task import problem
+
+    assert problem(second, texts["lamina:inputs"])[0] == "has other pixels than were written"
+
+
+def test_killed_while_rendering_it_goes_on_where_it_was(done, tmp_path):
+    out = tmp_path / "out"
+    process = subprocess.Popen([*RUN, "batch", str(done[0] / "job.json"), "-o", str(out), "--processes", "1"], stderr=subprocess.PIPE, text=True)
+    for line in process.stderr:
+        if line.startswith("lamina batch: 1/3"):
+            break
+    children = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True).stdout.split()
+    assert children
+    process.kill()
+    process.wait()
+    limit = time.monotonic() + 10.0
+    while any(alive(int(child)) for child in children):  # without their batch the workers leave at once
+        assert time.monotonic() < limit
+        time.sleep(0.05)
+    (out / ".half.exr").write_bytes(b"what a kill within a write leaves")
+    (out / ".work").mkdir(exist_ok=True)
+    _, said = lamina("batch", done[0] / "job.json", "-o", out, "--processes", 1)
+    assert "3 pictures, 0 of them" not in said
+    assert pixels(out) == pixels(done[0] / "out")
+    assert sorted(f.name for f in out.iterdir()) == sorted(f.name for f in (done[0] / "out").iterdir())
+
+
+def alive(pid: int) -> bool:
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            return file.read().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_ctrl_c_is_130_and_leaves_no_process(done, tmp_path):
+    process = subprocess.Popen([*RUN, "batch", str(done[0] / "job.json"), "-o", str(tmp_path / "out")], stderr=subprocess.PIPE, text=True)
+    assert "0 of them" in process.stderr.readline()
+    time.sleep(1.0)
+    children = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True).stdout.split()
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=60)
+    assert process.returncode == 130 and error.strip().splitlines()[-1] == "lamina: cancelled" and "Traceback" not in error
+    time.sleep(0.3)
+    assert children and not any(alive(int(child)) for child in children)
+    assert [f.name for f in (tmp_path / "out").iterdir()] == [".lamina-batch"]
+
+
+def test_one_batch_at_a_time_in_a_folder(copy):
+    from lamina.addon.batch.lock import sole_owner
+
+    before = pixels(copy / "out")
+    with sole_owner(copy / "out"):
+        _, said = lamina("batch", copy / "job.json", "-o", copy / "out", code=2)
+    assert len(said.splitlines()) == 1 and f"another batch works there, process {os.getpid()}" in said
+    assert pixels(copy / "out") == before
+
+
+def test_what_fails_is_named_and_the_rest_is_done(tmp_path, blender):
+    """A broken .blend, one without the object, and one that needs more memory than `ulimit -v` grants."""
+    bpy = blender
+    from lamina.addon.rendering.settings import add_object
+    from lamina.addon.rendering.studio import build_ball_scene
+
+    bpy.context.window.scene = build_ball_scene(None, 16, 1, name="Small").scene
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "good one.blend"))
+    scene = bpy.context.scene
+    scene.render.resolution_x = scene.render.resolution_y = 20_000
+    scene.cycles.use_auto_tile = False  # which would keep it in memory's bounds
+    add_object(scene, "Other", bpy.data.objects["Ball"].data)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "huge.blend"))
+    (tmp_path / "broken.blend").write_bytes((tmp_path / "huge.blend").read_bytes()[:3000])
+    scenes = [{"blend": b, "object": o} for b, o in (("broken.blend", "Ball"), ("good one.blend", "Cup"), ("huge.blend", "Ball"), ("good one.blend", "Ball"))]
+    job = write_job(tmp_path, scenes=scenes, frames="1", size=None, samples=None)
+    limit = 2_500_000_000
+    _, said = lamina("batch", job, "-o", tmp_path / "out", "--processes", 1, "--no-sheet", code=1,
+                     preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
+    rows = {row["scene"]: row for row in table(tmp_path / "out")}
+    assert {scene: row["state"] for scene, row in rows.items()} == {
+        "broken_Ball": "failed", "good one_Cup": "failed", "huge_Ball": "failed", "good one_Ball": "done"}
+    assert "broken.blend: Blender cannot open it" in rows["broken_Ball"]["problem"]
+    assert "no object 'Cup' that takes a material; choose Backdrop, Ball" in rows["good one_Cup"]["problem"]
+    assert rows["huge_Ball"]["problem"]
+    failed = [line for line in said.splitlines() if line.startswith("lamina batch: failed: ")]
+    assert len(failed) == 3 and "1 of 4 pictures are done" in said
+    assert all(rows[scene]["id"] in said and not (tmp_path / "out" / f"{rows[scene]['id']}.exr").exists() for scene in ("broken_Ball", "huge_Ball"))
+
+
+def test_bad_jobs_are_code_2_and_leave_nothing(tmp_path):
+    for keys, words in (({"stack": []}, "unknown key 'stack'"), ({"backend": "cuda"}, "unknown backend 'cuda'")):
+        _, said = lamina("batch", write_job(tmp_path, **keys), "-o", tmp_path / "out", code=2)
+        assert len(said.splitlines()) == 1 and words in said and not (tmp_path / "out").exists()
+    _, said = lamina("batch", write_job(tmp_path), "-o", "/proc/none", code=2)
+    assert "/proc/none: cannot make this folder" in said
+    keys, _ = lamina("batch", "--keys")
+    assert all(key in keys for key in JOB)
+
+
+def test_tiles_show_the_middle_in_srgb():
+    from lamina.addon.batch.outputs import tile
+
+    picture = np.zeros((30, 60, 3))
+    picture[:, 15:45] = 0.2140  # half way in sRGB
+    for side in (10, 64):
+        assert np.all(tile(picture, side) == 127 + (tile(picture, side) == 128))
+    assert np.all(tile(np.full((4, 4, 3), np.nan), 64) == 0)

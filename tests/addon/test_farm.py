@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`lamina farm`: a bundle that a Blender without Lamina renders, here by Open Job Description's own runner."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from support import wheel_blender
+from support.commands import lamina
+
+pytest.importorskip("bpy")
+
+pytestmark = pytest.mark.blender
+
+JOB = {"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "views": [0, 40], "size": 16, "samples": 2}
+
+
+@pytest.fixture(scope="module")
+def bundle(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("farm")
+    (folder / "job.json").write_text(json.dumps(JOB))
+    lamina("farm", folder / "job.json", "-o", folder / "bundle", "--chunk", 2)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def blender_program(tmp_path_factory) -> str:
+    """A real Blender if LAMINA_BLENDER names one, else the wheel in its clothes."""
+    if real := os.environ.get("LAMINA_BLENDER"):
+        return real
+    return wheel_blender.blender_program(tmp_path_factory.mktemp("bin"))
+
+
+def openjd() -> str:
+    """The runner of Open Job Description, beside this Python or on the PATH."""
+    beside = Path(sys.executable).with_name("openjd")
+    found = str(beside) if beside.exists() else shutil.which("openjd")
+    if not found:
+        pytest.skip("openjd is not installed: pip install openjd-cli")
+    return found
+
+
+def test_open_job_description_runs_the_bundle_and_the_batch_takes_it_over(bundle, blender_program, tmp_path):
+    """Equal to what `lamina batch` renders itself, to the last bit."""
+    template = bundle / "bundle" / "template.json"
+    subprocess.run([openjd(), "check", template], check=True, capture_output=True)
+    parameters = [f"-pBlender={blender_program}", f"-pOutput={tmp_path / 'farmed'}"]
+    ran = subprocess.run([openjd(), "run", template, "--step", "Render", *parameters], capture_output=True, text=True, timeout=300)
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    assert "Chunks run: 1" in ran.stdout and "openjd_progress: 100.0" in ran.stdout
+    _, said = lamina("batch", bundle / "job.json", "-o", tmp_path / "farmed", "--no-sheet")
+    assert "2 pictures, 2 of them are there and whole" in said
+    lamina("batch", bundle / "job.json", "-o", tmp_path / "here", "--no-sheet", "--processes", 1)
+
+    def pixels(folder):
+        lines = (folder / "batch.csv").read_text().splitlines()
+        return [re.sub(r",\d+\.\d\d,(?=\d+\.\d+\.\d+,)", ",", line) for line in lines]  # without the seconds
+
+    assert pixels(tmp_path / "farmed") == pixels(tmp_path / "here")
+
+
+def test_a_failed_picture_fails_its_task_and_no_other(bundle, blender_program, tmp_path):
+    shutil.copytree(bundle / "bundle" / "files", tmp_path / "files")
+    items = json.loads((tmp_path / "files" / "items.json").read_text())
+    items["items"][0]["material_file"] = "materials/lost.blend"
+    (tmp_path / "files" / "items.json").write_text(json.dumps(items))
+    ran = subprocess.run([blender_program, "-b", "--python", str(tmp_path / "files" / "render_items.py"), "--", "--items", str(tmp_path / "files" / "items.json"),
+                          "--range", "0-1", "--output", str(tmp_path / "out")], capture_output=True, text=True, timeout=300)  # fmt: skip
+    assert ran.returncode == 1 and f"lamina: failed: {items['items'][0]['id']}" in ran.stdout
+    assert [f.name for f in (tmp_path / "out").iterdir()] == [items["items"][1]["file"]]
+
+
+def test_flamenco_compiles_the_job_type_into_tasks(bundle, tmp_path):
+    """Run by node, with the few things that Flamenco gives a job compiler."""
+    node = shutil.which("node")
+    if not node:
+        pytest.skip("node is not installed")
+    script = (bundle / "bundle" / "lamina_flamenco.js").read_text() + """
+const tasks = [];
+const author = {
+  Task: (name, type) => ({ name, type, commands: [], addCommand(c) { this.commands.push(c); } }),
+  Command: (name, parameters) => ({ name, parameters }),
+};
+const settings = Object.fromEntries(JOB_TYPE.settings.map((s) => [s.key, s.default]));
+compileJob({ settings: { ...settings, files: "/f", output: "/o", pictures: 5 }, addTask: (t) => tasks.push(t) });
+console.log(JSON.stringify({ label: JOB_TYPE.label, own: settings, tasks }));
+"""
+    told = json.loads(subprocess.run([node, "-e", script], capture_output=True, text=True, check=True).stdout)
+    assert told["label"] == "Lamina: job" and told["own"] == {"pictures": 2, "pictures_per_task": 2}
+    assert [t["name"] for t in told["tasks"]] == ["render-0-1", "render-2-3", "render-4-4"] and {t["type"] for t in told["tasks"]} == {"blender"}
+    arguments = told["tasks"][2]["commands"][0]["parameters"]["args"]
+    assert arguments[arguments.index("--range") + 1] == "4-4" and arguments[arguments.index("--items") + 1] == "/f/items.json"
+
+
+def test_bad_input_leaves_nothing(bundle, tmp_path):
+    _, said = lamina("farm", bundle / "job.json", "-o", bundle / "bundle", code=2)
+    assert len(said.splitlines()) == 1 and "is not empty; choose a new one" in said
+    (tmp_path / "job.json").write_text("{}")
+    lamina("farm", tmp_path / "job.json", "-o", tmp_path / "new", code=2)
+    assert not (tmp_path / "new").exists()

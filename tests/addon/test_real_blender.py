@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The installed zip in a real Blender, which LAMINA_BLENDER names: `blender -b --command lamina ...` is `lamina ...`."""
+
+import csv
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from support.commands import lamina
+
+import lamina as package
+
+BLENDER = os.environ.get("LAMINA_BLENDER", "")
+pytestmark = [pytest.mark.blender, pytest.mark.skipif(not BLENDER, reason="LAMINA_BLENDER names no Blender")]
+
+
+@pytest.fixture(scope="module")
+def blender(tmp_path_factory):
+    """Runs a Blender with a profile of its own, in which the extension is installed; (lines of stdout without Blender's own, stderr)."""
+    home = tmp_path_factory.mktemp("profile")
+    environment = os.environ | {"BLENDER_USER_RESOURCES": str(home / "user"), "LAMINA_CACHE": str(home / "cache")}
+    root = Path(package.__file__).resolve().parent
+    subprocess.run([sys.executable, root / "tools" / "extension.py", "build", home], check=True, capture_output=True)
+
+    def run(*arguments, code=0):
+        ran = subprocess.run([BLENDER, "-b", *map(str, arguments)], env=environment, capture_output=True, text=True, timeout=600, cwd=home)
+        assert ran.returncode == code, ran.stdout + ran.stderr
+        assert "Traceback" not in ran.stderr
+        return [line for line in ran.stdout.splitlines() if line and not line.startswith("Blender ")], ran.stderr
+
+    run("--command", "extension", "install-file", "-r", "user_default", "-e", next(home.glob("*.zip")))
+    return run
+
+
+def test_numbers_and_refusals_are_those_of_the_wheel(blender):
+    for arguments in (["presets"], ["schema", "--json"], ["albedo", "clean_copper"], ["shader", "clean_copper", "--tier", "weidlich_wilkie"]):
+        assert blender("--command", "lamina", *arguments)[0] == [line for line in lamina(*arguments)[0].splitlines() if line]
+    for arguments in (["albedo", "nope"], ["batch", "none.json"], ["frobnicate"]):
+        assert lamina(*arguments, code=2)[1] in blender("--command", "lamina", *arguments, code=2)[1]
+
+
+def test_a_batch_and_its_bundle_in_a_blender_without_lamina(blender, tmp_path):
+    job = tmp_path / "job.json"
+    job.write_text(json.dumps({"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "size": 16, "samples": 2}))
+    blender("--command", "lamina", "batch", job, "-o", tmp_path / "here", "--no-sheet")
+    blender("--command", "lamina", "farm", job, "-o", tmp_path / "bundle")
+    files = tmp_path / "bundle" / "files"
+    blender("--factory-startup", "--python-exit-code", "1", "--python", files / "render_items.py", "--", "--items", files / "items.json", "--range", "0",
+            "--output", tmp_path / "farmed")  # fmt: skip
+    _, said = blender("--command", "lamina", "batch", job, "-o", tmp_path / "farmed", "--no-sheet")
+    assert "1 pictures, 1 of them are there and whole" in said
+
+    def pixels(folder):
+        with open(folder / "batch.csv", newline="") as file:
+            return [row["pixels"] for row in csv.DictReader(file)]
+
+    assert pixels(tmp_path / "here") == pixels(tmp_path / "farmed")
+
+
+def test_osl_where_there_is_none_is_code_2(blender, tmp_path):
+    """Of a Blender with OSL, that it is there."""
+    job = tmp_path / "job.json"
+    job.write_text(json.dumps({"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "backend": "osl", "size": 4, "samples": 1}))
+    has_osl = "OSL True" in blender("--python-expr", "import _cycles; print('OSL', _cycles.with_osl)")[0]
+    _, said = blender("--command", "lamina", "batch", job, "-o", tmp_path / "out", "--no-sheet", code=0 if has_osl else 2)
+    assert has_osl or "needs Cycles with OSL" in said

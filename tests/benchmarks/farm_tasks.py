@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a farm's task costs beside its pictures: `openjd run` of one bundle, with 1, 2, 4 and 8 pictures per task.
+
+    farm_tasks.py [TABLE.csv]
+
+Prints and writes a row for each. Seconds are of the clock, on one machine, where tasks run one after the other. The program
+`blender` is what LAMINA_BLENDER names, else the bpy wheel in its clothes.
+"""
+
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+from support.commands import RUN  # noqa: E402
+from support.wheel_blender import blender_program  # noqa: E402
+
+PICTURES = 8
+JOB = {"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "frames": f"1-{PICTURES}", "size": 32, "samples": 4}
+
+
+def main() -> int:
+    rows = [("pictures_per_task", "tasks", "seconds", "seconds_per_task", "seconds_per_picture")]
+    with tempfile.TemporaryDirectory() as home:
+        job = Path(home, "job.json")
+        job.write_text(json.dumps(JOB))
+        subprocess.run([*RUN, "farm", job, "-o", f"{home}/bundle"], check=True, stderr=subprocess.DEVNULL)
+        blender = os.environ.get("LAMINA_BLENDER") or blender_program(Path(home))
+        openjd = Path(sys.executable).with_name("openjd")
+        for chunk in (1, 2, 4, 8):
+            told = subprocess.run([openjd, "run", f"{home}/bundle/template.json", "--step", "Render", f"-pBlender={blender}", f"-pPicturesPerTask={chunk}",
+                                   f"-pOutput={home}/out{chunk}"], check=True, capture_output=True, text=True).stdout  # fmt: skip
+            seconds, tasks = float(re.search(r"Duration: ([\d.]+)", told)[1]), int(re.search(r"Chunks run: (\d+)", told)[1])
+            rows.append((chunk, tasks, f"{seconds:.1f}", f"{seconds / tasks:.2f}", f"{seconds / PICTURES:.2f}"))
+            print("  ".join(f"{v!s:>18}" for v in rows[-1]), flush=True)
+    if len(sys.argv) > 1:
+        with open(sys.argv[1], "w", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(["# make farm-tasks: openjd run, 8 pictures of 32 pixels and 4 samples of one material"])
+            writer.writerows(rows)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Throws broken input at every reader: each must answer with a value or with one line, never with anything else.
+
+    fuzz.py [COUNT]      inputs in all, shared among the readers (default: 100000; some minutes of one core)
+
+Some of the inputs are made by hypothesis from the grammar of JSON with the readers' own keys, the others are whole files with
+bytes changed, cut, doubled or put in. What it finds becomes a case of a test. Prints a row per reader; exit code 1 on a finding.
+"""
+
+import json
+import os
+import random
+import shutil
+import sys
+import tempfile
+import traceback
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import strategies as st
+
+from lamina.addon.batch.items import expand
+from lamina.addon.batch.job import KEYS, Job
+from lamina.reference_py import presets
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.network import AutoNetwork, BakedNetwork, memory
+from lamina.reference_py.schema import SCHEMA
+from lamina.reference_py.stack import Stack
+
+COUNT, SEED = 100_000, 5
+HOME = Path(tempfile.mkdtemp(prefix="lamina-fuzz."))
+
+
+def read_stack(text: str) -> None:
+    """Also written again and read back: what is read must be what was written."""
+    stack = Stack.from_json(text)
+    again = Stack.from_json(stack.to_json())
+    assert again.to_dict() == stack.to_dict()
+    stack.unknown_keys()
+
+
+def read_job(text: str) -> None:
+    job = Job.from_json(text, HOME / "job.json")
+    if len(job.stacks) * len(job.views) * len(job.frames) < 500:
+        for item in expand(job)[:50]:
+            assert item.file == Path(item.file).name and item.file[0] != "."
+
+
+def read_cache(text: str) -> None:
+    memory._memory.clear()
+    stack = presets.load("clean_copper")
+    for network in (AutoNetwork, BakedNetwork):
+        memory._file(network.key(stack)).write_text(text, encoding="utf-8", errors="replace")
+        network.is_known(stack)
+
+
+def read_preset_file(data: bytes) -> None:
+    path = HOME / "preset.json"
+    path.write_bytes(data)
+    presets.load(path)
+
+
+def read_picture(data: bytes) -> None:
+    from lamina.addon.rendering.images import read_exr
+
+    path = HOME / "picture.exr"
+    path.write_bytes(data)
+    read_exr(path)
+
+
+def keys() -> list[str]:
+    kinds = [*SCHEMA.layers.values(), *SCHEMA.bases.values()]
+    names = {p.name for kind in kinds for p in kind.all_parameters} | {c for kind in kinds for p in kind.all_parameters for c in p.choices}
+    return sorted(names | {k.name for k in KEYS} | {k.name for k in kinds} | {
+        "layers", "base", "kind", "schema_version", "name", "stack", "blend", "object", "parameter", "values", "from", "to", "steps", "chosen",
+        "network", "tried", "reason", "layers[0].roughness", "base.color", "ball", "1-24", *presets.names()})
+
+
+def values():
+    numbers = st.integers() | st.floats() | st.sampled_from([0, 1, -1, 2, 0.5, 1e308, -0.0, 1e-320, 2**63, 10**400])
+    leaves = st.none() | st.booleans() | numbers | st.text(max_size=12) | st.sampled_from(keys())
+    names = st.sampled_from(keys()) | st.text(max_size=6)
+    return st.recursive(leaves, lambda inner: st.lists(inner, max_size=5) | st.dictionaries(names, inner, max_size=6), max_leaves=12)
+
+
+def grown(base: dict, others: Sequence[str] = ()):
+    """A valid file with some of its keys replaced, and `others` added."""
+    return st.dictionaries(st.sampled_from([*sorted(base), *others]), values(), max_size=3).map(lambda changes: base | changes)
+
+
+def bent(data: bytes, rng: random.Random) -> bytes:
+    """A file with a few things wrong."""
+    data = bytearray(data)
+    for _ in range(rng.randint(1, 6)):
+        at, length = rng.randrange(len(data) + 1), rng.choice((1, 1, 2, 4, 16, 200))
+        what = rng.randrange(6)
+        if what == 0 and at < len(data):
+            data[at] = rng.randrange(256)
+        elif what == 1:
+            del data[at:at + length]
+        elif what == 2:
+            data[at:at] = data[at:at + length]
+        elif what == 3:
+            data[at:at] = rng.randbytes(length)
+        elif what == 4:
+            data[at:at + length] = rng.choice((b"\xff", b"\0", b"9", b"[", b'"', b"-", b"e", b"{")) * length
+        elif rng.random() < 0.2:
+            del data[at:]
+    return bytes(data)
+
+
+def where_of(error: Exception) -> tuple[str, int]:
+    """File and line that raised it."""
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    return place.filename, place.lineno
+
+
+class Trial:
+    """Counts a reader's answers and keeps what should not have happened."""
+
+    def __init__(self, name: str, read):
+        self.name, self._read = name, read
+        self.answers, self.findings = Counter(), {}
+
+    def __call__(self, given_input) -> None:
+        try:
+            self._read(given_input)
+            self.answers["read"] += 1
+        except LaminaError as error:
+            self.answers["refused"] += 1
+            if "\n" in str(error):
+                self.findings.setdefault(("more than one line", *where_of(error)), (given_input, str(error)))
+        except Exception as error:
+            self.findings.setdefault((type(error).__name__, *where_of(error)), (given_input, str(error)))
+            self.answers["FOUND"] += 1
+
+    def by_grammar(self, strategy, count: int) -> None:
+        @seed(SEED)
+        @settings(max_examples=count, deadline=None, database=None, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
+        @given(strategy)
+        def run(value):
+            self(json.dumps(value))
+
+        run()
+
+    def by_bending(self, files: list[bytes], count: int, as_text: bool) -> None:
+        rng = random.Random(SEED)
+        for _ in range(count):
+            data = bent(rng.choice(files), rng)
+            self(data.decode("utf-8", "surrogateescape").encode("utf-8", "replace").decode() if as_text else data)
+
+
+def pictures() -> list[bytes]:
+    from lamina.addon.rendering import oiio
+
+    rng, files = np.random.default_rng(SEED), []
+    for i, shape in enumerate(((4, 4), (17, 40))):
+        oiio.write(HOME / f"{i}.exr", {c: rng.random(shape, np.float32) for c in "RGBA"}, {"lamina:inputs": "a" * 64, "lamina:stack": "{}"})
+        files.append((HOME / f"{i}.exr").read_bytes())
+    return files
+
+
+def main() -> int:
+    import bpy  # noqa: F401  (OpenImageIO lies beside it)
+
+    from lamina.addon.rendering.environment import ensure_osl_query_on_path
+
+    ensure_osl_query_on_path()
+    total = int(sys.argv[1]) if len(sys.argv) > 1 else COUNT
+    part = -(-total // 20)
+    memory.keep_in(HOME)
+    stacks = [presets.load(name).to_json().encode() for name in presets.names()[:8]]
+    job = {"stacks": ["clean_copper", {"name": "a", "stack": presets.load("frosted_metal").to_dict()}], "views": [0, 20], "frames": "1-5x2", "size": [20, 10],
+           "sweeps": [{"parameter": "base.roughness", "values": [0.1, 0.2]}], "tiers": ["auto"], "scenes": ["ball"], "seed": 3, "samples": 4}
+    AutoNetwork(presets.load("clean_copper"))
+    BakedNetwork(presets.load("clean_copper"))
+    caches = [file.read_bytes() for file in HOME.glob("*.json")]
+    trials = [Trial(read.__name__, read) for read in (read_stack, read_job, read_cache, read_preset_file, read_picture)]
+    stack_trial, job_trial, cache_trial, preset_trial, picture_trial = trials
+    stack_trial.by_grammar(values(), part)
+    stack_trial.by_grammar(grown(presets.load("glazed_mug").to_dict(), keys()), part)
+    stack_trial.by_bending(stacks, 4 * part, True)
+    job_trial.by_grammar(grown(job), part)
+    job_trial.by_bending([json.dumps(job).encode()], 4 * part, True)
+    cache_trial.by_bending(caches, 2 * part, True)
+    preset_trial.by_bending(stacks, 3 * part, False)
+    picture_trial.by_bending(pictures(), 4 * part, False)
+    print(f"{'reader':18} {'inputs':>8} {'read':>8} {'refused':>8} {'found':>8}")
+    for trial in trials:
+        a = trial.answers
+        print(f"{trial.name:18} {a.total():8} {a['read']:8} {a['refused']:8} {a['FOUND']:8}")
+    print(f"{sum(trial.answers.total() for trial in trials)} inputs, {sum(len(trial.findings) for trial in trials)} findings")
+    for trial in trials:
+        for (kind, file, line), (given_input, message) in trial.findings.items():
+            print(f"FOUND by {trial.name}: {kind} at {file}:{line}: {message[:200]}\n  {given_input[:600]!r}")
+    return 1 if any(trial.findings for trial in trials) else 0
+
+
+if __name__ == "__main__":
+    code = main()
+    shutil.rmtree(HOME, ignore_errors=True)
+    sys.stdout.flush()
+    os._exit(code)
