@@ -8,17 +8,28 @@ READY := $(VENV)/ready
 RUN := $(VENV)/bin/python
 SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py' -o -name '*.osl' -o -name '*.h' -o -name '*.json' \))
 
-.PHONY: help demo test bench zip validate blends charts pareto clean
+.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto scale killed-batch farm-tasks fuzz matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
 	@echo "make test      run all tests, then build and validate the extension"
+	@echo "make operations  do 1,000 random things with layers and check after each that all agree"
 	@echo "make bench     print how fast the reference models are"
 	@echo "make zip       build the extension into dist/"
 	@echo "make validate  build it and check it with Blender's own tool"
 	@echo "make blends    build the .blend files of demo_blend/ anew"
+	@echo "make scenes    render the pictures of the demo scenes into figures/scenes (half an hour)"
+	@echo "make thumbnails  render the presets' pictures into addon/presets"
+	@echo "make assets    build the asset library of the presets in addon/presets anew"
 	@echo "make charts    measure the tables of figures/ anew and draw them"
 	@echo "make pareto    measure error against cost in Cycles anew and draw it (half an hour, best on a quiet machine)"
+	@echo "make fit       measure how well stacks are found from measurements (two hours, best on a quiet machine)"
+	@echo "make scale     measure time and memory as work grows, and draw them (ten minutes on a quiet machine)"
+	@echo "make killed-batch  kill a batch of 200 pictures five times at random and compare it with an undisturbed one"
+	@echo "make farm-tasks    measure what a farm's task costs beside its pictures"
+	@echo "make fuzz      throw 100000 broken inputs at every reader"
+	@echo "make matrix    run the tests on every supported Blender whose Python is here, and print a table"
+	@echo "make licences  print the licence of every pinned package"
 	@echo "make clean     remove what was built (not $(VENV))"
 
 $(READY): tools/setup.sh tools/check_bpy.py pyproject.toml setup.py $(wildcard requirements/*.txt)
@@ -34,11 +45,14 @@ build/demo/ready: $(READY) $(SOURCES)
 	@touch $@
 
 test: $(READY)
-	@# side by side: each is bound to one core
-	@$(RUN) -m pytest tests/reference_py & reference=$$!; \
-	$(RUN) -m pytest tests/addon tests/test_package.py; addon=$$?; \
-	wait $$reference && exit $$addon
+	@# side by side: each is bound to one core, and the tests of parity make the halves about even
+	@$(RUN) -m pytest tests/reference_py tests/addon/test_parity*.py & first=$$!; \
+	$(RUN) -m pytest tests/addon tests/test_package.py tests/test_trust.py --ignore-glob='*/test_parity*'; second=$$?; \
+	wait $$first && exit $$second
 	@$(MAKE) --no-print-directory validate
+
+operations: $(READY)
+	LAMINA_OPERATIONS=1000 $(RUN) -m pytest tests/addon/test_operations.py
 
 bench: $(READY)
 	$(RUN) tests/benchmarks/reference.py
@@ -52,10 +66,20 @@ validate: zip
 
 blends: $(READY)
 	$(RUN) -m lamina.demo_blend.presets
+	$(RUN) -m lamina.demo_blend.scenes build
+
+scenes: $(READY)
+	$(RUN) -m lamina.demo_blend.scenes render
+
+thumbnails: $(READY)
+	$(RUN) -m lamina.demo_blend.thumbnails
+
+assets: $(READY)
+	$(RUN) -m lamina.demo_blend.assets
 
 charts: $(READY)
 	$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[figures]'
-	for chart in network tiers error stress suite; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
+	for chart in network presets tiers error stress suite; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
 	$(VENV)/bin/lamina figures --out figures/paper
 
 pareto: $(READY)
@@ -63,6 +87,29 @@ pareto: $(READY)
 	$(VENV)/bin/lamina chart levers -o figures
 	$(VENV)/bin/lamina chart pareto -o figures
 	$(VENV)/bin/lamina chart pair -o figures
+
+fit: $(READY)
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[figures]'
+	$(VENV)/bin/lamina chart fit -o figures
+
+scale: $(READY)
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[figures]'
+	$(VENV)/bin/lamina chart scale -o figures
+
+killed-batch: $(READY)
+	$(RUN) tests/benchmarks/killed_batch.py figures/killed_batch.csv
+
+farm-tasks: $(READY)
+	$(RUN) tests/benchmarks/farm_tasks.py figures/farm_tasks.csv
+
+fuzz: $(READY)
+	$(RUN) tests/benchmarks/fuzz.py
+
+matrix:
+	@$(or $(PYTHON),python3) tools/matrix.py
+
+licences: $(READY)
+	@$(RUN) tools/licences.py
 
 clean:
 	rm -rf build dist .pytest_cache .hypothesis

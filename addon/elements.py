@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A layer or base in Blender: a property group for its structure and a group node for its values."""
 
+import itertools
 import json
+import re
 import uuid
 
 import bpy
@@ -42,8 +44,9 @@ def bring_up_to_date(element) -> None:
 def show_name(element) -> None:
     """Write the element's name on its node, if it has one."""
     tree = element.id_data.node_tree
-    if tree is not None and element.node in tree.nodes:
-        tree.nodes[element.node].label = element.name
+    node = tree.nodes.get(element.node) if tree is not None else None
+    if node is not None and node.label != element.name:
+        node.label = element.name
 
 
 def use_of(feature: Feature) -> str:
@@ -78,15 +81,21 @@ def structure_dict(element, kind: Kind) -> dict:
     return {"kind": element.kind, **values}
 
 
-def fill_element(tree: bpy.types.NodeTree, element, source: Element, kind: Kind) -> None:
-    """Set a property group, and make the node of its values, from an element of a stack."""
+def new_node(tree: bpy.types.NodeTree, kind: Kind) -> bpy.types.ShaderNodeGroup:
+    """A node for the values of a kind, with the schema's defaults."""
     node = tree.nodes.new("ShaderNodeGroup")
     # the name is an identity: animation data and links refer to it, so it is never changed and never used twice
     node.name = f"Lamina {uuid.uuid4().hex[:12]}"
-    element.node, element.kind = node.name, source.kind
     node.node_tree = group_of(kind)
+    return node
+
+
+def fill_element(tree: bpy.types.NodeTree, element, source: Element, kind: Kind) -> None:
+    """Set a property group, and make the node of its values, from an element of a stack."""
+    node = new_node(tree, kind)
+    element.node, element.kind = node.name, source.kind
     name = source.unknown.get("name")
-    element.name = name if isinstance(name, str) else kind.label
+    element.name = name if isinstance(name, str) else free_name(element, kind.label)
     element.visible, element.unknown = True, json.dumps(dict(source.unknown))
     for group, choice in zip(kind.alternatives, kind.given_choices):
         if group[0] in source:
@@ -118,9 +127,24 @@ def read_element(element, kind: Kind) -> dict:
             value = node.inputs[parameter.label].default_value
             data[parameter.name] = _decimal(value) if parameter.type == FLOAT else [_decimal(v) for v in list(value)[:3]]
     unknown = json.loads(element.unknown or "{}")
-    if "name" in unknown or element.name != kind.label:
+    if "name" in unknown or not _is_default_name(element.name, kind):
         unknown["name"] = element.name
     return {**unknown, **data}
+
+
+def free_name(element, wanted: str) -> str:
+    """A name for a layer, with a number where another layer of the stack has the wanted one; the base's as it is."""
+    lamina = element.id_data.lamina
+    if element == lamina.base:
+        return wanted
+    taken = {layer.name for layer in lamina.layers if layer != element}
+    stem = re.sub(r" \d+$", "", wanted) or wanted
+    names = itertools.chain((wanted,), (f"{stem} {number}" for number in itertools.count(2)))
+    return next(name for name in names if name not in taken)
+
+
+def _is_default_name(name: str, kind: Kind) -> bool:
+    return re.fullmatch(rf"{re.escape(kind.label)}( \d+)?", name) is not None
 
 
 def set_metal(element, kind: Kind) -> None:

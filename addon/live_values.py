@@ -12,15 +12,14 @@ _PATH = re.compile(r'nodes\["(.*)"\]\.inputs\[(\d+)\]\.default_value')
 
 
 def live_values(material: bpy.types.Material) -> tuple[tuple[int, str], ...]:
-    """Live values of the visible layers and the base, as (index of the layer or -1, parameter).
+    """Live values of the shown layers and the base, as (index of the layer or -1, parameter).
 
     Without those that no shader holds, and those of features that an element does not have.
     """
     lamina = material.lamina
     animated = _animated(material.node_tree)
-    layers = [element for element in lamina.layers if element.visible]
     result = []
-    for index, element in [*enumerate(layers), (-1, lamina.base)]:
+    for index, element in [*enumerate(lamina.shown_layers), (-1, lamina.base)]:
         node = node_of(element)
         unused = [p for f in kind_of(element).features if f not in used_features(element) for p in f.parameters]
         for parameter in kind_of(element).sockets:

@@ -16,17 +16,17 @@ import bpy
 from ..reference_py.errors import LaminaError
 from ..reference_py.network import DEFAULT_TIER, HOLD_VALUES, PROVISIONAL_TIER, TIERS, AutoNetwork, make_network, require_tier
 from ..reference_py.network.memory import content
-from ..reference_py.network.mixture import holds_values, tiers_of
+from ..reference_py.network.mixture import estimated_cost, estimated_error, holds_values, tiers_of
 from ..reference_py.network.tabulate import tabulate
 from ..reference_py.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
-from ..reference_py.stack import MAX_LAYERS, Stack
+from ..reference_py.stack import Stack
 from .backend import NODES, OSL, backend_here, notice
-from .elements import bring_up_to_date, carry_metal, fill_element, kind_of, node_of, read_element, shown_parameters, structure_dict
+from .elements import bring_up_to_date, carry_metal, fill_element, kind_of, node_of, read_element, show_name, shown_parameters, structure_dict
 from .live_values import live_values
 from .network.inputs import BASE, layer_owner
 from .network.osl import generate
 from .network.stock_nodes import HAS_DIELECTRIC, closure_count, left_out
-from .properties import quietly
+from .properties import follow, quietly
 from .rendering.settings import node_tree
 from .script_node import enable_osl
 from .shader_node import backend_of, group_with, script_with, tangent_owner
@@ -58,20 +58,20 @@ def apply_stack(material: bpy.types.Material, stack: Stack, tier: str = DEFAULT_
     """Make `material` show `stack`, in place of what it showed. Without `backend` (a key of BACKENDS) its own one stays."""
     require_tier(tier)
     backend_here(backend or material.lamina.backend)
-    with _changing(material) as tree:
+    with changing(material) as tree:
         lamina = material.lamina
         lamina.backend = backend or lamina.backend
         lamina.stack_name, lamina.source, lamina.unknown = stack.name, stack.source, json.dumps(dict(stack.unknown))
         lamina.tier, lamina.schema_version = tier, SCHEMA_VERSION
         lamina.layers.clear()
-        lamina.active_layer = 0
+        lamina.active_layer, lamina.solo = 0, ""
         for layer in stack.layers:
             fill_element(tree, lamina.layers.add(), layer, SCHEMA.layers[layer.kind])
         fill_element(tree, lamina.base, stack.base, SCHEMA.bases[stack.base.kind])
 
 
 def stack_of(material: bpy.types.Material, hidden: bool = False) -> Stack:
-    """The stack that the sockets hold; hidden layers only if asked for. A linked socket counts with its own value.
+    """The stack that the sockets hold; layers that are not shown only if asked for. A linked socket counts with its own value.
 
     Raises LaminaError when a socket holds what the schema does not allow.
     """
@@ -84,41 +84,11 @@ def stack_of(material: bpy.types.Material, hidden: bool = False) -> Stack:
             "schema_version": max(lamina.schema_version, SCHEMA_VERSION),
             "name": lamina.stack_name,
             "source": lamina.source,
-            "layers": [read_element(e, kind_of(e)) for e in lamina.layers if e.visible or hidden],
+            "layers": [read_element(e, kind_of(e)) for e in (lamina.layers if hidden else lamina.shown_layers)],
             "base": read_element(lamina.base, kind_of(lamina.base)),
         },
         f"material {material.name}",
     )
-
-
-def add_layer(material: bpy.types.Material, kind: str, index: int) -> None:
-    """Insert a layer of the schema's defaults before position `index` (0 is the top)."""
-    require_layered(material)
-    lamina = material.lamina
-    if len(lamina.layers) >= MAX_LAYERS:
-        raise LaminaError(f"material {material.name} has {MAX_LAYERS} layers already, more are not allowed")
-    default = Stack.from_dict({"layers": [{"kind": kind}], "base": {"kind": lamina.base.kind}}).layers[0]
-    with _changing(material) as tree:
-        fill_element(tree, lamina.layers.add(), default, SCHEMA.layers[kind])
-        lamina.layers.move(len(lamina.layers) - 1, index)
-        lamina.active_layer = index
-
-
-def remove_layer(material: bpy.types.Material, index: int) -> None:
-    """Remove a layer and its node, with what animates it."""
-    require_layered(material)
-    with _changing(material):
-        lamina = material.lamina
-        lamina.layers.remove(index)
-        lamina.active_layer = max(min(index, len(lamina.layers) - 1), 0)
-
-
-def move_layer(material: bpy.types.Material, index: int, to: int) -> None:
-    """Move a layer to another position. Its node, and what animates it, stay as they are."""
-    require_layered(material)
-    with _changing(material):
-        material.lamina.layers.move(index, to)
-        material.lamina.active_layer = to
 
 
 def set_base(material: bpy.types.Material, kind: str) -> None:
@@ -130,7 +100,7 @@ def set_base(material: bpy.types.Material, kind: str) -> None:
     old_values = read_element(lamina.base, old_kind) if old else {}
     kept = [p for p in shown_parameters(new_kind, "") if p.name in old_values]
     base = Stack.from_dict({"base": {"kind": kind, **{p.name: old_values[p.name] for p in kept}}}).base
-    with _changing(material) as tree:
+    with changing(material) as tree:
         fill_element(tree, lamina.base, base, new_kind)
         for parameter in kept:
             if not parameter.is_structural and old.inputs[parameter.label].is_linked:
@@ -141,7 +111,7 @@ def set_base(material: bpy.types.Material, kind: str) -> None:
 def regenerate(material: bpy.types.Material) -> None:
     """Make the shader anew, for instance after somebody deleted its node."""
     require_layered(material)
-    with _changing(material):
+    with changing(material):
         material.lamina.problem = ""
 
 
@@ -153,6 +123,7 @@ def make_renderable(material: bpy.types.Material, scene: bpy.types.Scene) -> lis
     return [f"{material.name} is {told}"] if told else []
 
 
+@follow
 def structure_changed(material: bpy.types.Material, name: str) -> None:
     """What setting the property `name` calls: a metal's sockets, if it concerns them, and the shader follow.
 
@@ -160,6 +131,10 @@ def structure_changed(material: bpy.types.Material, name: str) -> None:
     """
     lamina = material.lamina
     if not lamina.is_layered:
+        return
+    if name == "name":
+        for element in (*lamina.layers, lamina.base):
+            show_name(element)
         return
     try:
         if name in ("given", "metal") and lamina.base.kind == CONDUCTOR.name:
@@ -171,7 +146,7 @@ def structure_changed(material: bpy.types.Material, name: str) -> None:
 
 
 @contextmanager
-def _changing(material: bpy.types.Material) -> Iterator[bpy.types.NodeTree]:
+def changing(material: bpy.types.Material) -> Iterator[bpy.types.NodeTree]:
     """Change the structure in the block; then the shader follows, or, on an error, all is as before."""
     require_editable(material)
     lamina, tree = material.lamina, node_tree(material)
@@ -209,7 +184,7 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
     """
     lamina = material.lamina
     backend = backend_here(lamina.backend)
-    layers = [element for element in lamina.layers if element.visible]
+    layers = lamina.shown_layers
     for element in (*layers, lamina.base):
         bring_up_to_date(element)
     owners = {layer_owner(i): node_of(e) for i, e in enumerate(layers)} | {BASE: node_of(lamina.base)}
@@ -235,6 +210,9 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
     stand_in = f"{others}, as the tier {lamina.tier} knows no thin films" if others and not waits else ""
     notes = [network.reason if wanted and settled else stand_in, left_out(told) if backend == NODES else ""]
     lamina.note = "; ".join(filter(None, notes))
+    lamina.schema_version = max(lamina.schema_version, SCHEMA_VERSION)
+    error = estimated_error(network)
+    lamina.error, lamina.cost = -1.0 if error is None else 100.0 * error, estimated_cost(network)
     _arrange(lamina, shader)
 
 
@@ -286,6 +264,11 @@ def _arrange(lamina, shader) -> None:
     """Layers in a column from the top, to the left of the shader."""
     for row, element in enumerate([*lamina.layers, lamina.base]):
         node = node_of(element)
-        node.location = (shader.location.x - _COLUMN, shader.location.y - row * _ROW)
-        node.mute = not element.visible
-        node.label = element.name
+        place = (shader.location.x - _COLUMN, shader.location.y - row * _ROW)
+        mute = row < len(lamina.layers) and not lamina.shows(element)
+        # Blender looks through the whole tree after each of these, so only what differs is set
+        if tuple(node.location) != place:
+            node.location = place
+        if node.mute != mute:
+            node.mute = mute
+        show_name(element)

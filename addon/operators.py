@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the panel's buttons do. Each operator is one undo step; an error is reported and leaves nothing half-made."""
 
+import re
+
 import bpy
 from bpy.props import EnumProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
@@ -14,6 +16,7 @@ from . import material as materials
 from .script_node import enable_osl
 
 _JSON = "*.json"
+_UNNAMED = "Lamina"
 
 
 def can_hold_material(item: bpy.types.Object | None) -> bool:
@@ -69,7 +72,8 @@ class StackOperator(LaminaOperator):
         material = material_of(context)
         made = material is None
         if made:
-            material = bpy.data.materials.new(stack.name or "Lamina")
+            material = bpy.data.materials.new(stack.name or _UNNAMED)
+        former = material.lamina.stack_name
         try:
             materials.apply_stack(material, stack)
         except LaminaError:
@@ -78,6 +82,8 @@ class StackOperator(LaminaOperator):
             raise
         if made:
             context.object.active_material = material
+        elif former and re.fullmatch(rf"{re.escape(former)}(\.\d+)?", material.name):
+            material.name = stack.name or _UNNAMED  # it had the former stack's name, not one of its own
         for message in stack.unknown_keys():
             self.report({"WARNING"}, f"Lamina: {message}")
         for notice in materials.make_renderable(material, context.scene):
@@ -129,62 +135,9 @@ class LAMINA_OT_export_stack(LayeredOperator, ExportHelper, bpy.types.Operator):
     def run(self, context):
         material = material_of(context)
         materials.stack_of(material).save(self.filepath)
-        hidden = sum(not layer.visible for layer in material.lamina.layers)
+        hidden = len(material.lamina.layers) - len(material.lamina.shown_layers)
         left_out = f"; {hidden} hidden layer{'s' * (hidden > 1)} left out" if hidden else ""
         self.report({"INFO"}, f"Lamina: stack written to {self.filepath}{left_out}")
-
-
-class LAMINA_OT_layer_add(LayeredOperator, bpy.types.Operator):
-    bl_idname = "lamina.layer_add"
-    bl_label = "Add Layer"
-    bl_description = "Add a layer above the selected one"
-
-    kind: EnumProperty(name="Kind", items=[(k.name, k.label, k.help) for k in SCHEMA.layers.values()])
-
-    def run(self, context):
-        material = material_of(context)
-        materials.add_layer(material, self.kind, min(material.lamina.active_layer, len(material.lamina.layers)))
-
-
-class SelectedLayerOperator(LayeredOperator):
-    """An operator on the selected layer."""
-
-    @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        lamina = material_of(context).lamina
-        if not 0 <= lamina.active_layer < len(lamina.layers):
-            cls.poll_message_set("No layer is selected")
-            return False
-        return True
-
-
-class LAMINA_OT_layer_remove(SelectedLayerOperator, bpy.types.Operator):
-    bl_idname = "lamina.layer_remove"
-    bl_label = "Remove Layer"
-    bl_description = "Remove the selected layer, its node and what animates it"
-
-    def run(self, context):
-        material = material_of(context)
-        materials.remove_layer(material, material.lamina.active_layer)
-
-
-class LAMINA_OT_layer_move(SelectedLayerOperator, bpy.types.Operator):
-    bl_idname = "lamina.layer_move"
-    bl_label = "Move Layer"
-    bl_description = "Move the selected layer up or down; textures and animation move with it"
-
-    direction: EnumProperty(name="Direction", items=[("UP", "Up", "Toward the viewer"), ("DOWN", "Down", "Toward the base")])
-
-    def run(self, context):
-        material = material_of(context)
-        index = material.lamina.active_layer
-        to = index + (-1 if self.direction == "UP" else 1)
-        if not 0 <= to < len(material.lamina.layers):
-            place = "top" if self.direction == "UP" else "lowest"
-            raise LaminaError(f"{material.lamina.layers[index].name} is the {place} layer already")
-        materials.move_layer(material, index, to)
 
 
 class LAMINA_OT_set_base(LayeredOperator, bpy.types.Operator):
@@ -241,9 +194,6 @@ CLASSES = (
     LAMINA_OT_apply_preset,
     LAMINA_OT_import_stack,
     LAMINA_OT_export_stack,
-    LAMINA_OT_layer_add,
-    LAMINA_OT_layer_remove,
-    LAMINA_OT_layer_move,
     LAMINA_OT_set_base,
     LAMINA_OT_regenerate,
     LAMINA_OT_cancel_bake,

@@ -21,6 +21,13 @@ _ACRONYMS = {"ggx": "GGX"}
 _BACKEND_LABELS = {AUTO: "Automatic", OSL: "OSL", NODES: "Stock Nodes"}
 
 _quiet = False
+_followers: list[Callable[[bpy.types.Material, str], None]] = []
+
+
+def follow(function: Callable[[bpy.types.Material, str], None]) -> Callable[[bpy.types.Material, str], None]:
+    """A decorator: call the function with a material and the name of each property that is set in it."""
+    _followers.append(function)
+    return function
 
 
 @contextmanager
@@ -39,18 +46,10 @@ def _update(name: str) -> Callable:
 
     def update(group, _context) -> None:
         if not _quiet:
-            from . import material
-
-            material.structure_changed(group.id_data, name)
+            for follower in _followers:
+                follower(group.id_data, name)
 
     return update
-
-
-def _renamed(element, _context) -> None:
-    if not _quiet:
-        from . import elements
-
-        elements.show_name(element)
 
 
 def choice_label(choice: str) -> str:
@@ -95,7 +94,7 @@ def structure_annotations(schema: Schema) -> dict:
 class LaminaElement(bpy.types.PropertyGroup):
     """A layer or the base. `name` is the user's label, `node` the name of its group node, which never changes."""
 
-    name: StringProperty(name="Name", description="Name of this layer; double-click to change it", update=_renamed)
+    name: StringProperty(name="Name", description="Name of this layer; double-click to change it", update=_update("name"))
     node: StringProperty()
     kind: StringProperty(description="A layer or base kind of the schema")
     visible: BoolProperty(
@@ -119,6 +118,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     active_layer: IntProperty(
         name="Active Layer", description="Layer shown below the list", min=0, options=_NOT_ANIMATABLE
     )
+    solo: StringProperty(description="Node of the layer that alone is shown over the base; empty where all visible ones are")
     base: PointerProperty(type=LaminaElement)
     tier: EnumProperty(
         name="Tier",
@@ -154,12 +154,23 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     told: StringProperty(description="Hash of the values that the shader holds; empty where it reads them")
     settled: StringProperty(description="What the shader was computed for, in tiers that compute first; empty until it is done")
     note: StringProperty(description="What was chosen, and why")
+    error: FloatProperty(default=-1.0, description="Estimated error of what was chosen, in percent; negative where there is no estimate")
+    cost: FloatProperty(description="Estimated render time, over that of a plain glossy node; 0 before the first shader")
     lobe_count: IntProperty(description="Lobes of the generated shader")
     problem: StringProperty(description="Why the shader does not follow the structure", options={"SKIP_SAVE"})
 
     @property
     def is_layered(self) -> bool:
         return bool(self.base.node)
+
+    def shows(self, layer: LaminaElement) -> bool:
+        """Whether a layer takes part in the material: it is visible, and none or itself is soloed."""
+        return layer.node == self.solo if self.solo else layer.visible
+
+    @property
+    def shown_layers(self) -> list[LaminaElement]:
+        """The layers that take part in the material, from the top."""
+        return [layer for layer in self.layers if self.shows(layer)]
 
 
 CLASSES = (LaminaElement, LaminaMaterial)

@@ -4,14 +4,16 @@
 import bpy
 
 from ..reference_py.network.memory import keep_in
-from . import bakes, freshness, operators, panel, properties
+from . import asset_library, bakes, check_operators, fitting, freshness, layer_operators, operators, panel, preset_icons, preset_operators, properties, swatch_icons, translation
 from .cache import cache_folder
 from .cli.main import run
+from .exchange import operators as exchange_operators
+from .exchange import texture_operator
 
 # Kept for unregister: Blender gives the command as a handle.
 _command = None
 
-CLASSES = (*properties.CLASSES, *operators.CLASSES, *panel.CLASSES)
+CLASSES = (*properties.CLASSES, *operators.CLASSES, *layer_operators.CLASSES, *check_operators.CLASSES, *preset_operators.CLASSES, *fitting.CLASSES, *exchange_operators.CLASSES, *texture_operator.CLASSES, *panel.CLASSES)
 
 
 def register() -> None:
@@ -21,6 +23,10 @@ def register() -> None:
         bpy.utils.register_class(cls)
     bpy.types.Material.lamina = bpy.props.PointerProperty(type=properties.LaminaMaterial)
     _command = bpy.utils.register_cli_command("lamina", run)
+    translation.register()
+    swatch_icons.register()
+    preset_icons.register()
+    asset_library.register()
     keep_in(cache_folder(), lambda told: print(f"Lamina: {told}"))
     for handlers, handler in (*freshness.handlers(), *bakes.handlers()):
         handlers.append(handler)
@@ -30,6 +36,11 @@ def unregister() -> None:
     for handlers, handler in (*freshness.handlers(), *bakes.handlers()):
         handlers.remove(handler)
     bakes.stop()
+    fitting.stop()
+    asset_library.unregister()
+    preset_icons.unregister()
+    swatch_icons.unregister()
+    translation.unregister()
     bpy.utils.unregister_cli_command(_command)
     del bpy.types.Material.lamina
     for cls in reversed(CLASSES):

@@ -53,7 +53,7 @@ def network_group(network: TableNetwork | PatchNetwork) -> bpy.types.NodeTree:
         raise
     content = _content(tree)
     for other in bpy.data.node_groups:
-        if other != tree and other.get(GROUP_KEY) == content and _is_untouched(other):
+        if other != tree and other.get(GROUP_KEY) == content and is_untouched(other):
             bpy.data.node_groups.remove(tree)
             return other
     tree.name, tree[GROUP_KEY] = f"Lamina Network {content}", content
@@ -83,11 +83,12 @@ def closure_count(network: TableNetwork | PatchNetwork) -> int:
 
 def drop_group(tree: bpy.types.NodeTree | None) -> None:
     """Remove a network's group that nothing uses any more. A group edited by hand stays."""
-    if tree is not None and GROUP_KEY in tree and tree.users == 0 and _is_untouched(tree):
+    if tree is not None and GROUP_KEY in tree and tree.users == 0 and is_untouched(tree):
         bpy.data.node_groups.remove(tree)
 
 
-def _is_untouched(tree) -> bool:
+def is_untouched(tree: bpy.types.NodeTree) -> bool:
+    """Whether a network's group still is what its hash was taken of."""
     return tree.library is None and tree.get(GROUP_KEY) == _content(tree)
 
 

@@ -15,7 +15,7 @@ from ..coverage import Patch, patches
 from ..schema import THIN_FILM
 from ..stack import Stack
 from .analytic import AnalyticNetwork
-from .choice import AutoNetwork
+from .choice import AutoNetwork, cost
 from .featured import featured_analytic
 from .grid import GridNetwork
 from .lobe import DiffuseLobe, GlossyLobe, SchlickCurve
@@ -97,6 +97,21 @@ def tiers_of(network) -> set[str]:
     """The tiers that a network is really told by."""
     parts = [part for _, part in network.parts] if isinstance(network, PatchNetwork) else [network]
     return {part.resolved.tier for part in parts if not isinstance(part.resolved, TableNetwork)}
+
+
+def estimated_error(network) -> float | None:
+    """The worst estimated error of what the tier auto chose, as a share of the light; None where nothing was estimated."""
+    parts = [part for _, part in network.parts] if isinstance(network, PatchNetwork) else [network]
+    films = any(element.has(THIN_FILM) for element in (*network.stack.layers, network.stack.base))
+    if films or not all(isinstance(part, AutoNetwork) for part in parts):
+        return None
+    return max(part.choice.chosen.seen for part in parts)
+
+
+def estimated_cost(network) -> float:
+    """What a network costs, in units of a plain glossy node's, see `choice.cost`; that of the dearest of its patches."""
+    parts = [part for _, part in network.parts] if isinstance(network, PatchNetwork) else [network]
+    return max(part.choice.chosen.cost if isinstance(part, AutoNetwork) else cost(part) for part in parts)
 
 
 class PatchTier:

@@ -80,7 +80,9 @@ def test_bad_input_is_one_line_and_writes_nothing(matte, arguments, words, monke
 @pytest.mark.skipif(os.name != "posix", reason="sends a signal")
 def test_ctrl_c_cancels_and_leaves_nothing(tmp_path):
     process = subprocess.Popen([*RUN, "fit", "metal_foil", "--sample", "weidlich_wilkie", "-o", str(tmp_path / "x.json")],
-                               stderr=subprocess.PIPE, text=True)
+                               stderr=subprocess.PIPE, text=True,
+                               # a shell's background jobs, as which tests may run, are born deaf to it
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     for line in process.stderr:
         if "pairs of directions" in line:
             break

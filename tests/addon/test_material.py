@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from lamina.addon import elements, kind_groups, material, properties, script_node  # noqa: E402
+from lamina.addon import elements, kind_groups, layers, material, properties, script_node  # noqa: E402
 from lamina.addon.network.osl import generate  # noqa: E402
 from lamina.addon.rendering import environment  # noqa: E402
 from lamina.addon.rendering.measure import render_furnace  # noqa: E402
@@ -108,16 +108,16 @@ def test_applying_again_leaves_nothing_of_the_former_stack(layered, blender):
 
 
 def test_add_remove_move_hide(layered):
-    material.add_layer(layered, "dielectric", 0)
+    layers.add_layer(layered, "dielectric", 0)
     assert [e.name for e in layered.lamina.layers] == ["Dielectric", "Coat", "Paint"]
     assert layered.lamina.active_layer == 0
     assert layer_wired_to(layered, "Layer2Roughness") == "Coat"
-    material.move_layer(layered, 0, 2)
+    layers.move_layer(layered, 0, 2)
     assert [e.name for e in layered.lamina.layers] == ["Coat", "Paint", "Dielectric"]
     assert layer_wired_to(layered, "Layer3Roughness") == "Dielectric"
     assert [round(layer["roughness"], 6) for layer in material.stack_of(layered).layers] == [0.1, 0.6, 0.0]
     gone = layered.lamina.layers[0].node
-    material.remove_layer(layered, 0)
+    layers.remove_layer(layered, 0)
     assert gone not in layered.node_tree.nodes
     assert layer_wired_to(layered, "Layer1Roughness") == "Paint"
     layered.lamina.layers[0].visible = False
@@ -131,11 +131,11 @@ def test_add_remove_move_hide(layered):
 
 
 def test_last_layer_can_go(layered):
-    material.remove_layer(layered, 1)
-    material.remove_layer(layered, 0)
+    layers.remove_layer(layered, 1)
+    layers.remove_layer(layered, 0)
     assert material.stack_of(layered).layers == ()
     assert layered.lamina.lobe_count == 1
-    material.add_layer(layered, "dielectric", 0)
+    layers.add_layer(layered, "dielectric", 0)
     assert layered.lamina.lobe_count == 2
 
 
@@ -145,15 +145,15 @@ def test_keyframes_and_drivers_stay_with_their_layer(layered, blender):
         socket(layered, paint, "Roughness").default_value = value
         socket(layered, paint, "Roughness").keyframe_insert("default_value", frame=frame)
     socket(layered, coat, "IOR").driver_add("default_value").driver.expression = "1 + frame / 100"
-    material.move_layer(layered, 1, 0)
-    material.add_layer(layered, "dielectric", 1)
+    layers.move_layer(layered, 1, 0)
+    layers.add_layer(layered, "dielectric", 1)
     blender.context.scene.frame_set(6)
     stack = material.stack_of(layered)
     assert [layer.unknown.get("name") for layer in stack.layers] == ["Paint", None, "Coat"]
     assert [layer["roughness"] for layer in stack.layers] == pytest.approx([0.5, 0.0, 0.1])
     assert [layer["ior"] for layer in stack.layers] == pytest.approx([1.5, 1.5, 1.06])
     # what animates a removed layer goes with it, and nothing else
-    material.remove_layer(layered, 0)
+    layers.remove_layer(layered, 0)
     assert [d.data_path for d in layered.node_tree.animation_data.drivers] == [
         socket(layered, layered.lamina.layers[1], "IOR").path_from_id("default_value")]
 
@@ -224,7 +224,7 @@ def test_base_kind_keeps_what_both_have_and_its_texture(layered):
 def test_copy_is_independent(layered):
     other = layered.copy()
     before = state(layered)
-    material.remove_layer(other, 0)
+    layers.remove_layer(other, 0)
     socket(other, other.lamina.layers[0], "Roughness").default_value = 0.9
     other.lamina.base.distribution = "beckmann"
     assert state(layered) == before
@@ -237,7 +237,7 @@ def test_what_the_user_wired_around_the_shader_stays(layered):
     output = tree.get_output_node("CYCLES")
     tree.links.new(script(layered).outputs["BSDF"], mix.inputs[1])
     tree.links.new(mix.outputs[0], output.inputs["Surface"])
-    material.add_layer(layered, "dielectric", 0)
+    layers.add_layer(layered, "dielectric", 0)
     material.apply_stack(layered, presets.load(presets.names()[0]))
     assert output.inputs["Surface"].links[0].from_node == mix
     assert mix.inputs[1].links[0].from_node == script(layered)
@@ -260,7 +260,7 @@ def test_deleted_nodes(layered):
     layered.node_tree.nodes.remove(layered.node_tree.nodes[layered.lamina.layers[0].node])
     with pytest.raises(LaminaError, match="node of 'Coat' was deleted"):
         material.stack_of(layered)
-    material.remove_layer(layered, 0)
+    layers.remove_layer(layered, 0)
     assert [layer.unknown["name"] for layer in material.stack_of(layered).layers] == ["Paint"]
 
 
@@ -273,9 +273,9 @@ def broken_shader(network):
 
 CHANGES = {
     "apply": lambda owner: material.apply_stack(owner, presets.load(presets.names()[0])),
-    "add": lambda owner: material.add_layer(owner, "dielectric", 1),
-    "remove": lambda owner: material.remove_layer(owner, 0),
-    "move": lambda owner: material.move_layer(owner, 0, 1),
+    "add": lambda owner: layers.add_layer(owner, "dielectric", 1),
+    "remove": lambda owner: layers.remove_layer(owner, 0),
+    "move": lambda owner: layers.move_layer(owner, 0, 1),
     "base": lambda owner: material.set_base(owner, "lambert"),
 }
 
@@ -330,7 +330,7 @@ def test_linked_material_is_not_touched(layered, blender, tmp_path, change):
 
 def test_unlayered_material_has_a_clear_message(blender):
     new = blender.data.materials.new("plain")
-    for call in (material.stack_of, material.regenerate, lambda m: material.add_layer(m, "dielectric", 0)):
+    for call in (material.stack_of, material.regenerate, lambda m: layers.add_layer(m, "dielectric", 0)):
         with pytest.raises(LaminaError, match="material plain has no Lamina stack; pick a preset first"):
             call(new)
     with pytest.raises(LaminaError, match="unknown tier 'best'; choose weidlich_wilkie"):

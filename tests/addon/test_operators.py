@@ -9,7 +9,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from lamina.addon import material as materials  # noqa: E402
-from lamina.addon import operators, panel, properties, script_node  # noqa: E402
+from lamina.addon import check, operators, panel, properties, registration, script_node  # noqa: E402
 from lamina.addon.elements import node_of  # noqa: E402
 from lamina.addon.rendering import environment  # noqa: E402
 from lamina.addon.shader_node import backend_of  # noqa: E402
@@ -54,6 +54,7 @@ def state() -> dict:
         found[material.name] = {
             "stack": materials.stack_of(material, hidden=True).to_dict() if lamina.is_layered else None,
             "layers": [(e.name, e.node, e.visible) for e in lamina.layers],
+            "solo": lamina.solo,
             "active": lamina.active_layer,
             "nodes": sorted((n.name, n.mute) for n in tree.nodes) if tree else [],
             "links": sorted((k.from_node.name, k.from_socket.name, k.to_node.name, k.to_socket.identifier)
@@ -66,6 +67,10 @@ def state() -> dict:
 STRUCTURE_OPERATORS = {
     "apply_preset": lambda: bpy.ops.lamina.apply_preset("EXEC_DEFAULT", True, preset=presets.names()[-1]),
     "layer_add": lambda: bpy.ops.lamina.layer_add("EXEC_DEFAULT", True, kind="dielectric"),
+    "layer_add_ready": lambda: bpy.ops.lamina.layer_add_ready("EXEC_DEFAULT", True, ready="rust"),
+    "layer_duplicate": lambda: bpy.ops.lamina.layer_duplicate("EXEC_DEFAULT", True),
+    "layer_solo": lambda: bpy.ops.lamina.layer_solo("EXEC_DEFAULT", True, index=1),
+    "layer_paste": lambda: bpy.ops.lamina.layer_copy("EXEC_DEFAULT") and bpy.ops.lamina.layer_paste("EXEC_DEFAULT", True),
     "layer_remove": lambda: bpy.ops.lamina.layer_remove("EXEC_DEFAULT", True),
     "layer_move": lambda: bpy.ops.lamina.layer_move("EXEC_DEFAULT", True, direction="DOWN"),
     "set_base": lambda: bpy.ops.lamina.set_base("EXEC_DEFAULT", True, kind="lambert"),
@@ -223,7 +228,7 @@ def test_files_that_cannot_be_read_or_written(layered, tmp_path):
 
 
 def test_every_button_has_a_description():
-    for cls in operators.CLASSES:
+    for cls in [cls for cls in registration.CLASSES if issubclass(cls, bpy.types.Operator)]:
         assert cls.bl_description and cls.bl_label
     description = operators.LAMINA_OT_apply_preset.description(None, SimpleNamespace(preset="patina_copper"))
     assert description == presets.load("patina_copper").source
@@ -238,7 +243,7 @@ class Layout:
     def panel(self, _name, default_closed=False):
         return self, self
 
-    def label(self, text="", icon="NONE"):
+    def label(self, text="", **_options):
         self.noted.append(("label", text))
 
     def prop(self, owner, name, **_options):
@@ -259,12 +264,14 @@ class Layout:
 
     def menu(self, name, **_options):
         assert hasattr(bpy.types, name)
-        getattr(panel, name).draw(SimpleNamespace(layout=Layout([])), bpy.context)
+        getattr(bpy.types, name).draw(SimpleNamespace(layout=Layout([])), bpy.context)
         self.noted.append(("menu", name))
 
     def template_list(self, name, _identity, owner, prop, active_owner, active, **_options):
         for element in getattr(owner, prop):
-            getattr(panel, name).draw_item(None, None, Layout([]), owner, element, 0, active_owner, active)
+            row = Layout([])
+            getattr(bpy.types, name).draw_item(None, WINDOW, row, owner, element, 0, active_owner, active, 0)
+            self.noted.append(("row", [text for sort, text in row.noted if sort == "label"]))
 
     def template_node_view(self, tree, node, socket):
         assert tree.nodes[node.name] == node and socket.node == node
@@ -279,14 +286,13 @@ class Layout:
     column = split = box = lambda self, **_options: self
 
 
+WINDOW = SimpleNamespace(region=SimpleNamespace(width=2000), preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)))
+
+
 def drawn(what: str) -> list[str]:
     """What the panel draws for the active object, of one sort."""
-    window = SimpleNamespace(
-        scene=bpy.context.scene,
-        object=bpy.context.object,
-        region=SimpleNamespace(width=2000),
-        preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), addons=bpy.context.preferences.addons),
-    )
+    preferences = SimpleNamespace(system=WINDOW.preferences.system, addons=bpy.context.preferences.addons)
+    window = SimpleNamespace(scene=bpy.context.scene, object=bpy.context.object, region=WINDOW.region, preferences=preferences)
     assert panel.LAMINA_PT_material.poll(window)
     noted = []
     panel.LAMINA_PT_material.draw(SimpleNamespace(layout=Layout(noted), bl_label="Lamina"), window)
@@ -329,18 +335,18 @@ def test_a_device_without_osl_is_named():
 
 
 def test_panel_says_what_keeps_it_from_working(layered, monkeypatch):
-    assert "The render engine is not Cycles" in drawn("label") and "lamina.enable_osl" in drawn("operator")
+    assert "The render engine is not Cycles" in drawn("label") and "lamina.mend" in drawn("operator")
     bpy.ops.lamina.enable_osl()
-    assert "lamina.enable_osl" not in drawn("operator")
-    monkeypatch.setattr(panel, "device_problem", lambda *_: "HIP devices cannot")
-    assert "HIP devices cannot" in drawn("label") and "lamina.enable_osl" not in drawn("operator")
+    assert "lamina.mend" not in drawn("operator")
+    monkeypatch.setattr(check, "device_problem", lambda *_: "HIP devices cannot")
+    assert "HIP devices cannot" in drawn("label") and "lamina.mend" in drawn("operator")
     layered.active_material.lamina.problem = "something went wrong"
     assert "Something went wrong" in drawn("label")
     monkeypatch.setattr(environment, "osl_available", lambda: MISSING)
     layered.active_material.lamina.problem = ""
     assert "The shader is an OSL script, and this Blender was built without OSL" in " ".join(drawn("label"))
-    assert "lamina.regenerate" in drawn("operator")
-    bpy.ops.lamina.regenerate()
+    assert "lamina.mend" in drawn("operator")
+    bpy.ops.lamina.mend(finding="osl_missing//")
     assert "Made of stock nodes" in " ".join(drawn("label"))
     assert layered.active_material.node_tree.nodes["Lamina Shader"].node_tree.name in drawn("label")
     with properties.quietly():
@@ -355,8 +361,8 @@ def test_panel_offers_to_update_a_shader_of_old_values(layered):
     with properties.quietly():
         layered.active_material.lamina.backend = "nodes"
     bpy.ops.lamina.regenerate()
-    assert "old ones" not in " ".join(drawn("label"))
+    assert "old values" not in " ".join(drawn("label"))
     node_of(layered.active_material.lamina.layers[0]).inputs["Roughness"].default_value = 0.77
-    assert "Values changed; the shader holds the old ones" in " ".join(drawn("label"))
+    assert "The shader holds old values" in " ".join(drawn("label"))
     bpy.ops.lamina.regenerate()
-    assert "old ones" not in " ".join(drawn("label"))
+    assert "old values" not in " ".join(drawn("label"))

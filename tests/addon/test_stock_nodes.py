@@ -6,6 +6,7 @@ import pytest
 
 pytest.importorskip("bpy")
 
+from lamina.addon import layers  # noqa: E402
 from lamina.addon import material as materials  # noqa: E402
 from lamina.addon.network.stock_nodes import HAS_DIELECTRIC, network_group  # noqa: E402
 from lamina.addon.rendering import environment, settings  # noqa: E402
@@ -182,9 +183,9 @@ def test_without_osl_a_stack_is_made_of_stock_nodes_and_says_so(no_osl, capfd):
 
 
 CHANGES = {
-    "add": lambda owner: materials.add_layer(owner, "dielectric", 0),
-    "remove": lambda owner: materials.remove_layer(owner, 0),
-    "move": lambda owner: materials.move_layer(owner, 0, 1),
+    "add": lambda owner: layers.add_layer(owner, "dielectric", 0),
+    "remove": lambda owner: layers.remove_layer(owner, 0),
+    "move": lambda owner: layers.move_layer(owner, 0, 1),
     "base": lambda owner: materials.set_base(owner, "oren_nayar"),
     "hide": lambda owner: setattr(owner.lamina.layers[0], "visible", False),
     "distribution": lambda owner: setattr(owner.lamina.base, "distribution", "beckmann"),
@@ -220,7 +221,7 @@ def test_a_value_out_of_range_changes_nothing(layered):
     with pytest.raises(LaminaError):
         materials.refresh(layered)
     with pytest.raises(LaminaError):
-        materials.move_layer(layered, 0, 1)
+        layers.move_layer(layered, 0, 1)
     assert group_of(layered) == before and [e.name for e in layered.lamina.layers] == ["Coat", "Paint"]
 
 

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Check finds each thing that can be wrong with a material, and one click mends it."""
+
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from lamina.addon import bakes, check, check_mends, layers, material  # noqa: E402
+from lamina.addon.elements import node_of  # noqa: E402
+from lamina.addon.rendering import environment  # noqa: E402
+from lamina.reference_py.errors import LaminaError  # noqa: E402
+from lamina.reference_py.stack import Stack  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+STACK = Stack.from_dict({
+    "layers": [{"kind": "dielectric", "name": "Coat", "roughness": 0.1}, {"kind": "dielectric", "name": "Paint", "roughness": 0.5}],
+    "base": {"kind": "conductor", "metal": "gold", "roughness": 0.3},
+})
+
+
+@pytest.fixture
+def owner(blender):
+    """A material that nothing is wrong with, of OSL."""
+    new = bpy.data.materials.new("owner")
+    material.apply_stack(new, STACK, "weidlich_wilkie")
+    material.enable_osl(bpy.context.scene)
+    assert found(new) == []
+    return new
+
+
+def found(owner) -> list[check.Finding]:
+    return check.find(owner, bpy.context.scene, bpy.context.preferences)
+
+
+def codes(owner) -> list[str]:
+    return [finding.code for finding in found(owner)]
+
+
+def tree_of(owner):
+    return owner.node_tree
+
+
+def coat(owner):
+    return node_of(owner.lamina.layers[0])
+
+
+def shader(owner):
+    return owner.node_tree.nodes[owner.lamina.shader_node]
+
+
+def link_closure(owner):
+    glossy = owner.node_tree.nodes.new("ShaderNodeBsdfGlossy")
+    owner.node_tree.links.new(glossy.outputs[0], coat(owner).inputs["Tint"])
+
+
+def link_image(owner):
+    texture = owner.node_tree.nodes.new("ShaderNodeTexImage")
+    gamma = owner.node_tree.nodes.new("ShaderNodeGamma")
+    owner.node_tree.links.new(texture.outputs[0], gamma.inputs[0])
+    owner.node_tree.links.new(gamma.outputs[0], coat(owner).inputs["Tint"])
+
+
+def mute_link(owner):
+    noise = owner.node_tree.nodes.new("ShaderNodeTexNoise")
+    owner.node_tree.links.new(noise.outputs[0], coat(owner).inputs["Roughness"]).is_muted = True
+
+
+def unlink_value(owner):
+    links = owner.node_tree.links
+    links.remove(shader(owner).inputs["Layer2Roughness"].links[0])
+
+
+def cross_values(owner):
+    links = owner.node_tree.links
+    links.new(coat(owner).outputs["Roughness"], shader(owner).inputs["Layer2Roughness"])
+
+
+def break_group(owner):
+    tree = coat(owner).node_tree
+    tree.links.remove(next(link for link in tree.links if link.to_socket.name == "Tint"))
+
+
+def share_node(owner):
+    owner.lamina.layers[1].node = owner.lamina.layers[0].node
+    spare = [n for n in owner.node_tree.nodes if n.label == "Paint"]
+    owner.node_tree.nodes.remove(spare[0])
+
+
+def spare_node(owner):
+    node = owner.node_tree.nodes.new("ShaderNodeGroup")
+    node.node_tree, node.name = coat(owner).node_tree, "Lamina 0123456789ab"
+
+
+FAULTS = {
+    "scene_without_osl": lambda owner: setattr(bpy.context.scene.cycles, "shading_system", False),
+    "shader_gone": lambda owner: owner.node_tree.nodes.remove(shader(owner)),
+    "shader_unused": lambda owner: owner.node_tree.links.remove(shader(owner).outputs["BSDF"].links[0]),
+    "shader_muted": lambda owner: setattr(shader(owner), "mute", True),
+    "shader_edited": lambda owner: shader(owner).script.write("// mine\n"),
+    "shader_unlinked": unlink_value,
+    "node_gone": lambda owner: owner.node_tree.nodes.remove(coat(owner)),
+    "node_muted": lambda owner: setattr(coat(owner), "mute", True),
+    "node_shared": share_node,
+    "node_spare": spare_node,
+    "group_broken": break_group,
+    "link_broken": link_closure,
+    "link_muted": mute_link,
+    "image_missing": link_image,
+    "out_of_range": lambda owner: setattr(coat(owner).inputs["Roughness"], "default_value", 1.5),
+}
+
+
+@pytest.mark.parametrize("code", FAULTS)
+def test_a_fault_is_found_and_mended_with_one_click(owner, code):
+    stack = material.stack_of(owner)
+    FAULTS[code](owner)
+    assert code in codes(owner)
+    finding = next(f for f in found(owner) if f.code == code)
+    assert finding.mending and "{" not in finding.text()
+    bpy.context.window.scene = bpy.context.scene
+    with bpy.context.temp_override(material=owner):
+        bpy.ops.lamina.mend("EXEC_DEFAULT", finding=finding.key)
+    assert code not in codes(owner)
+    with bpy.context.temp_override(material=owner):
+        bpy.ops.lamina.mend_all("EXEC_DEFAULT")
+    assert codes(owner) == []
+    if code not in ("node_gone", "node_shared", "out_of_range"):
+        assert material.stack_of(owner) == stack
+
+
+def test_values_that_reach_the_wrong_input_are_found(owner):
+    cross_values(owner)
+    (finding,) = found(owner)
+    assert finding.code == "shader_unlinked" and "Layer2Roughness" in finding.text()
+    check.mend(owner, bpy.context.scene, bpy.context.preferences, finding.key)
+    assert codes(owner) == [] and shader(owner).inputs["Layer2Roughness"].links[0].from_node.label == "Paint"
+
+
+def test_faults_without_osl(owner, monkeypatch):
+    coat(owner).inputs["Roughness"].driver_add("default_value").driver.expression = ".2"
+    monkeypatch.setattr(check, "device_problem", lambda *_: "HIP devices cannot")
+    assert codes(owner) == ["device_without_osl"]
+    monkeypatch.setattr(environment, "osl_available", lambda: (False, "this Blender was built without OSL"))
+    assert codes(owner) == ["osl_missing"]
+    check.mend(owner, bpy.context.scene, bpy.context.preferences, "osl_missing//")
+    (ignored,) = found(owner)
+    assert ignored.code == "texture_ignored" and not ignored.mending
+    with pytest.raises(LaminaError, match="cannot be mended here: Coat: Roughness has a texture"):
+        check.mend(owner, bpy.context.scene, bpy.context.preferences, ignored.key)
+    with pytest.raises(LaminaError, match="no finding 'shader_gone//' any more"):
+        check.mend(owner, bpy.context.scene, bpy.context.preferences, "shader_gone//")
+
+
+def test_a_device_without_osl_gets_stock_nodes(owner, monkeypatch):
+    monkeypatch.setattr(check, "device_problem", lambda *_: "HIP devices cannot")
+    check.mend(owner, bpy.context.scene, bpy.context.preferences, "device_without_osl//")
+    assert codes(owner) == [] and owner.lamina.backend == "nodes"
+
+
+def test_a_stale_shader_and_a_bake_that_was_given_up(owner, monkeypatch):
+    material.apply_stack(owner, STACK, "analytic", "nodes")
+    coat(owner).inputs["Roughness"].default_value = 0.7
+    assert codes(owner) == ["shader_stale"]
+    check.mend(owner, bpy.context.scene, bpy.context.preferences, "shader_stale//")
+    assert codes(owner) == []
+    monkeypatch.setattr(bakes, "given_up", lambda _: "cancelled")
+    assert codes(owner) == ["not_baked"]
+    called = []
+    monkeypatch.setattr(bakes, "retry", called.append)
+    check.mend(owner, bpy.context.scene, bpy.context.preferences, "not_baked//")
+    assert called == [owner]
+
+
+def test_a_linked_material_is_looked_at_and_not_touched(owner, tmp_path):
+    path = str(tmp_path / "library.blend")
+    coat(owner).inputs["Roughness"].default_value = 1.5
+    bpy.data.libraries.write(path, {owner}, fake_user=True)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(path, link=True) as (_, wanted):
+        wanted.materials = ["owner"]
+    linked = bpy.data.materials["owner"]
+    material.enable_osl(bpy.context.scene)
+    assert sorted(codes(linked)) == ["not_editable", "out_of_range"]
+    with pytest.raises(LaminaError, match="is linked from"):
+        check.mend(linked, bpy.context.scene, bpy.context.preferences, next(f.key for f in found(linked) if f.code == "out_of_range"))
+
+
+def test_every_code_is_tested_and_every_button_works():
+    tested = {*FAULTS, "osl_missing", "device_without_osl", "texture_ignored", "shader_stale", "not_baked", "not_editable"}
+    assert set(check.CODES) == tested
+    assert set(check_mends.MENDS) == {code for code, (_, _, mending) in check.CODES.items() if mending}
+
+
+def test_a_hidden_layer_is_muted_and_that_is_right(owner):
+    owner.lamina.layers[0].visible = False
+    assert codes(owner) == []
+    layers.solo_layer(owner, 0)
+    assert codes(owner) == []

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Work in a stack of ten layers keeps up with the hand, in CPU time, as CI machines are busy."""
+
+import time
+
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from lamina.addon import check, material, swatch_icons  # noqa: E402
+from lamina.addon.elements import node_of  # noqa: E402
+from lamina.reference_py.stack import Stack  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+TEN = Stack.from_dict({
+    "layers": [{"kind": "dielectric", "roughness": 0.05 * i, "tint": [0.9, 0.8, 0.7]} for i in range(10)],
+    "base": {"kind": "conductor", "metal": "gold"},
+})
+
+
+@pytest.fixture
+def ten(blender):
+    """Ten layers over gold in the default tier, before any bake, on the active object."""
+    item = bpy.data.objects.new("object", bpy.data.meshes.new("mesh"))
+    bpy.context.collection.objects.link(item)
+    bpy.context.view_layer.objects.active = item
+    item.data.materials.append(bpy.data.materials.new("ten"))
+    material.apply_stack(item.active_material, TEN)
+    return item.active_material
+
+
+def seconds(act) -> float:
+    """The least CPU time of three."""
+    times = []
+    for _ in range(3):
+        start = time.process_time()
+        act()
+        times.append(time.process_time() - start)
+    return min(times)
+
+
+def moved() -> None:
+    """There and back: two moves."""
+    bpy.ops.lamina.layer_move(direction="DOWN")
+    bpy.ops.lamina.layer_move(direction="UP")
+
+
+def added() -> None:
+    """Added and removed again, half of it each."""
+    bpy.ops.lamina.layer_add(kind="dielectric")
+    bpy.ops.lamina.layer_remove()
+
+
+@pytest.mark.parametrize("act", [moved, added])
+def test_a_change_of_ten_layers_takes_at_most_a_tenth_of_a_second(ten, act):
+    assert 0.5 * seconds(act) <= 0.1
+
+
+def test_a_slider_drag_regenerates_nothing(ten, monkeypatch):
+    shader = ten.node_tree.nodes[ten.lamina.shader_node]
+    before = shader.as_pointer(), shader.script.name, shader.bytecode_hash
+    monkeypatch.setattr(material, "refresh", None)  # called by whatever makes a shader
+    roughness = node_of(ten.lamina.layers[3]).inputs["Roughness"]
+
+    def drag():
+        for step in range(100):
+            roughness.default_value = step / 100
+            bpy.context.view_layer.update()
+
+    assert seconds(drag) <= 0.5
+    assert (shader.as_pointer(), shader.script.name, shader.bytecode_hash) == before and len(bpy.data.texts) == 1
+
+
+def test_what_the_panel_draws_is_quick(ten):
+    assert seconds(lambda: check.find(ten, bpy.context.scene, bpy.context.preferences)) <= 0.04
+    assert seconds(lambda: [swatch_icons.icon_of(layer) for layer in ten.lamina.layers]) <= 0.01

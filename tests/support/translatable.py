@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every string of Lamina that Blender shows and translates. Presets' names and sources are names and citations: they stay."""
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import bpy
+
+import lamina
+from lamina.addon import check, registration
+from lamina.addon.preset_catalogues import CATALOGUES
+from lamina.addon.properties import choice_label
+from lamina.reference_py.schema import SCHEMA
+
+ADDON = Path(lamina.__file__).parent / "addon"
+_TRANSLATING = {"iface_", "rpt_", "tip_", "pgettext_iface", "pgettext_rpt", "pgettext_tip"}
+
+
+def strings() -> set[str]:
+    """All of them."""
+    found = {*_of_schema(), *_of_classes(), *_of_checks(), *CATALOGUES}
+    for path in sorted(ADDON.glob("*.py")):
+        found |= set(_of_source(path))
+    found = {text for text in found if not text.startswith("Unique name used in the code")}  # Blender's own, of every RNA struct
+    return {text for text in found if any(c.isalpha() for c in re.sub(r"\{\w+\}", "", text))}
+
+
+def _of_schema() -> Iterator[str]:
+    for kind in (*SCHEMA.layers.values(), *SCHEMA.bases.values()):
+        for thing in (kind, *kind.features, *kind.all_parameters):
+            yield from (thing.label, thing.help)
+        yield from (choice_label(c) for p in kind.structure for c in p.choices)
+
+
+def _of_classes() -> Iterator[str]:
+    for cls in registration.CLASSES:
+        yield from (getattr(cls, name, "") for name in ("bl_label", "bl_description"))
+        rna = getattr(bpy.types, cls.__name__, cls).bl_rna if issubclass(cls, bpy.types.PropertyGroup) else None
+        if rna is None and issubclass(cls, bpy.types.Operator):
+            group, name = cls.bl_idname.split(".")
+            rna = getattr(getattr(bpy.ops, group), name).get_rna_type()
+        for prop in rna.properties if rna else ():
+            if prop.identifier in _annotated(cls) and prop.name != prop.identifier:  # without a name it is never shown
+                yield from (prop.name, prop.description)
+                if prop.type == "ENUM" and prop.identifier != "preset":
+                    yield from (text for item in prop.enum_items for text in (item.name, item.description))
+
+
+def _annotated(cls) -> set[str]:
+    """The properties that Lamina gave a class: those of Blender's mixins are Blender's to translate."""
+    ours = [base for base in cls.__mro__ if base.__module__.startswith("lamina.")]
+    return {name for base in ours for name in getattr(base, "__annotations__", {})}
+
+
+def _of_checks() -> Iterator[str]:
+    for _level, template, mending in check.CODES.values():
+        yield from (template, mending)
+
+
+def _of_source(path: Path) -> Iterator[str]:
+    """Literals that a source hands to a translating function, and those that layouts show."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if not isinstance(node, ast.Call):
+            continue
+        name = getattr(node.func, "id", getattr(node.func, "attr", ""))
+        shown = list(node.args[:1]) if name in _TRANSLATING else []
+        shown += [k.value for k in node.keywords if k.arg == "text"] + (list(node.args[1:2]) if name == "draw_fact" else [])
+        for value in shown:
+            yield from _literals(value)
+
+
+def _literals(value: ast.expr) -> Iterator[str]:
+    if isinstance(value, ast.Constant) and isinstance(value.value, str):
+        yield value.value
+    elif isinstance(value, ast.IfExp):
+        yield from (*_literals(value.body), *_literals(value.orelse))

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs inside the Blender that `window.py` starts: shows the Material tab, and tells what is there, again and again."""
+
+import json
+import os
+from pathlib import Path
+
+import bpy
+
+_STATE = Path(os.environ["LAMINA_STATE"])
+_count = 0
+_quick = False
+_copied = [0, ""]
+
+preferences = bpy.context.preferences
+preferences.view.show_splash = False
+preferences.view.show_tooltips = False
+preferences.view.ui_scale = 1.0
+for area in bpy.context.screen.areas:
+    if area.type == "VIEW_3D":  # no 3D shaders to wait for
+        area.type = "PROPERTIES"
+cube = bpy.data.objects["Cube"]
+bpy.context.view_layer.objects.active = cube
+cube.data.materials.clear()
+
+
+def biggest() -> bpy.types.Area:
+    areas = [area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "PROPERTIES"]
+    return max(areas, key=lambda area: area.width * area.height)
+
+
+def show() -> None:
+    biggest().spaces.active.context = "MATERIAL"
+    bpy.app.timers.register(tell, first_interval=1.0)
+
+
+def tell() -> float:
+    global _count, _quick, _copied
+    _count += 1
+    manager = bpy.context.window_manager
+    if manager.clipboard:  # emptied, so that a second copy of the same is seen
+        _copied, manager.clipboard = [_count, manager.clipboard], ""
+    window = bpy.context.window_manager.windows[0]
+    region = next(region for region in biggest().regions if region.type == "WINDOW")
+    material = bpy.data.objects["Cube"].active_material
+    lamina = material.lamina if material is not None else None
+    if lamina is not None and lamina.is_layered and not _quick:
+        # a bake and its progress would move the buttons while the mouse is on its way
+        _quick, lamina.tier = True, "analytic"
+        with bpy.context.temp_override(window=window):
+            bpy.ops.ed.undo_push(message="tier")
+    state = {
+        "ready": biggest().spaces.active.context == "MATERIAL",
+        "tick": _count,
+        "panel": {"left": region.x, "right": region.x + region.width - 20, "top": window.height - region.y - region.height,
+                  "bottom": window.height - region.y},
+        "copied": _copied,
+        "name": material.name if material is not None else "",
+        "stack": lamina.stack_name if lamina is not None else "",
+        "layers": [layer.name for layer in lamina.layers] if lamina is not None else [],
+        "active": lamina.active_layer if lamina is not None else -1,
+        "findings": findings(material),
+    }  # fmt: skip
+    temporary = _STATE.with_suffix(".new")
+    temporary.write_text(json.dumps(state), encoding="utf-8")
+    os.replace(temporary, _STATE)
+    return 0.1
+
+
+def findings(material) -> list[str]:
+    """What Check finds, through the operators that the extension registered."""
+    if material is None or not material.lamina.is_layered:
+        return []
+    import sys
+
+    check = next(module for name, module in sys.modules.items() if name.endswith(".lamina.addon.check"))
+    scene = bpy.context.window_manager.windows[0].scene
+    return [finding.text() for finding in check.find(material, scene, bpy.context.preferences)]
+
+
+bpy.app.timers.register(show, first_interval=1.0)
