@@ -16,7 +16,7 @@ import bpy
 from ..reference_py.errors import LaminaError
 from ..reference_py.network import DEFAULT_TIER, HOLD_VALUES, PROVISIONAL_TIER, TIERS, AutoNetwork, make_network, require_tier
 from ..reference_py.network.memory import content
-from ..reference_py.network.mixture import estimated_cost, estimated_error, holds_values, tiers_of
+from ..reference_py.network.mixture import MAX_CLOSURES, estimated_cost, estimated_error, holds_values, tiers_of
 from ..reference_py.network.tabulate import tabulate
 from ..reference_py.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
 from ..reference_py.stack import Stack
@@ -208,7 +208,8 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
     lamina.settled = wanted.key if wanted and settled else ""
     others = ", ".join(sorted(tiers_of(network) - {lamina.tier}))
     stand_in = f"{others}, as the tier {lamina.tier} knows no thin films" if others and not waits else ""
-    notes = [network.reason if wanted and settled else stand_in, left_out(told) if backend == NODES else ""]
+    many = f"{lamina.lobe_count} closures, more than the {MAX_CLOSURES} that OptiX takes" if lamina.lobe_count > MAX_CLOSURES else ""
+    notes = [network.reason if wanted and settled else stand_in, left_out(told) if backend == NODES else "", many]
     lamina.note = "; ".join(filter(None, notes))
     lamina.schema_version = max(lamina.schema_version, SCHEMA_VERSION)
     error = estimated_error(network)

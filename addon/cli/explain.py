@@ -10,9 +10,11 @@ import numpy as np
 from ...reference_py.coverage import Patch, patches
 from ...reference_py.errors import LaminaError
 from ...reference_py.network import WeidlichWilkieNetwork
+from ...reference_py.network.baking import MAX_GLOSSY
 from ...reference_py.network.choice import DEFAULT_TOLERANCE, AutoNetwork, Choice, choose
 from ...reference_py.network.judge import SOFT_LIGHT_DEG
 from ...reference_py.network.memory import truth_of
+from ...reference_py.network.mixture import glossy_of_each
 from ...reference_py.network.unbaked import unbaked, without_unbaked
 from ...reference_py.schema import THIN_FILM
 from ...reference_py.stack import Stack
@@ -34,7 +36,8 @@ def explain(options) -> None:
             sight = _sight(options.blend, options.object)
     tolerance = DEFAULT_TOLERANCE if options.tolerance is None else 0.01 * options.tolerance
     parts = patches(stack)
-    told = [(patch, _choice(patch.stack, tolerance, sight, tenths(report))) for patch in parts]
+    glossy = min(MAX_GLOSSY, glossy_of_each(len(parts)))
+    told = [(patch, _choice(patch.stack, tolerance, glossy, sight, tenths(report))) for patch in parts]
     if options.json:
         rows = [{**_where_json(patch), **_json(choice)} for patch, choice in told]
         seen = None if sight is None else {"theta_deg": np.degrees(np.arccos(sight.cosines)).tolist(), "pixels": sight.pixels}
@@ -48,20 +51,20 @@ def explain(options) -> None:
     print("cost: CPU time over a plain glossy node, estimated. albedo: worst view. soft light and shape (L1 of f): mean over the pixels. The larger of albedo and soft light counts.")
 
 
-def _choice(stack: Stack, tolerance: float, sight, progress) -> Choice:
+def _choice(stack: Stack, tolerance: float, glossy: int, sight, progress) -> Choice:
     """What auto chooses for one patch; features that no bake can hold leave the live tiers, judged without them."""
     live, plain = unbaked(stack), without_unbaked(stack)
-    choice = _choice_of_plain(plain, live, tolerance, sight, progress)
+    choice = _choice_of_plain(plain, live, tolerance, glossy, sight, progress)
     if not any(element.has(THIN_FILM) for element in (*stack.layers, stack.base)):
         return choice
     able = next(c for c in choice.tried if c.label == WeidlichWilkieNetwork.tier)
     return replace(choice, chosen=able, reason="the one tier that knows thin films; the errors are those without the film")
 
 
-def _choice_of_plain(plain: Stack, live, tolerance: float, sight, progress) -> Choice:
+def _choice_of_plain(plain: Stack, live, tolerance: float, glossy: int, sight, progress) -> Choice:
     if sight is None:
-        return AutoNetwork(plain, live, tolerance, progress).choice
-    return choose(plain, truth_of(plain), live, tolerance, sight.cosines, sight.light_deg(SOFT_LIGHT_DEG), progress)
+        return AutoNetwork(plain, live, tolerance, progress, glossy).choice
+    return choose(plain, truth_of(plain), live, tolerance, sight.cosines, sight.light_deg(SOFT_LIGHT_DEG), progress, glossy)
 
 
 def _sight(file: str, name: str):

@@ -59,7 +59,8 @@ class Choice:
 class AutoNetwork:
     """What `choose` chose for a stack. Stacks of equal content share one choice (`memory`).
 
-    `live` names the values that a texture or an animation gives, as (index of the layer or -1, parameter).
+    `live` names the values that a texture or an animation gives, as (index of the layer or -1, parameter); bakes are
+    tried with at most `glossy` glossy lobes.
     """
 
     tier = "auto"
@@ -70,24 +71,25 @@ class AutoNetwork:
         live: tuple[tuple[int, str], ...] = (),
         tolerance: float = DEFAULT_TOLERANCE,
         progress: Callable[[float], None] | None = None,
+        glossy: int = MAX_GLOSSY,
     ):
         self.stack = stack
         self.choice = remembered(
-            self.key(stack, live, tolerance), lambda: choose(stack, truth_of(stack), live, tolerance, progress=progress), _pack,
-            lambda data: _unpack(data, stack),
+            self.key(stack, live, tolerance, glossy), lambda: choose(stack, truth_of(stack), live, tolerance, progress=progress, glossy=glossy),
+            _pack, lambda data: _unpack(data, stack),
         )  # fmt: skip
         self.resolved = _with_values_of(stack, self.choice.network)
         self.reason = f"{self.choice.chosen}: {self.choice.reason}"
 
     @staticmethod
-    def key(stack: Stack, live: tuple[tuple[int, str], ...] = (), tolerance: float = DEFAULT_TOLERANCE) -> str:
+    def key(stack: Stack, live: tuple[tuple[int, str], ...] = (), tolerance: float = DEFAULT_TOLERANCE, glossy: int = MAX_GLOSSY) -> str:
         """What a choice is remembered by."""
-        return f"auto {content(stack, live)} {tolerance:g}"
+        return f"auto {content(stack, live)} {tolerance:g} {glossy}"
 
     @classmethod
-    def is_known(cls, stack: Stack, live: tuple[tuple[int, str], ...] = (), tolerance: float = DEFAULT_TOLERANCE) -> bool:
+    def is_known(cls, stack: Stack, live: tuple[tuple[int, str], ...] = (), tolerance: float = DEFAULT_TOLERANCE, glossy: int = MAX_GLOSSY) -> bool:
         """Whether making the network takes no time, as it was made before."""
-        return known(cls.key(stack, live, tolerance), lambda data: _unpack(data, stack)) is not None
+        return known(cls.key(stack, live, tolerance, glossy), lambda data: _unpack(data, stack)) is not None
 
     def packed(self) -> dict:
         """The choice as JSON's types, for `remember`."""
@@ -115,8 +117,9 @@ def choose(
     cosines: np.ndarray | None = None,
     light_deg: float = SOFT_LIGHT_DEG,
     progress: Callable[[float], None] | None = None,
+    glossy: int = MAX_GLOSSY,
 ) -> Choice:
-    """The cheapest candidate whose error is at most `tolerance`, or the closest if none is.
+    """The cheapest candidate whose error is at most `tolerance`, or the closest if none is; bakes have at most `glossy` glossy lobes.
 
     Judged at view `cosines` (n,), those of a ball's pixels unless given, under lights `light_deg` wide. Where values
     are live, the only bake is the one that follows them, if there is one. `progress` gets the share done and may raise to cancel.
@@ -131,9 +134,9 @@ def choose(
     makers = [(tier, lambda network=network: network(stack)) for tier, network in _LIVE_TIERS.items()]
     if not live:
         baker = Baker(stack, truth)
-        makers += [(f"baked, {k} glossy", lambda k=k: baker.bake(k).network) for k in range(1, MAX_GLOSSY + 1)]
+        makers += [(f"baked, {k} glossy", lambda k=k: baker.bake(k).network) for k in range(1, glossy + 1)]
     elif axes is not None:
-        makers.append((f"baked over {described(live)}", lambda: baked(stack, axes, DEFAULT_GLOSSY, lambda share: report(0.4 + 0.6 * share))))
+        makers.append((f"baked over {described(live)}", lambda: baked(stack, axes, min(DEFAULT_GLOSSY, glossy), lambda share: report(0.4 + 0.6 * share))))
     tried: list[tuple[Candidate, object]] = []
     for done, (label, make) in enumerate(makers):
         network = make()

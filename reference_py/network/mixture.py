@@ -23,6 +23,9 @@ from .memory import ALWAYS_LIVE
 from .table import TableNetwork
 from .unbaked import needs_live, unbaked, without_unbaked
 
+# What OptiX's pool holds, and what a shader may have unless its user asks for more.
+MAX_CLOSURES = 8
+
 
 class PatchNetwork:
     """The networks of a stack's patches; lobes that differ in their weight alone are one."""
@@ -161,7 +164,20 @@ class PatchTier:
             self._network.remember(own_key, without_unbaked(patch.stack), own)
 
     def _parts(self, stack: Stack, options: dict) -> list[tuple[Patch, dict]]:
-        return [(patch, _options_of(patch, options) if self._may_hold else dict(options)) for patch in patches(stack)]
+        if not self._may_hold:
+            return [(patch, dict(options)) for patch in patches(stack)]
+        default = signature(self._network).parameters["glossy"].default
+        parts = patches(stack)
+        glossy = min(options.get("glossy", default), glossy_of_each(len(parts)))
+        return [(patch, {**_options_of(patch, options), "glossy": glossy}) for patch in parts]
+
+
+def glossy_of_each(count: int) -> int:
+    """How many glossy lobes the bakes of `count` patches may have each, so that with one diffuse lobe all are within MAX_CLOSURES.
+
+    At least one, which is more than that for the eight patches of three covered layers.
+    """
+    return max(1, (MAX_CLOSURES - 1) // count)
 
 
 def _options_of(patch: Patch, options: dict) -> dict:

@@ -10,6 +10,7 @@ from lamina.reference_py.frame import spherical
 from lamina.reference_py.models import MODELS, make_model
 from lamina.reference_py.models.mixture import PatchModel
 from lamina.reference_py.network import make_network
+from lamina.reference_py.network.mixture import MAX_CLOSURES
 from lamina.reference_py.network.unbaked import needs_live
 from lamina.reference_py.optics import microsurface
 from lamina.reference_py.optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
@@ -80,6 +81,13 @@ def test_coverage_is_exact_at_its_ends_and_the_mean_between(name, rtol):
 def test_a_covered_white_stack_is_white():
     white = stack([{**COAT, "coverage": 0.3}, {**COAT, "ior": 1.8, "coverage": 0.6}], WHITE)
     assert np.allclose(make_model("adding", white).albedo(WO), 1.0, atol=1e-3)
+
+
+@pytest.mark.parametrize("tier, covered", [("weidlich_wilkie", 2), ("analytic", 2), ("baked", 2), ("auto", 1)])
+def test_patches_keep_within_the_closures_of_a_shader(tier, covered):
+    """Bakes of as many lobes as without coverage would have 8 and 17 here, and those of grey and white ones more."""
+    layers = [{**COAT, "roughness": 0.3 + 0.2 * i, "tint": [1.0, 0.8, 0.6], "coverage": 0.5} for i in range(covered)]
+    assert 2 <= make_network(stack(layers, STEEL), tier).lobe_count <= MAX_CLOSURES
 
 
 def test_a_patch_model_samples_its_density():
