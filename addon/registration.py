@@ -4,16 +4,20 @@
 import bpy
 
 from ..reference_py.network.memory import keep_in
-from . import asset_library, bakes, check_operators, fitting, freshness, layer_operators, operators, panel, preset_icons, preset_operators, properties, swatch_icons, translation
+from .background import bakes, fitting
 from .cache import cache_folder
 from .cli.main import run
 from .exchange import operators as exchange_operators
 from .exchange import texture_operator
+from .library import asset_library
+from .nodes import freshness, properties
+from .operators import check_operators, layer_operators, material_operators, preset_operators
+from .ui import panel, preset_icons, swatch_icons, translation
 
 # Kept for unregister: Blender gives the command as a handle.
 _command = None
 
-CLASSES = (*properties.CLASSES, *operators.CLASSES, *layer_operators.CLASSES, *check_operators.CLASSES, *preset_operators.CLASSES, *fitting.CLASSES, *exchange_operators.CLASSES, *texture_operator.CLASSES, *panel.CLASSES)
+CLASSES = (*properties.CLASSES, *material_operators.CLASSES, *layer_operators.CLASSES, *check_operators.CLASSES, *preset_operators.CLASSES, *fitting.CLASSES, *exchange_operators.CLASSES, *texture_operator.CLASSES, *panel.CLASSES)
 
 
 def register() -> None:

@@ -3,8 +3,8 @@
 
 import bpy
 
-from ..addon.elements import node_of
-from ..addon.material import refresh
+from ..addon.nodes.elements import node_of
+from ..addon.nodes.material import refresh
 from ..reference_py import presets
 from ..reference_py.schema import COVERAGE
 from ..reference_py.stack import Stack

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..addon.material import apply_stack, refresh
+from ..addon.nodes.material import apply_stack, refresh
 from ..addon.rendering.settings import node_tree
 from ..reference_py import presets
 from ..reference_py.network import DEFAULT_TIER

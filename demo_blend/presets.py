@@ -9,7 +9,7 @@ from mathutils import Vector
 
 from ..addon.blend_files import save_copy
 from ..addon.cli.session import blender, say
-from ..addon.material import apply_stack
+from ..addon.nodes.material import apply_stack
 from ..addon.rendering.geometry import STAND_FLOOR
 from ..addon.rendering.settings import add_object, remove_scene
 from ..addon.rendering.studio import build_ball_scene

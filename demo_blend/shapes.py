@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 
-from ..addon.rendering.geometry import grid_faces, lathe, mesh_of, round_corners
+from ..addon.rendering.geometry import lathe, mesh_of, round_corners
 
 
 def loft(name: str, rings: np.ndarray, smooth: bool = True) -> bpy.types.Mesh:

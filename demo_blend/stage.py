@@ -5,8 +5,8 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from ..addon.elements import node_of
-from ..addon.material import refresh
+from ..addon.nodes.elements import node_of
+from ..addon.nodes.material import refresh
 from ..addon.rendering.settings import add_object, remove_scene
 from ..addon.rendering.studio import build_ball_scene
 

@@ -6,8 +6,8 @@ import sys
 import bpy
 
 from ..addon.cli.session import blender, say
-from ..addon.preset_catalogues import thumbnail_of
-from ..addon.thumbnails import render_thumbnail
+from ..addon.library.preset_catalogues import thumbnail_of
+from ..addon.library.thumbnails import render_thumbnail
 from ..reference_py import presets
 from .materials import preset_material
 

@@ -14,7 +14,7 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.json_input import parse_json, read_text
 from ...reference_py.network import DEFAULT_TIER, require_tier
 from ...reference_py.stack import Stack
-from ..backend import BACKENDS, DEFAULT_BACKEND
+from ..nodes.backend import BACKENDS, DEFAULT_BACKEND
 
 JOB_VERSION = 1
 BALL = "ball"

@@ -8,9 +8,9 @@ import bpy
 
 from ... import version
 from ...reference_py.errors import LaminaError
-from ..material import apply_stack, make_renderable, refresh
+from ..nodes.material import apply_stack, make_renderable, refresh
+from ..nodes.script_node import drop_text
 from ..rendering.studio import build_ball_scene
-from ..script_node import drop_text
 from .estimate import estimate
 from .items import BALL_SAMPLES, BALL_SIZE, Item
 from .task import WITH_CAMERA, render_item

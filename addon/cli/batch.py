@@ -7,9 +7,9 @@ from pathlib import Path
 
 from ...reference_py.atomic import output_folder
 from ...reference_py.errors import LaminaError
-from ..backend import backend_here
 from ..batch.items import expand
 from ..batch.job import KEYS, REQUIRED, Job
+from ..nodes.backend import backend_here
 from .session import blender, say
 
 FAILED = 1

@@ -39,7 +39,7 @@ def _render(stacks, sheet: Path, options, report) -> dict[str, float]:
     """Render the page; returns wall seconds per preset."""
     import bpy
 
-    from ..material import apply_stack, refresh
+    from ..nodes.material import apply_stack, refresh
     from ..rendering.sheet import Tile, render_sheet
 
     tiles = []

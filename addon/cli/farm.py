@@ -6,12 +6,12 @@ from pathlib import Path
 
 from ...reference_py.atomic import output_folder, write_text
 from ...reference_py.errors import LaminaError
-from ..backend import backend_here
 from ..batch.items import expand
 from ..batch.job import Job
 from ..farm.bundle_names import FILES
 from ..farm.flamenco import job_type
 from ..farm.openjd import template
+from ..nodes.backend import backend_here
 from .session import blender, say
 
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from ... import version
 from ...reference_py.errors import LaminaError
-from ..backend import BACKENDS, DEFAULT_BACKEND
+from ..nodes.backend import BACKENDS, DEFAULT_BACKEND
 
 DONE, FAILED, BAD_INPUT, CANCELLED = 0, 1, 2, 130
 STACK_HELP = "name of a preset (see `lamina presets`) or a JSON file"

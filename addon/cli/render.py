@@ -8,7 +8,7 @@ from pathlib import Path
 from ...reference_py.atomic import replacing, require_writable
 from ...reference_py.errors import LaminaError
 from ...reference_py.network import DEFAULT_TIER, require_tier
-from ..backend import OSL, backend_here, notice
+from ..nodes.backend import OSL, backend_here, notice
 from .numbers import load_stack, print_albedo, view_angles
 from .session import blender, say, tenths
 
@@ -53,7 +53,7 @@ def _tier(options) -> str:
 def _material(stack, tier, backend, report):
     import bpy
 
-    from ..material import apply_stack, refresh
+    from ..nodes.material import apply_stack, refresh
 
     material = bpy.data.materials.new(stack.name or "Lamina")
     apply_stack(material, stack, tier, backend)
@@ -129,8 +129,8 @@ def apply(options) -> None:
         import bpy
 
         from ..blend_files import save_copy
-        from ..script_node import enable_osl
-        from ..shader_node import backend_of
+        from ..nodes.script_node import enable_osl
+        from ..nodes.shader_node import backend_of
 
         backend_here(options.backend)
         try:

@@ -7,8 +7,8 @@ from ...reference_py.exchange.openpbr import from_openpbr
 from ...reference_py.exchange.principled import PLACES, from_principled, to_principled
 from ...reference_py.exchange.report import Report
 from ...reference_py.stack import Stack
-from .. import material as materials
-from ..elements import kind_of, node_of, shown_parameters
+from ..nodes import material as materials
+from ..nodes.elements import kind_of, node_of, shown_parameters
 from .sources import PRINCIPLED, animated_parts, is_layer, link_through, linked_places, parameter_of, principled_of, read_principled
 
 

@@ -10,8 +10,8 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.materialx import SUFFIX, load_mtlx, save_mtlx
 from ...reference_py.exchange.openpbr import to_openpbr
 from ...reference_py.exchange.report import Report
-from .. import material as materials
-from .. import operators as ops
+from ..nodes import material as materials
+from ..operators import material_operators as ops
 from . import conversion
 from .sources import principled_of
 

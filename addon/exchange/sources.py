@@ -10,8 +10,8 @@ import numpy as np
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.matching import ColorMap
 from ...reference_py.exchange.principled import DEFAULTS, PLACES
-from ..elements import kind_of, node_of, used_features
-from ..kind_groups import KIND_KEY
+from ..nodes.elements import kind_of, node_of, used_features
+from ..nodes.kind_groups import KIND_KEY
 
 PRINCIPLED = "ShaderNodeBsdfPrincipled"
 _NORMALS = ("Normal", "Coat Normal")

@@ -5,7 +5,7 @@ import bpy
 from bpy.props import EnumProperty, StringProperty
 
 from ...reference_py.errors import LaminaError
-from .. import operators as ops
+from ..operators import material_operators as ops
 from .operators import tell
 from .textures import TextureBake
 

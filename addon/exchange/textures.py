@@ -18,7 +18,7 @@ import numpy as np
 from ...reference_py.atomic import output_folder
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.principled import DEFAULTS, to_principled
-from .. import material as materials
+from ..nodes import material as materials
 from ..rendering.images import require_pictures, write_png
 from ..rendering.settings import node_tree, remove_scene
 from .sources import linked_places

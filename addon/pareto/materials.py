@@ -13,8 +13,8 @@ from ...reference_py.optics.material import conductor_index, interfaces, n_above
 from ...reference_py.stack import Stack
 from ..network.osl import Shader, generate
 from ..network.stock_nodes import network_group
+from ..nodes.script_node import set_script
 from ..rendering.settings import node_tree
-from ..script_node import set_script
 
 
 def node_material(kind: str, output: str = "Surface") -> tuple[bpy.types.Material, bpy.types.Node, bpy.types.Node]:

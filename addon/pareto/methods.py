@@ -13,9 +13,9 @@ from ...reference_py.network.baking import MAX_GLOSSY, Baker
 from ...reference_py.network.table import TableNetwork
 from ...reference_py.network.tabulate import tabulate
 from ...reference_py.stack import Stack
-from ..backend import OSL
-from ..material import apply_stack
 from ..network.stock_nodes import HAS_DIELECTRIC
+from ..nodes.backend import OSL
+from ..nodes.material import apply_stack
 from .materials import glossy_material, group_material, layer_text, principled_material, script_material, table_material
 from .reflectance import ModelReflectance, NetworkReflectance, Reflectance, belcour_network, glossy_network, plain_glossy
 

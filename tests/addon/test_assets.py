@@ -20,7 +20,7 @@ pytestmark = pytest.mark.blender
 
 @pytest.fixture
 def catalogue(blender):
-    from lamina.addon import preset_catalogues
+    from lamina.addon.library import preset_catalogues
 
     return preset_catalogues
 
@@ -28,7 +28,7 @@ def catalogue(blender):
 @pytest.fixture
 def own(blender, tmp_path, monkeypatch):
     """The user's presets, in a folder of this test."""
-    from lamina.addon import user_presets
+    from lamina.addon.library import user_presets
 
     monkeypatch.setenv(user_presets.FOLDER_VARIABLE, str(tmp_path / "own"))
     return user_presets
@@ -39,7 +39,7 @@ def layered(blender):
     """A selected plane with a layered material."""
     import bpy
 
-    from lamina.addon.material import apply_stack
+    from lamina.addon.nodes.material import apply_stack
 
     bpy.ops.mesh.primitive_plane_add()
     material = bpy.data.materials.new("Layered")
@@ -58,7 +58,7 @@ class Icons(dict):
 
 @pytest.fixture
 def icons(blender, monkeypatch):
-    from lamina.addon import preset_icons
+    from lamina.addon.ui import preset_icons
 
     monkeypatch.setattr(preset_icons, "_icons", Icons())
     return preset_icons
@@ -74,7 +74,7 @@ def appended(name: str):
     """A preset as a drop from the library with `Append` brings it."""
     import bpy
 
-    from lamina.addon.preset_catalogues import ASSETS
+    from lamina.addon.library.preset_catalogues import ASSETS
 
     with bpy.data.libraries.load(str(ASSETS), link=False, assets_only=True) as (there, here):
         assert presets.label(name) in there.materials
@@ -105,7 +105,7 @@ def test_the_library_holds_every_preset_as_it_is_now(catalogue):
     """What is committed is not stale: names, stacks, catalogues, previews."""
     import bpy
 
-    from lamina.addon.material import stack_of
+    from lamina.addon.nodes.material import stack_of
 
     assert catalogue.CATALOGUE_FILE.read_text() == catalogue.catalogue_text()
     with bpy.data.libraries.load(str(catalogue.ASSETS), link=False, assets_only=True) as (there, here):
@@ -131,9 +131,9 @@ def test_catalogues_are_in_the_form_that_blender_reads(catalogue):
 
 
 def test_a_dropped_preset_renders_as_it_should_and_can_be_edited(catalogue):
-    from lamina.addon.elements import node_of
-    from lamina.addon.layers import add_layer
-    from lamina.addon.material import stack_of
+    from lamina.addon.nodes.elements import node_of
+    from lamina.addon.nodes.layers import add_layer
+    from lamina.addon.nodes.material import stack_of
 
     dropped = appended("urushi_lacquer")
     assert dropped.library is None
@@ -149,7 +149,7 @@ def test_a_dropped_preset_renders_as_it_should_and_can_be_edited(catalogue):
 
 
 def test_two_drops_are_two_materials(catalogue):
-    from lamina.addon.elements import node_of
+    from lamina.addon.nodes.elements import node_of
 
     first, second = appended("glossy_plastic"), appended("glossy_plastic")
     node_of(first.lamina.base).inputs["Color"].default_value = (0.0, 1.0, 0.0, 1.0)
@@ -159,7 +159,7 @@ def test_two_drops_are_two_materials(catalogue):
 def test_the_library_comes_and_goes_with_the_extension(catalogue):
     import bpy
 
-    from lamina.addon import asset_library
+    from lamina.addon.library import asset_library
 
     asset_library.unregister()
     others = bpy.context.preferences.filepaths.asset_libraries
@@ -192,8 +192,8 @@ def test_icons_are_those_of_the_pictures_and_missing_ones_are_none(icons):
 def test_a_saved_preset_is_in_the_menu_and_comes_back(layered, own, icons):
     import bpy
 
-    from lamina.addon.elements import node_of
-    from lamina.addon.material import stack_of
+    from lamina.addon.nodes.elements import node_of
+    from lamina.addon.nodes.material import stack_of
 
     node_of(layered.lamina.base).inputs["Color"].default_value = (0.5, 0.25, 0.125, 1.0)
     saved = stack_of(layered)
@@ -236,7 +236,7 @@ class Menu:
 
 
 def menu() -> list[dict]:
-    from lamina.addon.preset_operators import draw_presets
+    from lamina.addon.operators.preset_operators import draw_presets
 
     noted = []
     draw_presets(Menu(noted))

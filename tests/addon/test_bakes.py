@@ -7,8 +7,10 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from lamina.addon import bakes, elements, material  # noqa: E402
-from lamina.addon.live_values import live_values  # noqa: E402
+from lamina.addon.background import bakes  # noqa: E402
+
+from lamina.addon.nodes import elements, material  # noqa: E402
+from lamina.addon.nodes.live_values import live_values  # noqa: E402
 from lamina.reference_py.network import memory  # noqa: E402
 from lamina.reference_py.suite import suite_stack  # noqa: E402
 

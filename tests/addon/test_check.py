@@ -5,8 +5,12 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon import bakes, check, check_mends, layers, material  # noqa: E402
-from lamina.addon.elements import node_of  # noqa: E402
+from lamina.addon.background import bakes  # noqa: E402
+
+from lamina.addon.check import check, check_mends  # noqa: E402
+
+from lamina.addon.nodes import layers, material  # noqa: E402
+from lamina.addon.nodes.elements import node_of  # noqa: E402
 from lamina.addon.rendering import environment  # noqa: E402
 from lamina.reference_py.errors import LaminaError  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402

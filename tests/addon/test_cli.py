@@ -244,7 +244,7 @@ def test_apply_gives_an_object_the_material(tmp_path, blender):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "in.blend"))
     lamina("apply", "--stack", "glazed_mug", "--object", "Thing", "in.blend", "-o", "out.blend", cwd=tmp_path)
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "out.blend"))
-    from lamina.addon.material import stack_of
+    from lamina.addon.nodes.material import stack_of
 
     (material,) = bpy.data.objects["Thing"].data.materials
     assert stack_of(material).to_dict() == presets.load("glazed_mug").to_dict()
@@ -252,7 +252,7 @@ def test_apply_gives_an_object_the_material(tmp_path, blender):
     _, said = lamina("apply", "--stack", "glazed_mug", "--object", "Thing", "in.blend", "-o", "nodes.blend", "--backend", "nodes", cwd=tmp_path)
     assert "render engine" not in said
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "nodes.blend"))
-    from lamina.addon.shader_node import backend_of
+    from lamina.addon.nodes.shader_node import backend_of
 
     assert backend_of(bpy.data.objects["Thing"].active_material) == "nodes"
     assert bpy.context.scene.render.engine != "CYCLES"

@@ -11,8 +11,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon import material as materials  # noqa: E402
-from lamina.addon.elements import node_of  # noqa: E402
+from lamina.addon.nodes import material as materials  # noqa: E402
+from lamina.addon.nodes.elements import node_of  # noqa: E402
 from lamina.addon.exchange import conversion, texture_operator, textures  # noqa: E402
 from lamina.addon.exchange.operators import REPORT_TEXT  # noqa: E402
 from lamina.addon.exchange.sources import PRINCIPLED, principled_of  # noqa: E402

@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from lamina.addon import elements, material  # noqa: E402
+from lamina.addon.nodes import elements, material  # noqa: E402
 from lamina.addon.network.stock_nodes import HAS_DIELECTRIC  # noqa: E402
 from lamina.addon.rendering.measure import render_furnace, render_sun_sphere  # noqa: E402
 from lamina.reference_py.errors import LaminaError  # noqa: E402

@@ -133,7 +133,7 @@ def test_the_turntable_turns_once(blender):
 
 
 def test_the_patina_is_a_mask(blender):
-    from lamina.addon.elements import node_of
+    from lamina.addon.nodes.elements import node_of
 
     built("copper_vases")
     (patina,) = blender.data.materials["Weathered Copper"].lamina.layers

@@ -9,8 +9,12 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon import check, layers, material, registration  # noqa: E402
-from lamina.addon.elements import node_of  # noqa: E402
+from lamina.addon.check import check  # noqa: E402
+
+from lamina.addon.nodes import layers, material  # noqa: E402
+
+from lamina.addon import registration  # noqa: E402
+from lamina.addon.nodes.elements import node_of  # noqa: E402
 from lamina.addon.rendering.images import read_exr  # noqa: E402
 from lamina.reference_py.errors import LaminaError  # noqa: E402
 from lamina.reference_py.schema import SCHEMA_VERSION  # noqa: E402

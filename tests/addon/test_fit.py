@@ -120,7 +120,7 @@ def run_out(fitting) -> None:
 
 @pytest.mark.blender
 def test_the_operator_gives_the_object_the_fitted_stack(blender, item, matte):
-    from lamina.addon import material
+    from lamina.addon.nodes import material
 
     assert blender.ops.lamina.fit_measurement(filepath=str(matte), layers=0, base="lambert") == {"FINISHED"}
     (made,) = item.data.materials
@@ -132,7 +132,8 @@ def test_the_operator_gives_the_object_the_fitted_stack(blender, item, matte):
 
 @pytest.mark.blender
 def test_a_fit_beside_the_window(blender, item, matte, tmp_path):
-    from lamina.addon import fitting, material
+    from lamina.addon.background import fitting
+    from lamina.addon.nodes import material
 
     owner = blender.data.materials.new("owner")
     item.data.materials.append(owner)

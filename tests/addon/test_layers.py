@@ -8,9 +8,9 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon import layers, material  # noqa: E402
-from lamina.addon.elements import node_of  # noqa: E402
-from lamina.addon.layer_operators import LAMINA_OT_layer_drag  # noqa: E402
+from lamina.addon.nodes import layers, material  # noqa: E402
+from lamina.addon.nodes.elements import node_of  # noqa: E402
+from lamina.addon.operators.layer_operators import LAMINA_OT_layer_drag  # noqa: E402
 from lamina.reference_py import presets, ready_layers  # noqa: E402
 from lamina.reference_py.errors import LaminaError  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402

@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from lamina.addon import elements, kind_groups, layers, material, properties, script_node  # noqa: E402
+from lamina.addon.nodes import elements, kind_groups, layers, material, properties, script_node  # noqa: E402
 from lamina.addon.network.osl import generate  # noqa: E402
 from lamina.addon.rendering import environment  # noqa: E402
 from lamina.addon.rendering.measure import render_furnace  # noqa: E402

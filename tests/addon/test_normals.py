@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from lamina.addon import elements, material  # noqa: E402
+from lamina.addon.nodes import elements, material  # noqa: E402
 from lamina.addon.rendering.measure import render_sun_sphere  # noqa: E402
 from lamina.reference_py.network import make_network  # noqa: E402
 from lamina.reference_py.network.closure import lobe_f  # noqa: E402

@@ -13,9 +13,9 @@ bpy = pytest.importorskip("bpy")
 from hypothesis import HealthCheck, given, settings  # noqa: E402
 from hypothesis import strategies as st  # noqa: E402
 
-from lamina.addon import check  # noqa: E402
-from lamina.addon import material as materials  # noqa: E402
-from lamina.addon.elements import node_of  # noqa: E402
+from lamina.addon.check import check  # noqa: E402
+from lamina.addon.nodes import material as materials  # noqa: E402
+from lamina.addon.nodes.elements import node_of  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
 
 pytestmark = pytest.mark.blender

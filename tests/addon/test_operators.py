@@ -8,11 +8,15 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon import material as materials  # noqa: E402
-from lamina.addon import check, operators, panel, properties, registration, script_node  # noqa: E402
-from lamina.addon.elements import node_of  # noqa: E402
+from lamina.addon.nodes import material as materials  # noqa: E402
+from lamina.addon.check import check  # noqa: E402
+from lamina.addon.operators import material_operators  # noqa: E402
+from lamina.addon.ui import panel  # noqa: E402
+from lamina.addon.nodes import properties, script_node  # noqa: E402
+from lamina.addon import registration  # noqa: E402
+from lamina.addon.nodes.elements import node_of  # noqa: E402
 from lamina.addon.rendering import environment  # noqa: E402
-from lamina.addon.shader_node import backend_of  # noqa: E402
+from lamina.addon.nodes.shader_node import backend_of  # noqa: E402
 from lamina.reference_py import presets  # noqa: E402
 from lamina.reference_py.schema import SCHEMA  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
@@ -117,12 +121,12 @@ def test_preset_switches_cycles_and_osl_on_and_says_so(bare):
     said = []
     assert bpy.context.scene.render.engine != "CYCLES"
     operator = SimpleNamespace(stack=lambda: STACK, report=lambda kind, text: said.append((kind, text)))
-    operators.StackOperator.run(operator, bpy.context)
+    material_operators.StackOperator.run(operator, bpy.context)
     assert bpy.context.scene.render.engine == "CYCLES" and bpy.context.scene.cycles.shading_system
     assert [kind for kind, _ in said] == [{"INFO"}, {"INFO"}]
     assert "set to Cycles" in said[0][1] and "Open Shading Language switched on" in said[1][1]
     said.clear()
-    operators.StackOperator.run(operator, bpy.context)
+    material_operators.StackOperator.run(operator, bpy.context)
     assert said == []
 
 
@@ -230,7 +234,7 @@ def test_files_that_cannot_be_read_or_written(layered, tmp_path):
 def test_every_button_has_a_description():
     for cls in [cls for cls in registration.CLASSES if issubclass(cls, bpy.types.Operator)]:
         assert cls.bl_description and cls.bl_label
-    description = operators.LAMINA_OT_apply_preset.description(None, SimpleNamespace(preset="patina_copper"))
+    description = material_operators.LAMINA_OT_apply_preset.description(None, SimpleNamespace(preset="patina_copper"))
     assert description == presets.load("patina_copper").source
 
 

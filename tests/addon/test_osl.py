@@ -68,7 +68,7 @@ def test_more_parameters_than_cycles_takes_are_refused():
 def test_any_number_of_layers_compiles(blender, layers):
     import bpy
 
-    from lamina.addon.material import apply_stack
+    from lamina.addon.nodes.material import apply_stack
 
     for base in (LAMBERT, {"kind": "oren_nayar"}, {"kind": "conductor", "reflectance": [0.9, 0.5, 0.3], "edge_color": [1, 1, 1]}):
         material = bpy.data.materials.new("compiled")

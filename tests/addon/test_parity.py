@@ -20,7 +20,7 @@ QUADRATURE_ERROR = 5e-4  # see tests/reference_py/test_quadrature.py
 def _material(stack: Stack, tier: str = "weidlich_wilkie"):
     import bpy
 
-    from lamina.addon.material import apply_stack, refresh, stack_of
+    from lamina.addon.nodes.material import apply_stack, refresh, stack_of
 
     material = bpy.data.materials.new("Parity")
     apply_stack(material, stack, tier)
@@ -92,9 +92,9 @@ def test_a_wrong_index_is_caught(blender):
 @pytest.mark.parametrize("links", [{"Roughness": 0.42}, {"Thickness": 1.5, "Roughness": 0.12}], ids=["one", "two"])
 def test_a_bake_over_live_values_equals_its_network(blender, links):
     """Values come in through sockets, as from textures; those of the test lie between knots, and below the first."""
-    from lamina.addon.elements import node_of
-    from lamina.addon.live_values import live_values
-    from lamina.addon.material import apply_stack, refresh, stack_of
+    from lamina.addon.nodes.elements import node_of
+    from lamina.addon.nodes.live_values import live_values
+    from lamina.addon.nodes.material import apply_stack, refresh, stack_of
     from lamina.reference_py.network import make_network
     from lamina.reference_py.network.closure import lobe_f
 

@@ -27,7 +27,7 @@ STACKS = {
 
 @pytest.mark.parametrize("name", STACKS)
 def test_render_equals_mirror(blender, name):
-    from lamina.addon.material import apply_stack, stack_of
+    from lamina.addon.nodes.material import apply_stack, stack_of
 
     material = blender.data.materials.new("Parity")
     apply_stack(material, STACKS[name], "analytic")

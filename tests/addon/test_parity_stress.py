@@ -32,7 +32,7 @@ STACKS = {
 def test_render_equals_mirror(blender, name, tier):
     import bpy
 
-    from lamina.addon.material import apply_stack, refresh, stack_of
+    from lamina.addon.nodes.material import apply_stack, refresh, stack_of
 
     if (name, tier) == ("eight layers", "baked"):
         pytest.skip("its bake takes most of a minute")

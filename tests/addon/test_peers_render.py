@@ -79,7 +79,7 @@ def osl_of(stack: Stack, ggx: str) -> str:
 
 def layer_material(bpy, stack: Stack, ggx: str = "multi_ggx"):
     from lamina.addon.network.osl import Shader
-    from lamina.addon.script_node import set_script
+    from lamina.addon.nodes.script_node import set_script
 
     material, script, output = _new_material(bpy, "ShaderNodeScript")
     set_script(script, Shader("peer", osl_of(stack, ggx), (), 1))

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from lamina.addon.swatch import SIZE, base_picture, layer_picture
+from lamina.addon.ui.swatch import SIZE, base_picture, layer_picture
 
 CLEAR = (1.0, 1.0, 1.0)
 

@@ -6,7 +6,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon import material  # noqa: E402
+from lamina.addon.nodes import material  # noqa: E402
 from lamina.addon.network.osl import generate  # noqa: E402
 from lamina.addon.rendering.measure import render_sun_sphere  # noqa: E402
 from lamina.reference_py.models import make_model  # noqa: E402

@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from lamina.addon import translation  # noqa: E402
+from lamina.addon.ui import translation  # noqa: E402
 from support import translatable  # noqa: E402
 
 pytestmark = pytest.mark.blender

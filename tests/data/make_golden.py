@@ -16,7 +16,7 @@ from pathlib import Path
 import bpy
 
 import lamina
-from lamina.addon import material
+from lamina.addon.nodes import material
 from lamina.addon.rendering.environment import ensure_osl_query_on_path
 from lamina.reference_py.schema import SCHEMA_VERSION
 from lamina.reference_py.stack import Stack

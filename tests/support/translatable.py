@@ -9,20 +9,24 @@ from pathlib import Path
 import bpy
 
 import lamina
-from lamina.addon import check, registration
-from lamina.addon.preset_catalogues import CATALOGUES
-from lamina.addon.properties import choice_label
+from lamina.addon import registration
+from lamina.addon.check import check
+from lamina.addon.library.preset_catalogues import CATALOGUES
+from lamina.addon.nodes.properties import choice_label
 from lamina.reference_py.schema import SCHEMA
 
 ADDON = Path(lamina.__file__).parent / "addon"
+# Folders whose sources show text in Blender's window.
+_SHOWN = ("background", "check", "library", "nodes", "operators", "ui")
 _TRANSLATING = {"iface_", "rpt_", "tip_", "pgettext_iface", "pgettext_rpt", "pgettext_tip"}
 
 
 def strings() -> set[str]:
     """All of them."""
     found = {*_of_schema(), *_of_classes(), *_of_checks(), *CATALOGUES}
-    for path in sorted(ADDON.glob("*.py")):
-        found |= set(_of_source(path))
+    for folder in _SHOWN:
+        for path in sorted((ADDON / folder).glob("*.py")):
+            found |= set(_of_source(path))
     found = {text for text in found if not text.startswith("Unique name used in the code")}  # Blender's own, of every RNA struct
     return {text for text in found if any(c.isalpha() for c in re.sub(r"\{\w+\}", "", text))}
 

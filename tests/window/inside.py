@@ -73,7 +73,7 @@ def findings(material) -> list[str]:
         return []
     import sys
 
-    check = next(module for name, module in sys.modules.items() if name.endswith(".lamina.addon.check"))
+    check = next(module for name, module in sys.modules.items() if name.endswith(".lamina.addon.check.check"))
     scene = bpy.context.window_manager.windows[0].scene
     return [finding.text() for finding in check.find(material, scene, bpy.context.preferences)]
 

@@ -27,7 +27,7 @@ def _render(path: Path, report: Report) -> list[tuple[str, str, str]]:
     import bpy
     import numpy as np
 
-    from ...material import apply_stack, refresh
+    from ...nodes.material import apply_stack, refresh
     from ...pareto.appearance import Surroundings, ball_picture, difference, encoded, shown
     from ...pareto.materials import layer_text, script_material
     from ...pareto.measure import widths_of

@@ -67,7 +67,7 @@ def measure(study: str, n: int) -> None:
 def _scene(study: str, n: int) -> dict:
     import bpy
 
-    from ...material import apply_stack, refresh
+    from ...nodes.material import apply_stack, refresh
     from ...rendering.geometry import plane_mesh
     from ...rendering.settings import add_object, measurement_settings, render_to
 

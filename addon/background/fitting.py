@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Measurements that become stacks: the fit runs beside Blender's window, in a process, and is applied when it is done.
+
+Without a window the operator waits instead.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import bpy
+from bpy.app.translations import pgettext_iface as iface_
+from bpy_extras.io_utils import ImportHelper
+
+from ...reference_py.errors import LaminaError
+from ...reference_py.fit import worker
+from ...reference_py.fit.forward import DEFAULT_MODEL
+from ...reference_py.fit.parameters import BASES
+from ...reference_py.fit.readers import SUFFIXES
+from ...reference_py.fit.selection import AUTO
+from ...reference_py.network.worker import ENVIRONMENT, command
+from ...reference_py.schema import SCHEMA
+from ...reference_py.stack import Stack
+from ..nodes import material as materials
+from ..operators.material_operators import LaminaOperator, can_hold_material, material_of
+from ..ui.panel_values import draw_message
+
+TICK = 0.5
+_AUTO_LAYERS = -1
+
+
+class Fit:
+    """One fit in the making, for a material or for an object that has none."""
+
+    def __init__(self, target: bpy.types.ID, file: str, layers: int | str, base: str):
+        self.target, self.file = target.session_uid, file
+        self.is_object = isinstance(target, bpy.types.Object)
+        self.share, self.error, self.result = 0.0, "", None
+        try:
+            self._process = subprocess.Popen(
+                command(sys.executable, worker.MODULE), env=os.environ | ENVIRONMENT, text=True,
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            )  # fmt: skip
+            self._process.stdin.write(worker.request(file, layers, base, DEFAULT_MODEL))
+            self._process.stdin.close()
+        except OSError as error:
+            raise LaminaError(f"cannot start a fit with {sys.executable}: {error.strerror or error}") from None
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        for line in self._process.stdout:
+            word, _, rest = line.strip().partition(" ")
+            if word == "progress":
+                self.share = float(rest)
+            elif word == "result":
+                self.result = json.loads(rest)
+            elif word == "error":
+                self.error = rest
+        code = self._process.wait()
+        if self.result is None and not self.error:
+            self.error = f"its process ended with code {code}"
+
+    @property
+    def is_done(self) -> bool:
+        return not self._reader.is_alive()
+
+    def wait(self) -> None:
+        self._reader.join()
+
+    def cancel(self) -> None:
+        self._process.kill()
+        self._reader.join()
+
+    def apply(self, scene: bpy.types.Scene) -> list[str]:
+        """Give the target the fitted stack; what to tell the user. Raises LaminaError where there is none."""
+        if self.error:
+            raise LaminaError(self.error)
+        owner = _with_uid(bpy.data.objects if self.is_object else bpy.data.materials, self.target)
+        if owner is None:
+            raise LaminaError(f"{Path(self.file).name} is fitted, but the {'object' if self.is_object else 'material'} that it was for is gone")
+        stack = Stack.from_dict(self.result["stack"], Path(self.file).name)
+        material = bpy.data.materials.new(Path(self.file).stem) if self.is_object else owner
+        try:
+            materials.apply_stack(material, stack)
+        except LaminaError:
+            if self.is_object:
+                bpy.data.materials.remove(material)
+            raise
+        if self.is_object:
+            owner.active_material = material
+        return [_told(self.file, self.result), *materials.make_renderable(material, scene)]
+
+
+def _with_uid(collection, uid: int) -> bpy.types.ID | None:
+    return next((item for item in collection if item.session_uid == uid), None)
+
+
+def _told(file: str, result: dict) -> str:
+    text = f"{Path(file).name} fitted by {Stack.from_dict(result['stack']).name}, error {100.0 * result['error']:.2g} %"
+    if not result["explains"]:
+        text += "; no stack that was tried explains it"
+    if result["not_determined"]:
+        text += "; not determined by the data: " + ", ".join(result["not_determined"])
+    return text
+
+
+# The fit that runs, and by target what the last one told.
+_running: Fit | None = None
+_last: dict[int, str] = {}
+
+
+def running() -> Fit | None:
+    """The fit that runs."""
+    return _running
+
+
+def last_told(owner: bpy.types.ID | None) -> str:
+    """What the last fit for a material or an object told; empty if there was none."""
+    return _last.get(owner.session_uid, "") if owner is not None else ""
+
+
+def start(target: bpy.types.ID, file: str, layers: int | str, base: str) -> Fit:
+    """Begin a fit. Raises LaminaError when one runs already, or it cannot start."""
+    global _running
+    if _running is not None:
+        raise LaminaError(f"{Path(_running.file).name} is being fitted; wait for it, or cancel it")
+    _last.pop(target.session_uid, None)
+    _running = Fit(target, file, layers, base)
+    return _running
+
+
+def cancel() -> None:
+    """Stop the fit that runs; the material stays as it is."""
+    global _running
+    if _running is not None:
+        _running.cancel()
+        _running = None
+
+
+def tick() -> float | None:
+    """Look after the fit; apply it when it is done. Returns the seconds to the next look."""
+    global _running
+    if _running is None:
+        return None
+    if not _running.is_done or bpy.app.is_job_running("RENDER"):
+        _redraw()
+        return TICK
+    fit, _running = _running, None
+    try:
+        told = "; ".join(fit.apply(bpy.context.scene))
+        bpy.ops.ed.undo_push(message="Fit Measurement")
+    except LaminaError as error:
+        told = f"fit failed: {error}"
+    _last[fit.target] = told
+    print(f"Lamina: {told}")
+    _redraw()
+    return None
+
+
+def stop() -> None:
+    """End the timer and the fit."""
+    if bpy.app.timers.is_registered(tick):
+        bpy.app.timers.unregister(tick)
+    cancel()
+
+
+def _redraw() -> None:
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "PROPERTIES":
+                area.tag_redraw()
+
+
+def draw_fit(layout, context, material) -> None:
+    """A running fit with its progress, or what the last one told of this material or object."""
+    if _running is not None:
+        row = layout.row(align=True)
+        row.progress(factor=_running.share, text=iface_("Fitting the measurement"))
+        row.operator(LAMINA_OT_cancel_fit.bl_idname, text="", icon="CANCEL")
+    elif told := last_told(material) or last_told(getattr(context, "object", None)):
+        draw_message(layout, context, told, "INFO")
+
+
+class LAMINA_OT_fit_measurement(LaminaOperator, ImportHelper, bpy.types.Operator):
+    bl_idname = "lamina.fit_measurement"
+    bl_label = "Fit Measurement"
+    bl_description = "Fit layers to measured reflectance (MERL, RGL, or a table) and give them to the material"
+
+    filename_ext = ".binary"
+    filter_glob: bpy.props.StringProperty(default=";".join(f"*{s}" for s in SUFFIXES), options={"HIDDEN"})
+    layers: bpy.props.IntProperty(
+        name="Layers", default=_AUTO_LAYERS, min=_AUTO_LAYERS, max=4, description="Count of layers; -1 takes the fewest that the data support",
+    )  # fmt: skip
+    base: bpy.props.EnumProperty(
+        name="Base", items=[(AUTO, "Automatic", "The base that the data support")] + [(b, SCHEMA.bases[b].label, SCHEMA.bases[b].help) for b in BASES],
+    )  # fmt: skip
+
+    @classmethod
+    def poll(cls, context):
+        if material_of(context) is None and not can_hold_material(getattr(context, "object", None)):
+            cls.poll_message_set("Select an object that can have a material")
+            return False
+        if _running is not None:
+            cls.poll_message_set("Another measurement is being fitted")
+            return False
+        return True
+
+    def run(self, context):
+        material = material_of(context)
+        if material is not None:
+            materials.require_editable(material)
+        path = Path(bpy.path.abspath(self.filepath))
+        if path.suffix.lower() not in SUFFIXES or not path.is_file():
+            raise LaminaError(f"{path.name or 'no file'}: choose a file that ends in {', '.join(SUFFIXES)}")
+        layers = AUTO if self.layers == _AUTO_LAYERS else self.layers
+        fit = start(material or context.object, str(path), layers, self.base)
+        if not bpy.app.background:
+            bpy.app.timers.register(tick, first_interval=TICK, persistent=True)
+            return
+        fit.wait()
+        global _running
+        _running = None
+        for sentence in fit.apply(context.scene):
+            self.report({"INFO"}, f"Lamina: {sentence}")
+
+
+class LAMINA_OT_cancel_fit(LaminaOperator, bpy.types.Operator):
+    bl_idname = "lamina.cancel_fit"
+    bl_label = "Cancel Fit"
+    bl_description = "Stop fitting the measurement; the material stays as it is"
+    bl_options = {"REGISTER"}
+
+    def run(self, _context):
+        cancel()
+
+
+CLASSES = (LAMINA_OT_fit_measurement, LAMINA_OT_cancel_fit)

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How each finding of `check` is mended: functions of the material, the scene and the finding."""
+
+import bpy
+import numpy as np
+
+from ...reference_py.schema import COLOR, FLOAT
+from ..background import bakes
+from ..nodes import material as materials
+from ..nodes.backend import NODES
+from ..nodes.elements import kind_of, new_node, node_of
+from ..nodes.kind_groups import fresh_group
+from ..nodes.node_copy import copy_inputs
+from ..nodes.script_node import enable_osl
+
+
+def _element(material, finding):
+    """The last element of the finding's node: of two that share one, the upper keeps it."""
+    lamina = material.lamina
+    return [e for e in (*lamina.layers, lamina.base) if e.node == finding.element][-1]
+
+
+def _socket(material, finding) -> bpy.types.NodeSocket:
+    return node_of(_element(material, finding)).inputs[finding.label]
+
+
+def _regenerate(material, _scene, _finding) -> None:
+    materials.regenerate(material)
+
+
+def _use_cycles(_material, scene, _finding) -> None:
+    enable_osl(scene)
+
+
+def _use_nodes(material, _scene, _finding) -> None:
+    with materials.changing(material):
+        material.lamina.backend = NODES
+
+
+def _bake(material, _scene, _finding) -> None:
+    bakes.retry(material)
+
+
+def _link_shader(material, _scene, _finding) -> None:
+    tree = material.node_tree
+    shader = tree.nodes[material.lamina.shader_node]
+    output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(shader.outputs["BSDF"], output.inputs["Surface"])
+
+
+def _unmute_shader(material, _scene, _finding) -> None:
+    material.node_tree.nodes[material.lamina.shader_node].mute = False
+
+
+def _unmute(material, _scene, finding) -> None:
+    node_of(_element(material, finding)).mute = False
+
+
+def _new_node(material, _scene, finding) -> None:
+    element = _element(material, finding)
+    with materials.changing(material) as tree:
+        element.node = new_node(tree, kind_of(element)).name
+
+
+def _own_node(material, _scene, finding) -> None:
+    element = _element(material, finding)
+    with materials.changing(material) as tree:
+        former = node_of(element)
+        node = new_node(tree, kind_of(element))
+        copy_inputs(former, node)
+        element.node = node.name
+
+
+def _remove_node(material, _scene, finding) -> None:
+    material.node_tree.nodes.remove(material.node_tree.nodes[finding.element])
+
+
+def _replace_group(material, _scene, finding) -> None:
+    """A fresh group for every node that has the broken one, in every material of this file; links and values stay."""
+    element = _element(material, finding)
+    broken, group = node_of(element).node_tree, fresh_group(kind_of(element))
+    nodes = [node_of(element)]
+    if broken is not None:
+        trees = [m.node_tree for m in bpy.data.materials if m.library is None and m.node_tree is not None]
+        nodes = [n for tree in trees for n in tree.nodes if n.bl_idname == "ShaderNodeGroup" and n.node_tree == broken]
+    for node in nodes:
+        values = {s.name: _plain(s.default_value) for s in node.inputs if hasattr(s, "default_value")}
+        sources = [(k.from_socket, s.name) for s in node.inputs for k in s.links]
+        targets = [(s.name, k.to_socket) for s in node.outputs for k in s.links]
+        node.node_tree = group
+        for name, value in values.items():
+            if name in node.inputs:
+                node.inputs[name].default_value = value
+        tree = node.id_data
+        for source, name in sources:
+            if name in node.inputs:
+                tree.links.new(source, node.inputs[name])
+        for name, target in targets:
+            if name in node.outputs:
+                tree.links.new(node.outputs[name], target)
+    if broken is not None and broken.users == 0:
+        bpy.data.node_groups.remove(broken)
+    materials.regenerate(material)
+
+
+def _plain(value):
+    return value if isinstance(value, (int, float, bool, str)) else tuple(value)
+
+
+def _remove_link(material, _scene, finding) -> None:
+    for link in list(_socket(material, finding).links):
+        material.node_tree.links.remove(link)
+
+
+def _unmute_link(material, _scene, finding) -> None:
+    for link in _socket(material, finding).links:
+        link.is_muted = False
+
+
+def _into_range(material, _scene, finding) -> None:
+    element, socket = _element(material, finding), _socket(material, finding)
+    parameter = next(p for p in kind_of(element).sockets if p.label == finding.label)
+    default = np.asarray(parameter.default, float)
+    value = np.asarray(socket.default_value if parameter.type == FLOAT else list(socket.default_value)[:3], float)
+    value = np.clip(np.where(np.isfinite(value), value, default), parameter.minimum, parameter.maximum)
+    socket.default_value = float(value) if parameter.type == FLOAT else (*value, 1.0) if parameter.type == COLOR else tuple(value)
+
+
+MENDS = {
+    "osl_missing": _regenerate,
+    "scene_without_osl": _use_cycles,
+    "device_without_osl": _use_nodes,
+    "shader_gone": _regenerate,
+    "shader_unused": _link_shader,
+    "shader_muted": _unmute_shader,
+    "shader_edited": _regenerate,
+    "shader_unlinked": _regenerate,
+    "shader_stale": _regenerate,
+    "not_baked": _bake,
+    "node_gone": _new_node,
+    "node_muted": _unmute,
+    "node_shared": _own_node,
+    "node_spare": _remove_node,
+    "group_broken": _replace_group,
+    "link_broken": _remove_link,
+    "link_muted": _unmute_link,
+    "image_missing": _remove_link,
+    "out_of_range": _into_range,
+}

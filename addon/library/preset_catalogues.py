@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How the presets are sorted, in the menu and in the asset library."""
+
+import uuid
+from pathlib import Path
+
+FOLDER = Path(__file__).parents[1] / "presets"
+ASSETS = FOLDER / "lamina_presets.blend"
+CATALOGUE_FILE = FOLDER / "blender_assets.cats.txt"
+
+CATALOGUES = {
+    "Paint": ("clear_coat_car_paint", "metallic_car_paint", "pearl_coating", "blue_wall_paint", "crayon_paint", "frosted_paint", "nail_polish"),
+    "Lacquer and Varnish": ("piano_lacquer", "urushi_lacquer", "satin_varnish", "waxed_wood", "varnished_gold_leaf", "lacquered_brass"),
+    "Glaze and Plastic": ("glazed_porcelain", "glazed_mug", "tinted_glaze", "enamel_on_silver", "glossy_plastic"),
+    "Metal": ("polished_chrome", "brushed_nickel", "clean_copper", "metal_foil", "frosted_metal", "anodised_aluminium", "anodised_titanium"),
+    "Weathered and Wet": ("patina_copper", "blued_steel", "oil_filmed_metal", "rusted_steel", "wet_asphalt"),
+}
+
+_NAMESPACE = uuid.UUID("6f5b1a38-2c6e-5d0e-9a3f-6c616d696e61")
+
+
+def catalogue_id(catalogue: str) -> str:
+    """The catalogue's UUID in the asset library; the same in every build, as users' files hold it."""
+    return str(uuid.uuid5(_NAMESPACE, catalogue))
+
+
+def catalogue_text() -> str:
+    """What `blender_assets.cats.txt` of the asset library says."""
+    lines = ["# Asset catalogues of Lamina's presets", "", "VERSION 1", ""]
+    paths = ["Lamina", *(f"Lamina/{name}" for name in CATALOGUES)]
+    lines += [f"{catalogue_id(path.rpartition('/')[2])}:{path}:{path.replace('/', '-')}" for path in paths]
+    return "\n".join(lines) + "\n"
+
+
+def thumbnail_of(preset: str) -> Path:
+    """The picture of a preset."""
+    return FOLDER / f"{preset}.png"

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The two ways to write a network in a material: an OSL shader, or a group of stock nodes. Does not need bpy."""
+
+from ...reference_py.errors import LaminaError
+from ..rendering import environment
+
+AUTO, OSL, NODES = "auto", "osl", "nodes"
+BACKENDS = {
+    AUTO: "An OSL shader where this Blender can make one, else stock nodes",
+    OSL: "An OSL shader that reads values and textures live; CPU and OptiX only",
+    NODES: "Stock nodes, for every device and for EEVEE; they hold the values that the layers had when they were made",
+}
+DEFAULT_BACKEND = AUTO
+
+
+def require_osl() -> None:
+    """Raise LaminaError where Script nodes cannot work, before anything is changed."""
+    available, reason = environment.osl_available()
+    if not available:
+        raise LaminaError(
+            f"backend {OSL} needs Cycles with OSL, and {reason}; choose backend {AUTO} or {NODES}, "
+            "or use a Blender from blender.org, with CPU or OptiX rendering"
+        )
+
+
+def backend_here(wanted: str) -> str:
+    """What `wanted`, a key of BACKENDS, means in this Blender: "osl" or "nodes".
+
+    Raises LaminaError for an unknown backend and for "osl" where there is none.
+    """
+    if wanted not in BACKENDS:
+        raise LaminaError(f"unknown backend {wanted!r}; choose {', '.join(BACKENDS)}")
+    if wanted == OSL:
+        require_osl()
+    if wanted == AUTO:
+        return OSL if environment.osl_available()[0] else NODES
+    return wanted
+
+
+def notice(wanted: str) -> str:
+    """One line for the user where `wanted` leaves the choice and it fell on stock nodes; empty when it did not."""
+    if wanted != AUTO or backend_here(wanted) == OSL:
+        return ""
+    return f"made of stock nodes, because {environment.osl_available()[1]}; of all textures and animation of layers only a coverage's has an effect"

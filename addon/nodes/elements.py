@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A layer or base in Blender: a property group for its structure and a group node for its values."""
+
+import itertools
+import json
+import re
+import uuid
+
+import bpy
+import numpy as np
+
+from ...reference_py.colour import artist_color, artist_index, conductor_rgb
+from ...reference_py.errors import LaminaError
+from ...reference_py.schema import COLOR, FLOAT, SCHEMA, Feature, Kind, Parameter
+from ...reference_py.stack import Element
+from .kind_groups import declare_missing, group_of
+
+_FLOAT32_DIGITS = 7
+
+
+def kind_of(element) -> Kind:
+    """The schema's kind of a layer's or base's property group."""
+    return SCHEMA.layers.get(element.kind) or SCHEMA.bases[element.kind]
+
+
+def node_of(element) -> bpy.types.ShaderNodeGroup:
+    """The group node that holds an element's values. Raises LaminaError when somebody deleted it."""
+    material = element.id_data
+    node = material.node_tree.nodes.get(element.node)
+    if node is None:
+        raise LaminaError(
+            f"material {material.name}: the node of {element.name!r} was deleted; undo, remove the layer, or pick a preset anew"
+        )
+    return node
+
+
+def bring_up_to_date(element) -> None:
+    """Give an element's node the sockets that came after the version which made it."""
+    tree = node_of(element).node_tree
+    if tree is not None and tree.library is None:
+        declare_missing(tree, kind_of(element))
+
+
+def show_name(element) -> None:
+    """Write the element's name on its node, if it has one."""
+    tree = element.id_data.node_tree
+    node = tree.nodes.get(element.node) if tree is not None else None
+    if node is not None and node.label != element.name:
+        node.label = element.name
+
+
+def use_of(feature: Feature) -> str:
+    """The property that says whether an element has a feature."""
+    return f"use_{feature.name}"
+
+
+def used_features(element) -> tuple[Feature, ...]:
+    """The optional features that a layer or base has."""
+    return tuple(feature for feature in kind_of(element).features if getattr(element, use_of(feature)))
+
+
+def shown_parameters(kind: Kind, given: str) -> tuple[Parameter, ...]:
+    """The parameters that every element of a kind has: those of the alternative `given` first, then the others."""
+    chosen = [kind.parameter(name) for group, choice in zip(kind.alternatives, kind.given_choices) if choice == given
+              for name in group]
+    alternative = {name for group in kind.alternatives for name in group}
+    return (*chosen, *(p for p in kind.parameters if p.name not in alternative))
+
+
+def element_parameters(element, kind: Kind, given: str) -> tuple[Parameter, ...]:
+    """The parameters that describe an element, those of its features last."""
+    return (*shown_parameters(kind, given), *(p for feature in used_features(element) for p in feature.parameters))
+
+
+def structure_dict(element, kind: Kind) -> dict:
+    """An element as JSON without values: the schema's defaults stand in, since only structure is asked for."""
+    values = {
+        p.name: getattr(element, p.name) if p.is_structural else p.default
+        for p in element_parameters(element, kind, element.given)
+    }
+    return {"kind": element.kind, **values}
+
+
+def new_node(tree: bpy.types.NodeTree, kind: Kind) -> bpy.types.ShaderNodeGroup:
+    """A node for the values of a kind, with the schema's defaults."""
+    node = tree.nodes.new("ShaderNodeGroup")
+    # the name is an identity: animation data and links refer to it, so it is never changed and never used twice
+    node.name = f"Lamina {uuid.uuid4().hex[:12]}"
+    node.node_tree = group_of(kind)
+    return node
+
+
+def fill_element(tree: bpy.types.NodeTree, element, source: Element, kind: Kind) -> None:
+    """Set a property group, and make the node of its values, from an element of a stack."""
+    node = new_node(tree, kind)
+    element.node, element.kind = node.name, source.kind
+    name = source.unknown.get("name")
+    element.name = name if isinstance(name, str) else free_name(element, kind.label)
+    element.visible, element.unknown = True, json.dumps(dict(source.unknown))
+    for group, choice in zip(kind.alternatives, kind.given_choices):
+        if group[0] in source:
+            element.given = choice
+    for feature in kind.features:
+        setattr(element, use_of(feature), source.has(feature))
+    for parameter in kind.all_parameters:
+        if parameter.name not in source:
+            continue
+        value = source[parameter.name]
+        if parameter.is_structural:
+            setattr(element, parameter.name, value)
+        else:
+            node.inputs[parameter.label].default_value = (*value, 1.0) if parameter.type == COLOR else value
+    if "metal" in source:
+        set_metal(element, kind)
+    element.was_given = element.given
+
+
+def read_element(element, kind: Kind) -> dict:
+    """An element as JSON, values from its node's sockets. A linked socket counts with its own value."""
+    node = node_of(element)
+    given = "eta+k" if element.given == "metal" and _index_differs(element, kind) else element.given
+    data = {"kind": element.kind}
+    for parameter in element_parameters(element, kind, given):
+        if parameter.is_structural:
+            data[parameter.name] = getattr(element, parameter.name)
+        else:
+            value = node.inputs[parameter.label].default_value
+            data[parameter.name] = _decimal(value) if parameter.type == FLOAT else [_decimal(v) for v in list(value)[:3]]
+    unknown = json.loads(element.unknown or "{}")
+    if "name" in unknown or not _is_default_name(element.name, kind):
+        unknown["name"] = element.name
+    return {**unknown, **data}
+
+
+def free_name(element, wanted: str) -> str:
+    """A name for a layer, with a number where another layer of the stack has the wanted one; the base's as it is."""
+    lamina = element.id_data.lamina
+    if element == lamina.base:
+        return wanted
+    taken = {layer.name for layer in lamina.layers if layer != element}
+    stem = re.sub(r" \d+$", "", wanted) or wanted
+    names = itertools.chain((wanted,), (f"{stem} {number}" for number in itertools.count(2)))
+    return next(name for name in names if name not in taken)
+
+
+def _is_default_name(name: str, kind: Kind) -> bool:
+    return re.fullmatch(rf"{re.escape(kind.label)}( \d+)?", name) is not None
+
+
+def set_metal(element, kind: Kind) -> None:
+    """Write the complex index of the element's named metal into its sockets."""
+    for socket, value in zip(_index_sockets(element, kind), conductor_rgb(element.metal)):
+        socket.default_value = value
+
+
+def carry_metal(element, kind: Kind) -> None:
+    """After a choice: a named metal's index goes into its sockets, and a new way to give a metal starts from the old."""
+    inputs = node_of(element).inputs
+    index = [kind.parameter(name) for name in ("eta", "k")]
+    colors = [kind.parameter(name) for name in ("reflectance", "edge_color")]
+    was_colors = colors[0].name in element.was_given
+    is_colors = colors[0].name in element.given
+    if element.given == "metal":
+        set_metal(element, kind)
+    elif is_colors != was_colors:
+        sources, targets, convert = (index, colors, artist_color) if is_colors else (colors, index, artist_index)
+        old = [np.clip(list(inputs[p.label].default_value)[:3], p.minimum, p.maximum) for p in sources]
+        for parameter, value in zip(targets, convert(*old)):
+            value = np.clip(value, parameter.minimum, parameter.maximum)
+            inputs[parameter.label].default_value = (*value, 1.0) if parameter.type == COLOR else value
+    element.was_given = element.given
+
+
+def _index_differs(element, kind: Kind) -> bool:
+    """Whether somebody changed the index of a named metal in its node: then it is that metal no more."""
+    if not any("metal" in group for group in kind.alternatives):
+        return False
+    pairs = zip(_index_sockets(element, kind), conductor_rgb(element.metal))
+    return not all(np.allclose(socket.default_value, value, rtol=1e-6) for socket, value in pairs)
+
+
+def _index_sockets(element, kind: Kind) -> list[bpy.types.NodeSocket]:
+    inputs = node_of(element).inputs
+    return [inputs[kind.parameter(name).label] for name in ("eta", "k")]
+
+
+def _decimal(value: float) -> float:
+    """A float32 as the shortest decimal that names it: .2 and not .200000003."""
+    return float(f"{value:.{_FLOAT32_DIGITS}g}")

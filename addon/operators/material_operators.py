@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panel's buttons do. Each operator is one undo step; an error is reported and leaves nothing half-made."""
+
+import re
+
+import bpy
+from bpy.props import EnumProperty
+from bpy_extras.io_utils import ExportHelper, ImportHelper
+
+from ...reference_py import presets
+from ...reference_py.errors import LaminaError
+from ...reference_py.schema import SCHEMA
+from ...reference_py.stack import Stack
+from ..background import bakes
+from ..nodes import material as materials
+from ..nodes.script_node import enable_osl
+
+_JSON = "*.json"
+_UNNAMED = "Lamina"
+
+
+def can_hold_material(item: bpy.types.Object | None) -> bool:
+    """Whether an object takes a surface material."""
+    return item is not None and item.type != "GREASEPENCIL" and hasattr(item.data, "materials")
+
+
+def material_of(context: bpy.types.Context) -> bpy.types.Material | None:
+    """The material that the Properties editor shows, else the active object's."""
+    shown = getattr(context, "material", None)
+    item = getattr(context, "object", None)
+    return shown or (item.active_material if item is not None else None)
+
+
+class LaminaOperator:
+    """An operator's `execute` that calls `run` and turns a LaminaError into a report."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        try:
+            self.run(context)
+        except LaminaError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class LayeredOperator(LaminaOperator):
+    """An operator on a material that has a stack."""
+
+    @classmethod
+    def poll(cls, context):
+        material = material_of(context)
+        if material is None or not material.lamina.is_layered:
+            cls.poll_message_set("The active material has no Lamina stack")
+            return False
+        return True
+
+
+class StackOperator(LaminaOperator):
+    """An operator that gives the active material, made if there is none, a new stack."""
+
+    @classmethod
+    def poll(cls, context):
+        if material_of(context) is None and not can_hold_material(getattr(context, "object", None)):
+            cls.poll_message_set("Select an object that can have a material")
+            return False
+        return True
+
+    def run(self, context):
+        stack = self.stack()
+        material = material_of(context)
+        made = material is None
+        if made:
+            material = bpy.data.materials.new(stack.name or _UNNAMED)
+        former = material.lamina.stack_name
+        try:
+            materials.apply_stack(material, stack)
+        except LaminaError:
+            if made:
+                bpy.data.materials.remove(material)
+            raise
+        if made:
+            context.object.active_material = material
+        elif former and re.fullmatch(rf"{re.escape(former)}(\.\d+)?", material.name):
+            material.name = stack.name or _UNNAMED  # it had the former stack's name, not one of its own
+        for message in stack.unknown_keys():
+            self.report({"WARNING"}, f"Lamina: {message}")
+        for notice in materials.make_renderable(material, context.scene):
+            self.report({"INFO"}, f"Lamina: {notice}")
+
+
+class LAMINA_OT_apply_preset(StackOperator, bpy.types.Operator):
+    bl_idname = "lamina.apply_preset"
+    bl_label = "Apply Preset"
+    bl_description = "Make the material a stack of layers, in place of what it shows"
+
+    preset: EnumProperty(name="Preset", items=[(name, presets.label(name), "") for name in presets.names()])
+
+    @classmethod
+    def description(cls, _context, properties):
+        return presets.load(properties.preset).source
+
+    def stack(self) -> Stack:
+        return presets.load(self.preset)
+
+
+class LAMINA_OT_import_stack(StackOperator, ImportHelper, bpy.types.Operator):
+    bl_idname = "lamina.import_stack"
+    bl_label = "Import Stack"
+    bl_description = "Read the material's layers from a JSON file, in place of what it shows"
+
+    filename_ext = ".json"
+    filter_glob: bpy.props.StringProperty(default=_JSON, options={"HIDDEN"})
+
+    def stack(self) -> Stack:
+        return Stack.load(self.filepath)
+
+
+class LAMINA_OT_export_stack(LayeredOperator, ExportHelper, bpy.types.Operator):
+    bl_idname = "lamina.export_stack"
+    bl_label = "Export Stack"
+    bl_description = "Write the material's visible layers and base to a JSON file"
+    bl_options = {"REGISTER"}
+
+    filename_ext = ".json"
+    filter_glob: bpy.props.StringProperty(default=_JSON, options={"HIDDEN"})
+
+    def invoke(self, context, event):
+        if not self.filepath:
+            name = material_of(context).lamina.stack_name or material_of(context).name
+            self.filepath = bpy.path.clean_name(name).lower() + self.filename_ext
+        return super().invoke(context, event)
+
+    def run(self, context):
+        material = material_of(context)
+        materials.stack_of(material).save(self.filepath)
+        hidden = len(material.lamina.layers) - len(material.lamina.shown_layers)
+        left_out = f"; {hidden} hidden layer{'s' * (hidden > 1)} left out" if hidden else ""
+        self.report({"INFO"}, f"Lamina: stack written to {self.filepath}{left_out}")
+
+
+class LAMINA_OT_set_base(LayeredOperator, bpy.types.Operator):
+    bl_idname = "lamina.set_base"
+    bl_label = "Set Base Kind"
+    bl_description = "Replace the opaque base below the layers; values that both kinds have are kept"
+
+    kind: EnumProperty(name="Kind", items=[(k.name, k.label, k.help) for k in SCHEMA.bases.values()])
+
+    def run(self, context):
+        materials.set_base(material_of(context), self.kind)
+
+
+class LAMINA_OT_regenerate(LayeredOperator, bpy.types.Operator):
+    bl_idname = "lamina.regenerate"
+    bl_label = "Regenerate Shader"
+    bl_description = "Make the shader node anew, for instance after it was deleted"
+
+    def run(self, context):
+        materials.regenerate(material_of(context))
+
+
+class LAMINA_OT_cancel_bake(LayeredOperator, bpy.types.Operator):
+    bl_idname = "lamina.cancel_bake"
+    bl_label = "Cancel Bake"
+    bl_description = "Stop computing; the material stays as the tier analytic shows it until a value changes"
+    bl_options = {"REGISTER"}
+
+    def run(self, context):
+        bakes.cancel(material_of(context))
+
+
+class LAMINA_OT_retry_bake(LayeredOperator, bpy.types.Operator):
+    bl_idname = "lamina.retry_bake"
+    bl_label = "Bake Again"
+    bl_description = "Compute what the material's tier stands for, in the background"
+    bl_options = {"REGISTER"}
+
+    def run(self, context):
+        bakes.retry(material_of(context))
+
+
+class LAMINA_OT_enable_osl(LaminaOperator, bpy.types.Operator):
+    bl_idname = "lamina.enable_osl"
+    bl_label = "Use Cycles with OSL"
+    bl_description = "Switch the scene to Cycles and Open Shading Language on"
+
+    def run(self, context):
+        for notice in enable_osl(context.scene):
+            self.report({"INFO"}, f"Lamina: {notice}")
+
+
+CLASSES = (
+    LAMINA_OT_apply_preset,
+    LAMINA_OT_import_stack,
+    LAMINA_OT_export_stack,
+    LAMINA_OT_set_base,
+    LAMINA_OT_regenerate,
+    LAMINA_OT_cancel_bake,
+    LAMINA_OT_retry_bake,
+    LAMINA_OT_enable_osl,
+)

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The menu of presets, and what it does with those that users save."""
+
+import bpy
+from bpy.props import StringProperty
+
+from ...reference_py import presets
+from ...reference_py.stack import Stack
+from ..library import user_presets
+from ..library.preset_catalogues import CATALOGUES
+from ..library.thumbnails import render_thumbnail
+from ..nodes import material as materials
+from ..ui.preset_icons import preset_icon, user_preset_icon
+from . import material_operators as ops
+
+
+class LAMINA_OT_save_preset(ops.LayeredOperator, bpy.types.Operator):
+    bl_idname = "lamina.save_preset"
+    bl_label = "Save as Preset"
+    bl_description = "Keep the material's visible layers and base as a preset of yours, with a picture, which takes a few seconds"
+    bl_options = {"REGISTER"}
+
+    name: StringProperty(name="Name", description="Name of the preset: letters, digits, spaces, - and _", maxlen=user_presets.LONGEST)
+
+    def invoke(self, context, _event):
+        self.name = ops.material_of(context).lamina.stack_name[: user_presets.LONGEST]
+        return context.window_manager.invoke_props_dialog(self)
+
+    def run(self, context):
+        material = ops.material_of(context)
+        stack = materials.stack_of(material)
+        name = user_presets.save(self.name, stack, lambda path: render_thumbnail(material, path))
+        self.report({"INFO"}, f"Lamina: preset {presets.label(name)} saved in {user_presets.folder()}")
+
+
+class LAMINA_OT_apply_user_preset(ops.StackOperator, bpy.types.Operator):
+    bl_idname = "lamina.apply_user_preset"
+    bl_label = "Apply Own Preset"
+    bl_description = "Make the material a stack of layers that you saved, in place of what it shows"
+
+    name: StringProperty(name="Name", description="Name of the preset")
+
+    def stack(self) -> Stack:
+        return user_presets.load(self.name)
+
+
+class LAMINA_OT_remove_preset(ops.LaminaOperator, bpy.types.Operator):
+    bl_idname = "lamina.remove_preset"
+    bl_label = "Remove Preset"
+    bl_description = "Delete a preset that you saved, and its picture"
+    bl_options = {"REGISTER"}
+
+    name: StringProperty(name="Name", description="Name of the preset")
+
+    def invoke(self, context, event):
+        return context.window_manager.invoke_confirm(self, event)
+
+    def run(self, _context):
+        user_presets.remove(self.name)
+        self.report({"INFO"}, f"Lamina: preset {presets.label(self.name)} removed")
+
+
+class LAMINA_MT_remove_preset(bpy.types.Menu):
+    bl_label = "Remove Preset"
+
+    def draw(self, _context):
+        for name in user_presets.names():
+            text, icon = presets.label(name), user_preset_icon(name)
+            self.layout.operator(LAMINA_OT_remove_preset.bl_idname, text=text, translate=False, icon_value=icon).name = name
+
+
+def draw_presets(layout) -> None:
+    """A column of every catalogue, one of the user's own presets, and below what is done with files."""
+    row = layout.row()
+    for catalogue, names in CATALOGUES.items():
+        column = row.column()
+        column.label(text=catalogue)
+        column.separator()
+        for name in names:
+            text, icon = presets.label(name), preset_icon(name)
+            column.operator(ops.LAMINA_OT_apply_preset.bl_idname, text=text, icon_value=icon).preset = name
+    own = user_presets.names()
+    if own:
+        column = row.column()
+        column.label(text="Own Presets")
+        column.separator()
+        for name in own:
+            text, icon = presets.label(name), user_preset_icon(name)
+            column.operator(LAMINA_OT_apply_user_preset.bl_idname, text=text, translate=False, icon_value=icon).name = name
+    layout.separator()
+    layout.operator(LAMINA_OT_save_preset.bl_idname, text="Save as Preset...", icon="ADD")
+    if own:
+        layout.menu(LAMINA_MT_remove_preset.__name__, icon="REMOVE")
+
+
+CLASSES = (LAMINA_OT_save_preset, LAMINA_OT_apply_user_preset, LAMINA_OT_remove_preset, LAMINA_MT_remove_preset)

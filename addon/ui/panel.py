@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Lamina panel in the Material tab: layers, their values, the base, and what Cycles is told."""
+
+import bpy
+
+from ..background import fitting
+from ..nodes.elements import kind_of
+from ..operators import material_operators as ops
+from ..operators.preset_operators import draw_presets
+from . import panel_layers
+from .panel_feedback import draw_shader, draw_status
+from .panel_layers import draw_layers
+from .panel_values import draw_element
+
+
+class LAMINA_MT_presets(bpy.types.Menu):
+    bl_label = "Presets"
+
+    def draw(self, _context):
+        draw_presets(self.layout)
+        self.layout.operator(ops.LAMINA_OT_import_stack.bl_idname, text="Import...", icon="IMPORT")
+        self.layout.operator(fitting.LAMINA_OT_fit_measurement.bl_idname, text="Fit Measurement...", icon="RNDCURVE")
+
+
+class LAMINA_PT_material(bpy.types.Panel):
+    bl_label = "Lamina"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "material"
+    # Panels without a header come first. Below Preview and Surface, which for a Lamina material is a long list of
+    # the shader's links, nobody would find the layers. So the header is a sub-panel's.
+    bl_options = {"HIDE_HEADER"}
+
+    @classmethod
+    def poll(cls, context):
+        material = ops.material_of(context)
+        if material is not None:
+            return not material.is_grease_pencil
+        return ops.can_hold_material(getattr(context, "object", None))
+
+    def draw(self, context):
+        header, layout = self.layout.panel("lamina")
+        header.label(text=self.bl_label)
+        if layout is None:
+            return
+        layout.use_property_split = True
+        material = ops.material_of(context)
+        draw_status(layout, context, material)
+        fitting.draw_fit(layout, context, material)
+        if material is None or not material.lamina.is_layered:
+            layout.menu(LAMINA_MT_presets.__name__, text="Pick a Preset", icon="PRESET")
+            layout.operator("lamina.convert_principled", icon="NODE_MATERIAL")
+            return
+        lamina = material.lamina
+        _draw_name(layout, lamina)
+        draw_layers(layout, context, lamina)
+        if 0 <= lamina.active_layer < len(lamina.layers):
+            layer = lamina.layers[lamina.active_layer]
+            header, body = layout.panel("lamina_layer")
+            header.label(text=layer.name, translate=False)
+            if body:
+                body.active = lamina.shows(layer)
+                draw_element(body, layer)
+        header, body = layout.panel("lamina_base")
+        header.label(text="Base")
+        header.operator_menu_enum(ops.LAMINA_OT_set_base.bl_idname, "kind", text=kind_of(lamina.base).label)
+        if body:
+            draw_element(body, lamina.base)
+        header, body = layout.panel("lamina_shader", default_closed=True)
+        header.label(text="Shader")
+        header.label(text=lamina.note.partition(":")[0], translate=False)
+        if body:
+            draw_shader(body, context, material)
+
+
+def _draw_name(layout, lamina) -> None:
+    row = layout.row(align=True)
+    row.use_property_split = False
+    row.prop(lamina, "stack_name", text="")
+    row.menu(LAMINA_MT_presets.__name__, text="", icon="PRESET")
+
+
+CLASSES = (*panel_layers.CLASSES, LAMINA_MT_presets, LAMINA_PT_material)

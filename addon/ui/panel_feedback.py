@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panel tells: what is wrong and how it is mended, a running bake, and what Cycles was told."""
+
+from bpy.app.translations import pgettext_iface as iface_
+
+from ...reference_py.errors import LaminaError
+from ...reference_py.network import AutoNetwork
+from ..background import bakes
+from ..check import check
+from ..nodes import material as materials
+from ..nodes.backend import OSL, backend_here, notice
+from ..nodes.shader_node import backend_of
+from ..operators import check_operators as check_ops
+from ..operators import material_operators as ops
+from .panel_values import draw_choice, draw_fact, draw_message
+
+_MOST_FINDINGS = 4
+
+
+def draw_status(layout, context, material) -> None:
+    """What keeps the material from being edited or rendered, in words, with the button that helps if there is one."""
+    try:
+        if material is not None:
+            materials.require_editable(material)
+            backend_here(material.lamina.backend)
+        if material is not None and material.lamina.problem:
+            raise LaminaError(material.lamina.problem)
+    except LaminaError as error:
+        draw_message(layout, context, str(error), "ERROR")
+        return
+    if material is None or not material.lamina.is_layered:
+        return
+    _draw_bake(layout, material)
+    _draw_solo(layout, material.lamina)
+    if backend_of(material) != OSL and (told := notice(material.lamina.backend)):
+        draw_message(layout, context, told, "INFO")
+    _draw_findings(layout, context, check.find(material, context.scene, context.preferences))
+
+
+def _draw_bake(layout, material) -> None:
+    """A running bake with its progress, or why there is none."""
+    row = layout.row(align=True)
+    if bake := bakes.bake_of(material):
+        row.progress(factor=bake.share, text=iface_("Computing the truth; shown by tier analytic"))
+        row.operator(ops.LAMINA_OT_cancel_bake.bl_idname, text="", icon="CANCEL")
+
+
+def _draw_solo(layout, lamina) -> None:
+    for index, layer in enumerate(lamina.layers):
+        if layer.node == lamina.solo:
+            row = layout.row(align=True)
+            row.label(text=iface_("Only {layer} is shown").format(layer=layer.name), icon="SOLO_ON", translate=False)
+            row.operator("lamina.layer_solo", text="", icon="X").index = index
+
+
+def _draw_findings(layout, context, findings: list[check.Finding]) -> None:
+    for finding in findings[:_MOST_FINDINGS]:
+        box = draw_message(layout, context, finding.text(iface_), finding.level)
+        if finding.mending:
+            box.operator(check_ops.LAMINA_OT_mend.bl_idname, text=finding.mending).finding = finding.key
+    if len(findings) > _MOST_FINDINGS:
+        more = iface_("and {count} more").format(count=len(findings) - _MOST_FINDINGS)
+        layout.label(text=more, translate=False)
+    if sum(bool(finding.mending) for finding in findings) > 1:
+        layout.operator(check_ops.LAMINA_OT_mend_all.bl_idname, icon="TOOL_SETTINGS")
+
+
+def draw_shader(layout, context, material) -> None:
+    """Tier and backend, what was chosen, and what it costs."""
+    lamina = material.lamina
+    draw_choice(layout, lamina, "tier")
+    if lamina.tier == AutoNetwork.tier:
+        layout.prop(lamina, "tolerance")
+    layout.prop(lamina, "backend")
+    backend = backend_of(material)
+    node = material.node_tree.nodes.get(lamina.shader_node)
+    code = node and (node.script if backend == OSL else node.node_tree)
+    if lamina.note:
+        draw_message(layout, context, iface_("chosen: {note}").format(note=lamina.note), "INFO")
+    draw_fact(layout, "Made Of", iface_("OSL" if backend == OSL else "Stock Nodes"))
+    draw_fact(layout, "Lobes", str(lamina.lobe_count))
+    if lamina.error >= 0.0:
+        draw_fact(layout, "Estimated Error", f"{lamina.error:.2g} %")
+    if lamina.cost > 0.0:
+        draw_fact(layout, "Relative Cost", iface_("{times} of a glossy node").format(times=f"{lamina.cost:.1f}\N{MULTIPLICATION SIGN}"))
+    draw_fact(layout, "Code", code.name if code is not None else iface_("missing; regenerate the shader"))
+    if lamina.source:
+        draw_fact(layout, "Source", lamina.source)
+    layout.operator(check_ops.LAMINA_OT_check.bl_idname, icon="VIEWZOOM")

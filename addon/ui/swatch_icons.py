@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Icons of layers and bases for the panel, drawn once for each look and kept."""
+
+import bpy
+import bpy.utils.previews
+import numpy as np
+
+from ...reference_py.schema import CONDUCTOR, COVERAGE
+from ..nodes.elements import kind_of
+from .swatch import SIZE, base_picture, layer_picture
+
+# Looks that are kept; then all are drawn anew.
+_LIMIT = 400
+_STEPS = 64.0
+
+_icons: bpy.utils.previews.ImagePreviewCollection | None = None
+
+
+def icon_of(element) -> int:
+    """The number of an icon that shows a layer or a base from the side; 0 where its node is gone."""
+    node = element.id_data.node_tree.nodes.get(element.node)
+    if node is None or _icons is None:
+        return 0
+    look = _look(element, node)
+    name = repr(look)
+    if name not in _icons:
+        if len(_icons) >= _LIMIT:
+            _icons.clear()
+        picture = base_picture(*look[1:]) if look[0] == "base" else layer_picture(*look[1:])
+        icon = _icons.new(name)
+        icon.icon_size = (SIZE, SIZE)
+        icon.icon_pixels_float = picture.ravel()
+    return _icons[name].icon_id
+
+
+def shown_color(element, node: bpy.types.Node) -> tuple[float, float, float]:
+    """The color of an element, linear RGB: what a layer's medium leaves of white, what a base reflects straight up."""
+    value = {p.name: node.inputs[p.label].default_value for p in kind_of(element).sockets if p.label in node.inputs}
+    if "tint" in value:
+        return tuple(np.clip(list(value["tint"])[:3], 0.0, 1.0) ** max(value["thickness"], 0.0))
+    if element.kind == CONDUCTOR.name and "reflectance" not in element.given:
+        n, k = np.array(value["eta"]), np.array(value["k"])
+        return tuple(((n - 1.0) ** 2 + k**2) / ((n + 1.0) ** 2 + k**2))
+    return tuple(value["reflectance" if element.kind == CONDUCTOR.name else "color"])[:3]
+
+
+def _look(element, node) -> tuple:
+    """What an icon depends on, in steps that an eye would tell apart."""
+    color = tuple(round(_STEPS * float(c)) / _STEPS for c in shown_color(element, node))
+    roughness = node.inputs.get("Roughness")
+    rough = round(_STEPS * roughness.default_value) / _STEPS if roughness is not None else 0.0
+    distribution = getattr(element, "distribution", "ggx")
+    if element == element.id_data.lamina.base:
+        return ("base", color, rough, distribution)
+    thickness = round(0.25 * _STEPS * min(node.inputs["Thickness"].default_value, 8.0)) / (0.25 * _STEPS)
+    coverage = node.inputs[COVERAGE.parameters[0].label].default_value if element.use_coverage else 1.0
+    return ("layer", color, thickness, rough, distribution, round(_STEPS * coverage) / _STEPS)
+
+
+def register() -> None:
+    global _icons
+    _icons = bpy.utils.previews.new()
+
+
+def unregister() -> None:
+    global _icons
+    bpy.utils.previews.remove(_icons)
+    _icons = None
