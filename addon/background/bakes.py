@@ -6,11 +6,6 @@ them (tier analytic), and when the values have rested for one tick, a process st
 material's tier stands for. Without a window nothing of this runs: `material.refresh(settle=True)` waits instead.
 """
 
-import json
-import os
-import subprocess
-import sys
-import threading
 from dataclasses import dataclass
 
 import bpy
@@ -20,51 +15,18 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.network import HOLD_VALUES, TIERS, worker
 from ..cache import cache_folder
 from ..nodes import material as materials
+from .process import Process
 
 TICK = 0.4
 
 
-class Bake:
+class Bake(Process):
     """One network in the making, in a process of its own."""
 
     def __init__(self, wanted: materials.Wanted):
+        request = worker.request(wanted.stack, wanted.tier, wanted.live, wanted.tolerance, cache_folder())
+        super().__init__("a bake", worker.MODULE, request)
         self.wanted, self.key = wanted, wanted.key
-        self.share, self.error, self.result = 0.0, "", None
-        text = worker.request(wanted.stack, wanted.tier, wanted.live, wanted.tolerance, cache_folder())
-        try:
-            self._process = subprocess.Popen(
-                worker.command(sys.executable), env=os.environ | worker.ENVIRONMENT, text=True,
-                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-            )  # fmt: skip
-            self._process.stdin.write(text)
-            self._process.stdin.close()
-        except OSError as error:
-            raise LaminaError(f"cannot start a bake with {sys.executable}: {error.strerror or error}") from None
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
-
-    def _read(self) -> None:
-        for line in self._process.stdout:
-            word, _, rest = line.strip().partition(" ")
-            if word == "progress":
-                self.share = float(rest)
-            elif word == "warning":
-                print(f"Lamina: {rest}")
-            elif word == "result":
-                self.result = json.loads(rest)
-            elif word == "error":
-                self.error = rest
-        code = self._process.wait()
-        if self.result is None and not self.error:
-            self.error = f"its process ended with code {code}"
-
-    @property
-    def is_done(self) -> bool:
-        return not self._reader.is_alive()
-
-    def cancel(self) -> None:
-        self._process.kill()
-        self._reader.join()
 
 
 @dataclass

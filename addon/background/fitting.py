@@ -4,11 +4,6 @@
 Without a window the operator waits instead.
 """
 
-import json
-import os
-import subprocess
-import sys
-import threading
 from pathlib import Path
 
 import bpy
@@ -21,59 +16,24 @@ from ...reference_py.fit.forward import DEFAULT_MODEL
 from ...reference_py.fit.parameters import BASES
 from ...reference_py.fit.readers import SUFFIXES
 from ...reference_py.fit.selection import AUTO
-from ...reference_py.network.worker import ENVIRONMENT, command
 from ...reference_py.schema import SCHEMA
 from ...reference_py.stack import Stack
 from ..nodes import material as materials
 from ..operators.material_operators import LaminaOperator, can_hold_material, material_of
 from ..ui.panel_values import draw_message
+from .process import Process
 
 TICK = 0.5
 _AUTO_LAYERS = -1
 
 
-class Fit:
+class Fit(Process):
     """One fit in the making, for a material or for an object that has none."""
 
     def __init__(self, target: bpy.types.ID, file: str, layers: int | str, base: str):
+        super().__init__("a fit", worker.MODULE, worker.request(file, layers, base, DEFAULT_MODEL))
         self.target, self.file = target.session_uid, file
         self.is_object = isinstance(target, bpy.types.Object)
-        self.share, self.error, self.result = 0.0, "", None
-        try:
-            self._process = subprocess.Popen(
-                command(sys.executable, worker.MODULE), env=os.environ | ENVIRONMENT, text=True,
-                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-            )  # fmt: skip
-            self._process.stdin.write(worker.request(file, layers, base, DEFAULT_MODEL))
-            self._process.stdin.close()
-        except OSError as error:
-            raise LaminaError(f"cannot start a fit with {sys.executable}: {error.strerror or error}") from None
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
-
-    def _read(self) -> None:
-        for line in self._process.stdout:
-            word, _, rest = line.strip().partition(" ")
-            if word == "progress":
-                self.share = float(rest)
-            elif word == "result":
-                self.result = json.loads(rest)
-            elif word == "error":
-                self.error = rest
-        code = self._process.wait()
-        if self.result is None and not self.error:
-            self.error = f"its process ended with code {code}"
-
-    @property
-    def is_done(self) -> bool:
-        return not self._reader.is_alive()
-
-    def wait(self) -> None:
-        self._reader.join()
-
-    def cancel(self) -> None:
-        self._process.kill()
-        self._reader.join()
 
     def apply(self, scene: bpy.types.Scene) -> list[str]:
         """Give the target the fitted stack; what to tell the user. Raises LaminaError where there is none."""

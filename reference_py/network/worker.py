@@ -13,6 +13,7 @@ from pathlib import Path
 from ..errors import LaminaError
 from ..stack import Stack
 
+MODULE = "network.worker"
 _ROOT = Path(__file__).resolve().parents[2]
 # A bake's matrices are small, and the window needs the other cores.
 ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
@@ -27,7 +28,7 @@ importlib.import_module("lamina.reference_py." + sys.argv[2]).main()
 """
 
 
-def command(python: str, module: str = "network.worker") -> list[str]:
+def command(python: str, module: str) -> list[str]:
     """The command line of a worker, a module of reference_py with a function `main`."""
     return [python, "-I", "-c", _START, str(_ROOT), module]
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes beside the window: a material is live at once, baked a little later, and live again when a value changes."""
 
+import sys
 import time
 
 import pytest
@@ -8,7 +9,6 @@ import pytest
 pytest.importorskip("bpy")
 
 from lamina.addon.background import bakes  # noqa: E402
-
 from lamina.addon.nodes import elements, material  # noqa: E402
 from lamina.addon.nodes.live_values import live_values  # noqa: E402
 from lamina.reference_py.network import memory  # noqa: E402
@@ -99,7 +99,7 @@ def test_a_cancelled_bake_stays_live_until_asked_for(window):
 
 def test_a_worker_that_cannot_start_is_named_and_costs_nothing(window, monkeypatch, capsys):
     owner = coated(window)
-    monkeypatch.setattr(bakes.sys, "executable", "/no/such/python")
+    monkeypatch.setattr(sys, "executable", "/no/such/python")
     for _ in range(4):
         bakes.tick()
     assert "cannot start a bake with /no/such/python" in owner.lamina.problem

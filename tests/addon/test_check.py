@@ -6,9 +6,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from lamina.addon.background import bakes  # noqa: E402
-
 from lamina.addon.check import check, check_mends  # noqa: E402
-
 from lamina.addon.nodes import layers, material  # noqa: E402
 from lamina.addon.nodes.elements import node_of  # noqa: E402
 from lamina.addon.rendering import environment  # noqa: E402

@@ -10,9 +10,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from lamina.addon.check import check  # noqa: E402
-
 from lamina.addon.nodes import layers, material  # noqa: E402
-
 from lamina.addon import registration  # noqa: E402
 from lamina.addon.nodes.elements import node_of  # noqa: E402
 from lamina.addon.rendering.images import read_exr  # noqa: E402

@@ -8,9 +8,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from lamina.addon.check import check  # noqa: E402
-
 from lamina.addon.nodes import material  # noqa: E402
-
 from lamina.addon.ui import swatch_icons  # noqa: E402
 from lamina.addon.nodes.elements import node_of  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
