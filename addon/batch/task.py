@@ -13,6 +13,7 @@ import json
 import os
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 
@@ -136,7 +137,8 @@ def _farm(arguments: list[str]) -> int:
     parser.add_argument("--range", required=True, help="such as 0-9, 3 or 0-9,12")
     parser.add_argument("--output", type=Path, required=True)
     options = parser.parse_args(arguments)
-    items = json.loads(options.items.read_text(encoding="utf-8"))["items"]
+    listed = json.loads(options.items.read_text(encoding="utf-8"))
+    items = listed["items"]
     ends = [part.partition("-") for part in options.range.split(",")]
     wanted = [items[i] for first, _, last in ends for i in range(int(first), int(last or first) + 1)]
     options.output.mkdir(parents=True, exist_ok=True)
@@ -147,8 +149,9 @@ def _farm(arguments: list[str]) -> int:
             if is_there(options.output / item["file"], item["inputs"]):
                 print(f"{item['id']}: is there already", flush=True)
             else:
-                scene, target = _shown(item, options.items.parent)
-                render_item(scene, target, item, item["texts"], options.output)
+                with _within(listed["time_limit"], item["id"]):
+                    scene, target = _shown(item, options.items.parent)
+                    render_item(scene, target, item, item["texts"], options.output)
         except Exception as error:  # one picture must not cost the others
             failed.append(item["id"])
             print(f"openjd_status: {item['id']} failed: {' '.join(str(error).split())}", flush=True)
@@ -156,6 +159,24 @@ def _farm(arguments: list[str]) -> int:
     if failed:
         print(f"lamina: failed: {', '.join(failed)}", flush=True)
     return 1 if failed else 0
+
+
+@contextlib.contextmanager
+def _within(limit: float | None, name: str):
+    """Ends the process when the block takes longer than `limit` seconds: nothing else stops a render that hangs."""
+
+    def end() -> None:
+        print(f"openjd_status: {name} failed: took longer than the job's time_limit of {limit:g} s, which ends this task", flush=True)
+        os._exit(1)
+
+    watch = threading.Timer(limit or 0.0, end)
+    watch.daemon = True
+    if limit:
+        watch.start()
+    try:
+        yield
+    finally:
+        watch.cancel()
 
 
 def _shown(item: dict, folder: Path):

@@ -18,8 +18,10 @@ _ADDON = Path(__file__).resolve().parents[1]
 _SCRIPTS = {SCRIPT: _ADDON / "batch" / "task.py", "oiio.py": _ADDON / "rendering" / "oiio.py"}
 
 
-def write_files(items: Sequence[Item], folder: Path, report: Callable[[str], None]) -> None:
+def write_files(items: Sequence[Item], limit: float | None, folder: Path, report: Callable[[str], None]) -> None:
     """Write scenes, materials, scripts and, last, the list of the items into `folder`. Raises LaminaError.
+
+    A task ends when one of its pictures takes longer than `limit` seconds.
 
     What takes a worker Lamina is done here: bakes, shaders and their compilation.
     """
@@ -46,7 +48,7 @@ def write_files(items: Sequence[Item], folder: Path, report: Callable[[str], Non
             "material_file": material_file, "material": material.name, "view": item.view, "frame": item.frame, "seed": item.seed,
             "samples": item.samples, "size": item.size, "inputs": item.inputs, "texts": stage.texts | own_texts(item),
         })  # fmt: skip
-    write_text(folder / ITEMS, json.dumps({"items": rows}, indent=1) + "\n")
+    write_text(folder / ITEMS, json.dumps({"time_limit": limit, "items": rows}, indent=1) + "\n")
 
 
 def _digest(text: str) -> str:

@@ -75,6 +75,16 @@ def test_a_failed_picture_fails_its_task_and_no_other(bundle, blender_program, t
     assert [f.name for f in (tmp_path / "out").iterdir()] == [items["items"][1]["file"]]
 
 
+def test_a_picture_that_takes_too_long_ends_its_task(bundle, blender_program, tmp_path):
+    shutil.copytree(bundle / "bundle" / "files", tmp_path / "files")
+    items = json.loads((tmp_path / "files" / "items.json").read_text())
+    (tmp_path / "files" / "items.json").write_text(json.dumps(items | {"time_limit": 0.01}))
+    ran = subprocess.run([blender_program, "-b", "--python", str(tmp_path / "files" / "render_items.py"), "--", "--items", str(tmp_path / "files" / "items.json"),
+                          "--range", "0-1", "--output", str(tmp_path / "out")], capture_output=True, text=True, timeout=300)  # fmt: skip
+    assert ran.returncode == 1 and f"{items['items'][0]['id']} failed: took longer than the job's time_limit of 0.01 s" in ran.stdout
+    assert not list((tmp_path / "out").iterdir())
+
+
 def test_flamenco_compiles_the_job_type_into_tasks(bundle, tmp_path):
     """Run by node, with the few things that Flamenco gives a job compiler."""
     node = shutil.which("node")
