@@ -8,9 +8,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ...reference_py.atomic import replacing, write_text
+from ..background.ahead import bake_ahead
 from ..batch.items import Item
 from ..batch.stage import Stage, own_texts
 from ..blend_files import save_copy, save_material
+from ..nodes.material import Wanted
 from .bundle_names import ITEMS, SCRIPT
 
 _ADDON = Path(__file__).resolve().parents[1]
@@ -30,6 +32,7 @@ def write_files(items: Sequence[Item], limit: float | None, folder: Path, report
     for name, source in _SCRIPTS.items():
         with replacing(folder / name) as temporary:
             shutil.copyfile(source, temporary)
+    bake_ahead([Wanted(item.stack, item.tier) for item in items], report)
     stage, rows = Stage(), []
     scene_file = material_file = ""
     blend = material = None

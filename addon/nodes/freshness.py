@@ -7,14 +7,23 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ...reference_py.errors import LaminaError
-from .material import is_settled, is_stale, refresh
+from ..background.ahead import bake_ahead
+from .material import Wanted, is_settled, is_stale, refresh, wanted_network
 from .shader_node import has_shader
 
 
 @persistent
 def make_ready(*_) -> None:
     """Make every material of this file what its tier stands for. With a window, bakes are left to `bakes`."""
-    _for_each(lambda material: is_stale(material) or not is_settled(material), _make_ready)
+    if bpy.app.background:
+        wanted: list[Wanted] = []
+        _for_each(_is_unready, lambda material: wanted.append(wanted_network(material)))
+        bake_ahead(wanted, lambda told: print(f"Lamina: {told}"))
+    _for_each(_is_unready, _make_ready)
+
+
+def _is_unready(material) -> bool:
+    return is_stale(material) or not is_settled(material)
 
 
 def _make_ready(material) -> None:
