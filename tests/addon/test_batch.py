@@ -42,8 +42,9 @@ def pixels(folder) -> dict:
 
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
-    """A job that was done without disturbance, and what was said."""
-    folder = tmp_path_factory.mktemp("batch")
+    """A job that was done without disturbance in a folder of a long name, and what was said."""
+    folder = tmp_path_factory.mktemp("batch") / ("Größe & Lack, 漆 " + "x" * 183)
+    folder.mkdir()
     _, said = lamina("batch", write_job(folder), "-o", folder / "out", "--processes", 1)
     return folder, said
 

@@ -17,12 +17,14 @@ pytest.importorskip("bpy")
 
 pytestmark = pytest.mark.blender
 
-JOB = {"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "views": [0, 40], "size": 16, "samples": 2}
+NAME = "Größe & Lack, 漆 " + "x" * 183
+JOB = {"stacks": [{"name": NAME, "stack": "clean_copper"}], "tiers": ["weidlich_wilkie"], "views": [0, 40], "size": 16, "samples": 2}
 
 
 @pytest.fixture(scope="module")
 def bundle(tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("farm")
+    folder = tmp_path_factory.mktemp("farm") / NAME
+    folder.mkdir()
     (folder / "job.json").write_text(json.dumps(JOB))
     lamina("farm", folder / "job.json", "-o", folder / "bundle", "--chunk", 2)
     return folder

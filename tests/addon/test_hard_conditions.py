@@ -151,7 +151,7 @@ def test_a_write_that_is_killed_leaves_the_former_file_or_the_new_one(tmp_path, 
         caught = len(list(tmp_path.iterdir())) - 2  # a half-made file beside them: a kill came within a write
 
 
-def test_without_osl_stock_nodes_work_and_osl_is_refused_in_one_line(tmp_path):
+def test_without_osl_stock_nodes_work_and_osl_is_refused_in_one_line(tmp_path, registered_lamina):
     """What Script nodes need is taken away, for this process and those that it starts."""
     (tmp_path / "without").mkdir()
     (tmp_path / "without" / "sitecustomize.py").write_text('import sys\nsys.modules["oslquery"] = None\n')
