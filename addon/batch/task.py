@@ -38,6 +38,7 @@ def render_item(scene: bpy.types.Scene, target: bpy.types.Object, item: dict, te
     """
     started = time.monotonic()
     _set_up(scene, item)
+    _require_osl(scene)
     with _camera_around(scene, target, item["view"]), tempfile.TemporaryDirectory() as work:
         picture = Path(work, "picture.exr")
         scene.render.filepath = str(picture)
@@ -63,6 +64,18 @@ def pixel_hash(channels: dict) -> str:
     for name in "RGBA":
         digest.update(channels[name].astype("<f4").tobytes())
     return digest.hexdigest()
+
+
+def _require_osl(scene) -> None:
+    """A Blender without OSL renders a Script node as nothing and says nothing."""
+    import _cycles
+
+    if _cycles.with_osl:
+        return
+    for material in {slot.material for thing in scene.objects for slot in thing.material_slots}:
+        nodes = material.node_tree.nodes if material is not None and material.node_tree else ()
+        if any(node.bl_idname == "ShaderNodeScript" and any(s.is_linked for s in node.outputs) for node in nodes):
+            raise RuntimeError(f"the material {material.name} is an OSL script, and this Blender was built without OSL; give the job the backend nodes")
 
 
 def _set_up(scene, item: dict) -> None:

@@ -2,7 +2,6 @@
 """`lamina farm`: a bundle that a Blender without Lamina renders, here by Open Job Description's own runner."""
 
 import json
-import os
 import re
 import shutil
 import subprocess
@@ -32,9 +31,7 @@ def bundle(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def blender_program(tmp_path_factory) -> str:
-    """A real Blender if LAMINA_BLENDER names one, else the wheel in its clothes."""
-    if real := os.environ.get("LAMINA_BLENDER"):
-        return real
+    """The wheel in the clothes of a Blender; for a real one see test_real_blender."""
     return wheel_blender.blender_program(tmp_path_factory.mktemp("bin"))
 
 

@@ -172,6 +172,20 @@ def test_without_osl_stock_nodes_work_and_osl_is_refused_in_one_line(tmp_path, r
     assert np.array_equal(*pictures) and 0.0 < pictures[0].max() and pictures[0].min() == 0.0
 
 
+def test_a_render_of_osl_where_there_is_none_is_announced(blender, monkeypatch, capsys):
+    from lamina.addon.nodes import freshness, material
+    from lamina.addon.rendering import environment
+
+    for backend in ("osl", "nodes"):
+        material.apply_stack(blender.data.materials.new(backend), presets.load("clean_copper"), "weidlich_wilkie", backend)
+    freshness.announce()
+    assert "OSL" not in capsys.readouterr().out
+    monkeypatch.setattr(environment, "renders_osl", lambda: False)
+    freshness.announce()
+    said = [line for line in capsys.readouterr().out.splitlines() if "this Blender has no OSL" in line]
+    assert len(said) == 1 and said[0].startswith("Lamina: osl: renders wrong")
+
+
 def test_a_file_whose_shader_was_edited_by_hand_opens_and_keeps_the_edit(tmp_path, blender):
     from lamina.addon.check import check
     from lamina.addon.nodes import material
