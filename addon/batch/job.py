@@ -19,6 +19,7 @@ from ..nodes.backend import BACKENDS, DEFAULT_BACKEND
 JOB_VERSION = 1
 BALL = "ball"
 MAX_VALUES = 100_000
+MAX_SECONDS = 1_000_000
 _RANGE = re.compile(r"(-?\d{1,6})(?:-(-?\d{1,6}))?(?:x(\d{1,6}))?")
 _PARAMETER = re.compile(r"layers\[(\d{1,3})\]\.(\w+)|base\.(\w+)")
 REQUIRED = object()
@@ -77,6 +78,7 @@ class Job:
     samples: int | None
     size: tuple[int, int] | None
     seed: int
+    time_limit: float | None
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Job":
@@ -276,6 +278,12 @@ def _view(value, where: str, _folder: Path) -> float:
     return float(value)
 
 
+def _seconds(value, where: str, _folder: Path) -> float:
+    if not _is_number(value) or not 0 < value <= MAX_SECONDS:
+        raise LaminaError(f"{where} is {_short(value)}; choose seconds, more than 0 and at most {MAX_SECONDS}, or null for no limit")
+    return float(value)
+
+
 def _frames(value, where: str, folder: Path) -> tuple[int, ...]:
     frames: list[int] = []
     for i, entry in enumerate(value if isinstance(value, list) else [value]):
@@ -308,4 +316,5 @@ KEYS = (
     Key("samples", _or_own(_whole(1, 1_000_000)), None, "samples per pixel (64 for the ball, else the .blend's own)"),
     Key("size", _or_own(_size), None, "pixels: width, or [width, height] (256 for the ball, else the .blend's own)"),
     Key("seed", _whole(0, 2_000_000_000), 0, "of the noise; frame n has seed + n"),
+    Key("time_limit", _or_own(_seconds), None, "seconds that one picture may take, its bake included; what takes longer is ended and has failed"),
 )

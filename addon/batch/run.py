@@ -6,7 +6,6 @@ import queue
 import shutil
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -19,13 +18,13 @@ WORK = ".work"
 _POLL_SECONDS = 0.2
 
 
-def run_items(items: Sequence[Item], folder: Path, processes: int, report: Callable[[str], None]) -> list[Output]:
-    """Render what is not there yet; returns one output per item, failed ones with their problem.
+def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float | None, report: Callable[[str], None]) -> list[Output]:
+    """Render what is not there yet, each within `limit` seconds; returns one output per item, failed ones with their problem.
 
     Raises LaminaError when no worker can be started, KeyboardInterrupt when cancelled; workers are gone then.
     """
     outputs = {item.id: verified(item, folder) for item in items}
-    left = deque(item for item in items if outputs[item.id].problem)
+    left = [item for item in items if outputs[item.id].problem]
     report(f"{len(items)} pictures, {len(items) - len(left)} of them are there and whole")
     if not left:
         return list(outputs.values())
@@ -33,7 +32,7 @@ def run_items(items: Sequence[Item], folder: Path, processes: int, report: Calla
     work = folder / WORK
     work.mkdir(exist_ok=True)
     try:
-        _render(left, outputs, folder, work, max(1, min(processes, len(left))), report)
+        _render(left, outputs, folder, work, max(1, min(processes, len(left))), limit, report)
     finally:
         shutil.rmtree(work, ignore_errors=True)
     return list(outputs.values())
@@ -46,11 +45,45 @@ def clear_leftovers(folder: Path) -> None:
         half.unlink(missing_ok=True)
 
 
-def _render(left: deque, outputs: dict, folder: Path, work: Path, processes: int, report) -> None:
+class _Left:
+    """Items that wait, by scene and material, whose bake and shader each process makes for itself: two processes share a
+    material only when no other is left."""
+
+    def __init__(self, items: Sequence[Item]):
+        self._lock = threading.Lock()
+        self._groups: dict[tuple, list[Item]] = {}
+        for item in reversed(items):
+            self._groups.setdefault(self._key(item), []).append(item)
+        self._fresh = list(self._groups)
+
+    @staticmethod
+    def _key(item: Item) -> tuple:
+        return item.blend, item.stack.to_json(), item.tier, item.backend
+
+    def take(self, last: Item | None) -> Item | None:
+        """An item for the process whose last one was `last`; None when none is left."""
+        with self._lock:
+            key = self._key(last) if last else None
+            if key not in self._groups:
+                key = self._fresh.pop() if self._fresh else max(self._groups, key=lambda k: len(self._groups[k]), default=None)
+            if key is None:
+                return None
+            item = self._groups[key].pop()
+            if not self._groups[key]:
+                del self._groups[key]
+            return item
+
+    def clear(self) -> None:
+        with self._lock:
+            self._groups, self._fresh = {}, []
+
+
+def _render(waiting: Sequence[Item], outputs: dict, folder: Path, work: Path, processes: int, limit: float | None, report) -> None:
     threads = max(1, (os.cpu_count() or 1) // processes)
     done: queue.Queue = queue.Queue()
-    hands = [_Hand(left, done, folder, work, threads) for _ in range(processes)]
-    total, started = len(left), time.monotonic()
+    left = _Left(waiting)
+    hands = [_Hand(left, done, limit, (folder, work, threads)) for _ in range(processes)]
+    total, started = len(waiting), time.monotonic()
     for hand in hands:
         hand.start()
     try:
@@ -83,14 +116,15 @@ def _time_left(seconds: float) -> str:
 class _Hand(threading.Thread):
     """Feeds one worker, and a new one when an item takes it down."""
 
-    def __init__(self, left: deque, done: queue.Queue, folder: Path, work: Path, threads: int):
+    def __init__(self, left: _Left, done: queue.Queue, limit: float | None, where: tuple[Path, Path, int]):
         super().__init__(daemon=True)
-        self._left, self._done, self._where = left, done, (folder, work, threads)
+        self._left, self._done, self._limit, self._where = left, done, limit, where
         self._worker: Worker | None = None
         self._stopped = False
         self.problem = ""
 
     def run(self) -> None:
+        item = None
         while not self._stopped:
             try:
                 if self._worker is None:
@@ -100,12 +134,10 @@ class _Hand(threading.Thread):
                 self.problem = f"cannot start Blender for rendering: {error}"
                 self._drop()
                 return
-            try:
-                item = self._left.popleft()
-            except IndexError:
+            if (item := self._left.take(item)) is None:
                 break
             try:
-                error = self._worker.render(item)
+                error = self._worker.render(item, self._limit)
             except LaminaError as why:  # the process is gone
                 self._drop()
                 error = str(why)

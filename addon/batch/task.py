@@ -13,6 +13,7 @@ import json
 import os
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 
@@ -37,6 +38,7 @@ def render_item(scene: bpy.types.Scene, target: bpy.types.Object, item: dict, te
     """
     started = time.monotonic()
     _set_up(scene, item)
+    _require_osl(scene)
     with _camera_around(scene, target, item["view"]), tempfile.TemporaryDirectory() as work:
         picture = Path(work, "picture.exr")
         scene.render.filepath = str(picture)
@@ -62,6 +64,18 @@ def pixel_hash(channels: dict) -> str:
     for name in "RGBA":
         digest.update(channels[name].astype("<f4").tobytes())
     return digest.hexdigest()
+
+
+def _require_osl(scene) -> None:
+    """A Blender without OSL renders a Script node as nothing and says nothing."""
+    import _cycles
+
+    if _cycles.with_osl:
+        return
+    for material in {slot.material for thing in scene.objects for slot in thing.material_slots}:
+        nodes = material.node_tree.nodes if material is not None and material.node_tree else ()
+        if any(node.bl_idname == "ShaderNodeScript" and any(s.is_linked for s in node.outputs) for node in nodes):
+            raise RuntimeError(f"the material {material.name} is an OSL script, and this Blender was built without OSL; give the job the backend nodes")
 
 
 def _set_up(scene, item: dict) -> None:
@@ -136,7 +150,8 @@ def _farm(arguments: list[str]) -> int:
     parser.add_argument("--range", required=True, help="such as 0-9, 3 or 0-9,12")
     parser.add_argument("--output", type=Path, required=True)
     options = parser.parse_args(arguments)
-    items = json.loads(options.items.read_text(encoding="utf-8"))["items"]
+    listed = json.loads(options.items.read_text(encoding="utf-8"))
+    items = listed["items"]
     ends = [part.partition("-") for part in options.range.split(",")]
     wanted = [items[i] for first, _, last in ends for i in range(int(first), int(last or first) + 1)]
     options.output.mkdir(parents=True, exist_ok=True)
@@ -147,8 +162,9 @@ def _farm(arguments: list[str]) -> int:
             if is_there(options.output / item["file"], item["inputs"]):
                 print(f"{item['id']}: is there already", flush=True)
             else:
-                scene, target = _shown(item, options.items.parent)
-                render_item(scene, target, item, item["texts"], options.output)
+                with _within(listed["time_limit"], item["id"]):
+                    scene, target = _shown(item, options.items.parent)
+                    render_item(scene, target, item, item["texts"], options.output)
         except Exception as error:  # one picture must not cost the others
             failed.append(item["id"])
             print(f"openjd_status: {item['id']} failed: {' '.join(str(error).split())}", flush=True)
@@ -156,6 +172,24 @@ def _farm(arguments: list[str]) -> int:
     if failed:
         print(f"lamina: failed: {', '.join(failed)}", flush=True)
     return 1 if failed else 0
+
+
+@contextlib.contextmanager
+def _within(limit: float | None, name: str):
+    """Ends the process when the block takes longer than `limit` seconds: nothing else stops a render that hangs."""
+
+    def end() -> None:
+        print(f"openjd_status: {name} failed: took longer than the job's time_limit of {limit:g} s, which ends this task", flush=True)
+        os._exit(1)
+
+    watch = threading.Timer(limit or 0.0, end)
+    watch.daemon = True
+    if limit:
+        watch.start()
+    try:
+        yield
+    finally:
+        watch.cancel()
 
 
 def _shown(item: dict, folder: Path):

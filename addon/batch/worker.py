@@ -11,6 +11,7 @@ import queue
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 
 from ...reference_py.errors import LaminaError
@@ -57,14 +58,29 @@ class Worker:
         """Raises LaminaError when the process ends instead."""
         self._await("did not start")
 
-    def render(self, item: Item) -> str:
-        """Render an item; returns why it failed, or an empty text. Raises LaminaError when the process ends instead."""
+    def render(self, item: Item, limit: float | None) -> str:
+        """Render an item; returns why it failed, or an empty text.
+
+        Raises LaminaError when the process ends instead, which it does when it has not answered after `limit` seconds.
+        """
+        watch = threading.Timer(limit or 0.0, self._process.kill)
+        watch.daemon = True
+        started = time.monotonic()
         try:
+            if limit:
+                watch.start()
             self._process.stdin.write(json.dumps(item.to_dict()) + "\n")
             self._process.stdin.flush()
         except OSError:
             pass  # it ended; the answer says why
-        return self._await("ended").get("error", "")
+        try:
+            return self._await("ended").get("error", "")
+        except LaminaError:
+            if limit and time.monotonic() - started >= limit:
+                raise LaminaError(f"took longer than the job's time_limit of {limit:g} s") from None
+            raise
+        finally:
+            watch.cancel()
 
     def _await(self, what: str) -> dict:
         for line in self._process.stdout:

@@ -28,7 +28,7 @@ def farm(options) -> None:
         from ..farm.bundle import write_files
 
         backend_here(job.backend)
-        write_files(items, folder / FILES, report)
+        write_files(items, job.time_limit, folder / FILES, report)
     write_text(folder / "lamina_flamenco.js", job_type(job.name, len(items), options.chunk))
     write_text(folder / "template.json", json.dumps(template(job.name, len(items), options.chunk), indent=2) + "\n")
     report(f"wrote {len(items)} pictures to render into {folder}")

@@ -8,9 +8,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ...reference_py.atomic import replacing, write_text
+from ..background.ahead import bake_ahead
 from ..batch.items import Item
 from ..batch.stage import Stage, own_texts
 from ..blend_files import save_copy, save_material
+from ..nodes.material import Wanted
 from .bundle_names import ITEMS, SCRIPT
 
 _ADDON = Path(__file__).resolve().parents[1]
@@ -18,8 +20,10 @@ _ADDON = Path(__file__).resolve().parents[1]
 _SCRIPTS = {SCRIPT: _ADDON / "batch" / "task.py", "oiio.py": _ADDON / "rendering" / "oiio.py"}
 
 
-def write_files(items: Sequence[Item], folder: Path, report: Callable[[str], None]) -> None:
+def write_files(items: Sequence[Item], limit: float | None, folder: Path, report: Callable[[str], None]) -> None:
     """Write scenes, materials, scripts and, last, the list of the items into `folder`. Raises LaminaError.
+
+    A task ends when one of its pictures takes longer than `limit` seconds.
 
     What takes a worker Lamina is done here: bakes, shaders and their compilation.
     """
@@ -28,6 +32,7 @@ def write_files(items: Sequence[Item], folder: Path, report: Callable[[str], Non
     for name, source in _SCRIPTS.items():
         with replacing(folder / name) as temporary:
             shutil.copyfile(source, temporary)
+    bake_ahead([Wanted(item.stack, item.tier) for item in items], report)
     stage, rows = Stage(), []
     scene_file = material_file = ""
     blend = material = None
@@ -46,7 +51,7 @@ def write_files(items: Sequence[Item], folder: Path, report: Callable[[str], Non
             "material_file": material_file, "material": material.name, "view": item.view, "frame": item.frame, "seed": item.seed,
             "samples": item.samples, "size": item.size, "inputs": item.inputs, "texts": stage.texts | own_texts(item),
         })  # fmt: skip
-    write_text(folder / ITEMS, json.dumps({"items": rows}, indent=1) + "\n")
+    write_text(folder / ITEMS, json.dumps({"time_limit": limit, "items": rows}, indent=1) + "\n")
 
 
 def _digest(text: str) -> str:

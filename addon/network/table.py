@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a network in tables writes: constants over the view, and no parameters that make sockets.
 
-Tables are array parameters: they stay at their defaults, take no time per shading, and make no sockets.
+Tables are array parameters: they stay at their defaults, take no time per shading, and make no sockets. Cycles translates
+a shader for each material that has it, in a time that goes with the count of lookups; so a lobe's shape is one table.
 """
 
 import numpy as np
@@ -36,18 +37,31 @@ def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable
     weight = _value(arrays, f"Weight{name}", table.weight)
     if isinstance(table, DiffuseTable):
         return Closure(weight, "diffuse(N)")
-    alpha_x, alpha_y, slope = (_value(arrays, f"{part}{name}", column) for part, column in zip(("AlphaX", "AlphaY", "Tilt"), table.shape.T))
-    if np.any(table.shape[:, 0] != table.shape[0, 0]):
-        widths.append(f"    float alpha_{name} = {alpha_x};\n")
-        alpha_x = f"alpha_{name}"
+    alpha_x, alpha_y, slope = _shape(arrays, widths, name, table.shape)
     if isinstance(table.fresnel, DielectricCurve):
         eta, kind = f"{table.fresnel.eta:.9g}", table.distribution
         return Closure(weight, f'dielectric_bsdf(N, tangent, color(1.0), color(0.0), {alpha_x}, across({alpha_x}), {eta}, "{kind}")')
-    if not np.any(table.shape[:, 2]) and np.all(table.shape[:, 0] == table.shape[:, 1]):
+    if _is_round(table.shape):
         frame, alpha_y = "N, tangent", f"across({alpha_x})"
     else:
         frame = f"normalize(N + {slope} * side), along"
     return Closure(weight, f'microfacet("{table.distribution}", {frame}, {alpha_x}, {alpha_y}, 1.0, 0)')
+
+
+def _is_round(shape: np.ndarray) -> bool:
+    return not np.any(shape[:, 2]) and np.all(shape[:, 0] == shape[:, 1])
+
+
+def _shape(arrays: list[str], widths: list[str], name: str, shape: np.ndarray) -> tuple[str, str, str]:
+    """Expressions for the columns of a lobe's shape (KNOTS, 3) at the view."""
+    if _is_round(shape):
+        alpha = _value(arrays, f"Alpha{name}", shape[:, 0])
+        if np.any(shape[:, 0] != shape[0, 0]):
+            widths.append(f"    float alpha_{name} = {alpha};\n")
+            alpha = f"alpha_{name}"
+        return alpha, alpha, "0"
+    widths.append(f"    color shape_{name} = {_value(arrays, f'Shape{name}', shape)};\n")
+    return f"shape_{name}[0]", f"shape_{name}[1]", f"shape_{name}[2]"
 
 
 def _value(arrays: list[str], name: str, column: np.ndarray) -> str:

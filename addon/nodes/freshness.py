@@ -7,14 +7,25 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ...reference_py.errors import LaminaError
-from .material import is_settled, is_stale, refresh
-from .shader_node import has_shader
+from ..background.ahead import bake_ahead
+from ..rendering import environment
+from .backend import OSL
+from .material import Wanted, is_settled, is_stale, refresh, wanted_network
+from .shader_node import backend_of, has_shader
 
 
 @persistent
 def make_ready(*_) -> None:
     """Make every material of this file what its tier stands for. With a window, bakes are left to `bakes`."""
-    _for_each(lambda material: is_stale(material) or not is_settled(material), _make_ready)
+    if bpy.app.background:
+        wanted: list[Wanted] = []
+        _for_each(_is_unready, lambda material: wanted.append(wanted_network(material)))
+        bake_ahead(wanted, lambda told: print(f"Lamina: {told}"))
+    _for_each(_is_unready, _make_ready)
+
+
+def _is_unready(material) -> bool:
+    return is_stale(material) or not is_settled(material)
 
 
 def _make_ready(material) -> None:
@@ -27,6 +38,11 @@ def _make_ready(material) -> None:
 def announce(*_) -> None:
     """Name what a render shows with old values or provisionally. Blender 5.2 crashes when nodes change once a render has begun."""
     _for_each(lambda material: not has_shader(material), lambda material: print(f"Lamina: {material.name}: its shader node is gone: press Update in its panel, or call bpy.ops.lamina.regenerate()"))
+    if not environment.renders_osl():
+        _for_each(
+            lambda material: has_shader(material) and backend_of(material) == OSL,
+            lambda material: print(f"Lamina: {material.name}: renders wrong: its shader is an OSL script, and this Blender has no OSL; choose the backend Stock Nodes"),
+        )
     _for_each(is_stale, lambda material: print(f"Lamina: {material.name}: renders old values: save the file, press Update in its panel, or call bpy.ops.lamina.regenerate()"))
     _for_each(
         lambda material: not is_stale(material) and not is_settled(material),

@@ -15,6 +15,7 @@ import bpy
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.network import DEFAULT_TIER, HOLD_VALUES, PROVISIONAL_TIER, TIERS, AutoNetwork, make_network, require_tier
+from ...reference_py.network.choice import DEFAULT_TOLERANCE
 from ...reference_py.network.memory import content
 from ...reference_py.network.mixture import MAX_CLOSURES, estimated_cost, estimated_error, holds_values, tiers_of
 from ...reference_py.network.tabulate import tabulate
@@ -223,8 +224,8 @@ class Wanted:
 
     stack: Stack
     tier: str
-    live: tuple[tuple[int, str], ...]
-    tolerance: float
+    live: tuple[tuple[int, str], ...] = ()
+    tolerance: float = DEFAULT_TOLERANCE
 
     @property
     def _options(self) -> dict:

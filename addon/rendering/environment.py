@@ -33,13 +33,22 @@ def ensure_osl_query_on_path() -> None:
         importlib.invalidate_caches()
 
 
+def renders_osl() -> bool:
+    """Whether Cycles here was built with OSL. Where it was not, it renders Script nodes as nothing and says nothing."""
+    try:
+        import _cycles
+    except ImportError:
+        return False
+    return _cycles.with_osl
+
+
 def osl_available() -> tuple[bool, str]:
     """Whether OSL Script nodes can be built and rendered here, and one sentence that says why (not)."""
     try:
         import _cycles
     except ImportError:
         return False, "this Blender has no Cycles"
-    if not _cycles.with_osl:
+    if not renders_osl():
         return False, "this Blender was built without OSL"
     if importlib.util.find_spec("oslquery") is None:
         return False, "Python cannot import oslquery, so Script nodes would get no sockets"

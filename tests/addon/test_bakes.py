@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from lamina.addon.background import bakes  # noqa: E402
+from lamina.addon.background import ahead, bakes  # noqa: E402
 from lamina.addon.nodes import elements, material  # noqa: E402
 from lamina.addon.nodes.live_values import live_values  # noqa: E402
 from lamina.reference_py.network import memory  # noqa: E402
@@ -83,6 +83,16 @@ def test_what_was_baked_before_is_there_at_once(window):
     memory._memory.clear()  # as in a new session: the folder remains
     owner = coated(window)
     assert not is_live(owner) and material.is_settled(owner)
+
+
+def test_a_save_without_a_window_bakes_all_that_it_needs_side_by_side(window, monkeypatch, tmp_path, capsys):
+    started = []
+    monkeypatch.setattr(ahead, "Bake", lambda wanted: started.append(wanted.key) or bakes.Bake(wanted))
+    owners = [coated(window) for _ in range(2)]
+    elements.node_of(owners[1].lamina.base).inputs["Color"].default_value = (0.5, 0.2, 0.1, 1.0)
+    window.ops.wm.save_as_mainfile(filepath=str(tmp_path / "two.blend"))
+    assert len(set(started)) == len(started) == 2 and "2 of 2 bakes are done" in capsys.readouterr().out
+    assert all(material.is_settled(owner) and not is_live(owner) for owner in owners)
 
 
 def test_a_cancelled_bake_stays_live_until_asked_for(window):

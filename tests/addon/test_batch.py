@@ -8,6 +8,7 @@ import resource
 import shutil
 import signal
 import subprocess
+import sys
 import time
 
 import numpy as np
@@ -41,8 +42,9 @@ def pixels(folder) -> dict:
 
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
-    """A job that was done without disturbance, and what was said."""
-    folder = tmp_path_factory.mktemp("batch")
+    """A job that was done without disturbance in a folder of a long name, and what was said."""
+    folder = tmp_path_factory.mktemp("batch") / ("Größe & Lack, 漆 " + "x" * 183)
+    folder.mkdir()
     _, said = lamina("batch", write_job(folder), "-o", folder / "out", "--processes", 1)
     return folder, said
 
@@ -177,6 +179,47 @@ def test_what_fails_is_named_and_the_rest_is_done(tmp_path, blender):
     failed = [line for line in said.splitlines() if line.startswith("lamina batch: failed: ")]
     assert len(failed) == 3 and "1 of 4 pictures are done" in said
     assert all(rows[scene]["id"] in said and not (tmp_path / "out" / f"{rows[scene]['id']}.exr").exists() for scene in ("broken_Ball", "huge_Ball"))
+
+
+# Answers like a worker, but hangs in the second frame.
+HANGS = """
+import json, sys, time
+print('{"ready": true}', flush=True)
+for line in sys.stdin:
+    item = json.loads(line)
+    if item["frame"] == 2:
+        time.sleep(1000)
+    open(sys.argv[1] + "/" + item["file"], "w").close()
+    print(json.dumps({"id": item["id"]}), flush=True)
+"""
+
+
+def test_a_picture_that_hangs_is_ended_and_the_rest_is_done(tmp_path, monkeypatch):
+    from lamina.addon.batch import run, worker
+    from lamina.addon.batch.items import expand
+    from lamina.addon.batch.job import Job
+    from lamina.addon.batch.outputs import Output
+
+    monkeypatch.setattr(worker, "command", lambda folder, threads: [sys.executable, "-c", HANGS, str(folder)])
+    monkeypatch.setattr(run, "verified", lambda item, folder: Output(item, "" if (folder / item.file).exists() else "is not there", {}))
+    job = Job.load(write_job(tmp_path, frames="1-4", time_limit=0.5))
+    items, said = expand(job), []
+    outputs = run.run_items(items, tmp_path, 1, job.time_limit, said.append)
+    assert [o.problem for o in outputs] == ["", "took longer than the job's time_limit of 0.5 s", "", ""]
+    assert any(f"{items[1].id} failed: took longer" in line for line in said)
+
+
+def test_processes_share_no_material_while_there_are_others(tmp_path):
+    from lamina.addon.batch.items import expand
+    from lamina.addon.batch.job import Job
+    from lamina.addon.batch.run import _Left
+
+    items = expand(Job.load(write_job(tmp_path, stacks=["clean_copper", "glazed_mug", "frosted_metal"], frames="1-2")))
+    left = _Left(items)
+    first, second = left.take(None), left.take(None)
+    taken = [first, second, left.take(first), left.take(second), left.take(second), left.take(first)]
+    assert [item.look for item in taken] == ["clean_copper", "glazed_mug", "clean_copper", "glazed_mug", "frosted_metal", "frosted_metal"]
+    assert left.take(first) is None and {item.id for item in taken} == {item.id for item in items}
 
 
 def test_bad_jobs_are_code_2_and_leave_nothing(tmp_path):

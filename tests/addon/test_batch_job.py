@@ -93,6 +93,8 @@ BAD = [
     ({"frames": [1.5]}, "1.5 is no frame"),
     ({"size": 1}, "size is 1; choose a whole number from 2"),
     ({"samples": 0}, "samples is 0"),
+    ({"time_limit": 0}, "time_limit is 0; choose seconds, more than 0"),
+    ({"time_limit": "1 h"}, "time_limit is '1 h'; choose seconds"),
     ({"tiers": ["magic"]}, "unknown tier 'magic'; choose"),
     ({"backend": "cuda"}, "unknown backend 'cuda'; choose auto"),
     ({"sweeps": [{"parameter": "layers[0].roughness", "values": [0.1]}]}, "it has 0 layers"),

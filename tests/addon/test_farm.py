@@ -2,7 +2,6 @@
 """`lamina farm`: a bundle that a Blender without Lamina renders, here by Open Job Description's own runner."""
 
 import json
-import os
 import re
 import shutil
 import subprocess
@@ -17,12 +16,14 @@ pytest.importorskip("bpy")
 
 pytestmark = pytest.mark.blender
 
-JOB = {"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "views": [0, 40], "size": 16, "samples": 2}
+NAME = "Größe & Lack, 漆 " + "x" * 183
+JOB = {"stacks": [{"name": NAME, "stack": "clean_copper"}], "tiers": ["weidlich_wilkie"], "views": [0, 40], "size": 16, "samples": 2}
 
 
 @pytest.fixture(scope="module")
 def bundle(tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("farm")
+    folder = tmp_path_factory.mktemp("farm") / NAME
+    folder.mkdir()
     (folder / "job.json").write_text(json.dumps(JOB))
     lamina("farm", folder / "job.json", "-o", folder / "bundle", "--chunk", 2)
     return folder
@@ -30,9 +31,7 @@ def bundle(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def blender_program(tmp_path_factory) -> str:
-    """A real Blender if LAMINA_BLENDER names one, else the wheel in its clothes."""
-    if real := os.environ.get("LAMINA_BLENDER"):
-        return real
+    """The wheel in the clothes of a Blender; for a real one see test_real_blender."""
     return wheel_blender.blender_program(tmp_path_factory.mktemp("bin"))
 
 
@@ -73,6 +72,16 @@ def test_a_failed_picture_fails_its_task_and_no_other(bundle, blender_program, t
                           "--range", "0-1", "--output", str(tmp_path / "out")], capture_output=True, text=True, timeout=300)  # fmt: skip
     assert ran.returncode == 1 and f"lamina: failed: {items['items'][0]['id']}" in ran.stdout
     assert [f.name for f in (tmp_path / "out").iterdir()] == [items["items"][1]["file"]]
+
+
+def test_a_picture_that_takes_too_long_ends_its_task(bundle, blender_program, tmp_path):
+    shutil.copytree(bundle / "bundle" / "files", tmp_path / "files")
+    items = json.loads((tmp_path / "files" / "items.json").read_text())
+    (tmp_path / "files" / "items.json").write_text(json.dumps(items | {"time_limit": 0.01}))
+    ran = subprocess.run([blender_program, "-b", "--python", str(tmp_path / "files" / "render_items.py"), "--", "--items", str(tmp_path / "files" / "items.json"),
+                          "--range", "0-1", "--output", str(tmp_path / "out")], capture_output=True, text=True, timeout=300)  # fmt: skip
+    assert ran.returncode == 1 and f"{items['items'][0]['id']} failed: took longer than the job's time_limit of 0.01 s" in ran.stdout
+    assert not list((tmp_path / "out").iterdir())
 
 
 def test_flamenco_compiles_the_job_type_into_tasks(bundle, tmp_path):

@@ -1,9 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Full and read-only disks, kills within a bake, broken caches: nothing lost, nothing half-written, one clear line each."""
+"""Full and read-only disks, kills within a bake or a write, missing OSL: nothing lost, nothing half-written, one clear line each.
+
+Where each hard condition is done for real:
+kill -9 while rendering: test_batch (killed_while_rendering), 200 pictures in `make killed-batch`; while baking and writing: here
+a disk that is full, a read-only output: here; two batches in one folder: test_batch (one_batch_at_a_time)
+broken EXR: test_batch (damaged_ones_made_anew); broken .blend, an object that is not there, `ulimit -v`: test_batch (what_fails_is_named)
+a render that hangs: test_batch (hangs), test_farm (takes_too_long)
+JSON that is truncated, of 10 MB, deeply nested; paths that climb out; a newer schema; names of any kind: test_batch_job
+folders and stacks whose names have 200 letters, spaces, umlauts and kanji: the fixtures of test_batch and test_farm
+names of presets that climb out: test_assets; an OSL text that was edited by hand, in a .blend: here, mended in test_check
+missing OSL: here; a Blender built without OSL: test_real_blender
+a clock that goes backwards: here for the cache, test_batch (damaged_ones_made_anew) for pictures
+all readers under 100,000 broken inputs: `make fuzz`
+"""
 
 import json
 import os
 import subprocess
+import sys
 import time
 
 import numpy as np
@@ -98,6 +112,98 @@ def test_a_bake_that_is_killed_leaves_a_cache_that_works(tmp_path):
         for file in tmp_path.glob("[!.]*.json"):
             json.loads(file.read_text())
     assert json.loads(subprocess.run(command, env=environment, capture_output=True, check=True).stdout)["chosen"]
+
+
+# Writes the same files over and over, each time whole: with pixels of one value, and as long as it should be.
+WRITES = """
+import sys
+from pathlib import Path
+import numpy as np
+from lamina.addon.cli.session import blender
+with blender(lambda text: None):
+    from lamina.addon.batch import task
+    from lamina.reference_py.atomic import write_text
+    folder = Path(sys.argv[1])
+    for i in range(1_000_000):
+        channels = dict.fromkeys("RGBA", np.full((400, 400), i, np.float32))
+        task._write(folder / "a.exr", channels, {"lamina:inputs": "x", "lamina:pixels": task.pixel_hash(channels)})
+        write_text(folder / "b.json", str(i) * 100_000)
+        if not i:
+            print("began", file=sys.stderr, flush=True)
+"""
+
+
+def test_a_write_that_is_killed_leaves_the_former_file_or_the_new_one(tmp_path, registered_lamina):
+    from lamina.addon.batch.task import problem
+
+    caught = kills = 0
+    while kills < 2 or not caught:
+        kills += 1
+        assert kills < 10
+        process = subprocess.Popen([sys.executable, "-c", WRITES, str(tmp_path)], stderr=subprocess.PIPE, text=True)
+        assert process.stderr.readline() == "began\n"
+        time.sleep(0.03 * kills)
+        process.kill()
+        process.wait()
+        assert problem(tmp_path / "a.exr", "x")[0] == ""
+        text = (tmp_path / "b.json").read_text()
+        assert text == text[:len(text) // 100_000] * 100_000
+        caught = len(list(tmp_path.iterdir())) - 2  # a half-made file beside them: a kill came within a write
+
+
+def test_without_osl_stock_nodes_work_and_osl_is_refused_in_one_line(tmp_path, registered_lamina):
+    """What Script nodes need is taken away, for this process and those that it starts."""
+    (tmp_path / "without").mkdir()
+    (tmp_path / "without" / "sitecustomize.py").write_text('import sys\nsys.modules["oslquery"] = None\n')
+    environment = os.environ | {"PYTHONPATH": str(tmp_path / "without")}
+    job = tmp_path / "job.json"
+    job.write_text(json.dumps({"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "backend": "osl", "size": 8, "samples": 1}))
+    stack = ("clean_copper", "--tier", "weidlich_wilkie", "--samples", 1, "--size", 8, "--scene", "sphere")
+    _, said = lamina("batch", job, "-o", tmp_path / "out", code=2, env=environment)
+    assert len(said.splitlines()) == 1 and "backend osl needs Cycles with OSL" in said and "choose backend auto or nodes" in said
+    assert not list((tmp_path / "out").iterdir())
+    from lamina.addon.rendering.images import read_exr
+
+    pictures = []
+    for backend in ("nodes", "auto"):
+        lamina("render", *stack, "--backend", backend, "-o", tmp_path / f"{backend}.exr", env=environment)
+        pictures.append(read_exr(tmp_path / f"{backend}.exr").channels["R"])
+    # a Script node without sockets would be white, whatever the light
+    assert np.array_equal(*pictures) and 0.0 < pictures[0].max() and pictures[0].min() == 0.0
+
+
+def test_a_render_of_osl_where_there_is_none_is_announced(blender, monkeypatch, capsys):
+    from lamina.addon.nodes import freshness, material
+    from lamina.addon.rendering import environment
+
+    for backend in ("osl", "nodes"):
+        material.apply_stack(blender.data.materials.new(backend), presets.load("clean_copper"), "weidlich_wilkie", backend)
+    freshness.announce()
+    assert "OSL" not in capsys.readouterr().out
+    monkeypatch.setattr(environment, "renders_osl", lambda: False)
+    freshness.announce()
+    said = [line for line in capsys.readouterr().out.splitlines() if "this Blender has no OSL" in line]
+    assert len(said) == 1 and said[0].startswith("Lamina: osl: renders wrong")
+
+
+def test_a_file_whose_shader_was_edited_by_hand_opens_and_keeps_the_edit(tmp_path, blender):
+    from lamina.addon.check import check
+    from lamina.addon.nodes import material
+
+    owner = blender.data.materials.new("edited")
+    owner.use_fake_user = True
+    material.apply_stack(owner, presets.load("clean_copper"), "weidlich_wilkie", "osl")
+    text = owner.node_tree.nodes[owner.lamina.shader_node].script
+    edited = text.as_string().replace("BSDF = lobe_0;", "BSDF = 0.5 * lobe_0; // mine")
+    text.from_string(edited)
+    name = text.name
+    blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "edited.blend"))
+    blender.ops.wm.open_mainfile(filepath=str(tmp_path / "edited.blend"))
+    owner = blender.data.materials["edited"]
+    assert "shader_edited" in [finding.code for finding in check.find(owner, blender.context.scene, blender.context.preferences)]
+    material.regenerate(owner)
+    assert owner.node_tree.nodes[owner.lamina.shader_node].script.name != name
+    assert blender.data.texts[name].as_string() == edited  # nothing of the user's is lost
 
 
 @pytest.mark.parametrize("text", ["", "{", "null", "[1]", '{"chosen": 99}', '{"chosen": 0, "network": {"a": []}, "tried": [{}], "reason": 1}', "[" * 100_000, "\x00"])

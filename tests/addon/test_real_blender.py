@@ -60,10 +60,27 @@ def test_a_batch_and_its_bundle_in_a_blender_without_lamina(blender, tmp_path):
     assert pixels(tmp_path / "here") == pixels(tmp_path / "farmed")
 
 
+def osl_of(blender) -> bool:
+    return "OSL True" in blender("--python-expr", "import _cycles; print('OSL', _cycles.with_osl)")[0]
+
+
+def test_a_bundle_of_osl_shaders_is_refused_where_there_is_no_osl(blender, tmp_path):
+    """Written by the wheel, which has OSL. Where there is some, it renders."""
+    job = tmp_path / "job.json"
+    job.write_text(json.dumps({"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "backend": "osl", "size": 4, "samples": 1}))
+    lamina("farm", job, "-o", tmp_path / "bundle")
+    files = tmp_path / "bundle" / "files"
+    has_osl = osl_of(blender)
+    told, _ = blender("--factory-startup", "--python", files / "render_items.py", "--", "--items", files / "items.json", "--range", "0",
+                      "--output", tmp_path / "farmed", code=0 if has_osl else 1)  # fmt: skip
+    assert has_osl or any("is an OSL script, and this Blender was built without OSL; give the job the backend nodes" in line for line in told)
+    assert len(list((tmp_path / "farmed").glob("*.exr"))) == has_osl
+
+
 def test_osl_where_there_is_none_is_code_2(blender, tmp_path):
     """Of a Blender with OSL, that it is there."""
     job = tmp_path / "job.json"
     job.write_text(json.dumps({"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "backend": "osl", "size": 4, "samples": 1}))
-    has_osl = "OSL True" in blender("--python-expr", "import _cycles; print('OSL', _cycles.with_osl)")[0]
+    has_osl = osl_of(blender)
     _, said = blender("--command", "lamina", "batch", job, "-o", tmp_path / "out", "--no-sheet", code=0 if has_osl else 2)
     assert has_osl or "needs Cycles with OSL" in said

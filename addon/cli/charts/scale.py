@@ -6,23 +6,30 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 from ....reference_py.atomic import require_writable
 from ....reference_py.errors import LaminaError
+from ....reference_py.network.memory import FOLDER_VARIABLE, keep_in
 from ....reference_py.network.worker import ENVIRONMENT
 from .output import Report, pyplot, save_picture, write_table
 
+_THOUSAND, _LAYERS = (1, 10, 100, 1000), (1, 2, 4, 8, 12, 16, 20)
 POINTS = {
-    "shared materials": (1, 10, 100, 1000),
-    "distinct materials": (1, 10, 30),  # a bake each, which is all of their cost
-    "layers, analytic": (1, 2, 4, 8, 12, 16, 20),
-    "layers, weidlich_wilkie": (1, 2, 4, 8, 12, 16, 20),
+    "materials, one baked stack": _THOUSAND,
+    "materials, one stack as stock nodes": _THOUSAND,
+    "materials, distinct, weidlich_wilkie": _THOUSAND,
+    "materials, distinct, baked": (1, 10, 30, 100),
+    "materials, distinct, baked before": (1, 10, 30, 100),  # by the study above, in another session
+    "materials, Principled in OSL": _THOUSAND,
+    "layers, analytic": _LAYERS,
+    "layers, weidlich_wilkie": _LAYERS,
     "samples": (1, 4, 16, 64, 256),
     "pictures": (1, 4, 16, 64),
 }
-_HEADING = ("lamina chart scale", "CPU seconds and megabytes, each point a process of its own, whose start without materials is taken off")
-_COLUMNS = ("study", "n", "make_s", "make_mb", "render_s", "render_mb", "shader_bytes", "texts")
+_HEADING = ("lamina chart scale", "CPU seconds and megabytes, each point a process of its own, whose start without materials is taken off; make_clock_s by the clock")
+_COLUMNS = ("study", "n", "make_s", "make_clock_s", "make_mb", "render_s", "render_mb", "shader_bytes", "texts")
 
 
 def chart(folder: Path, report: Report) -> None:
@@ -31,18 +38,21 @@ def chart(folder: Path, report: Report) -> None:
     require_writable(table)
     points = [(study, n) for study, numbers in POINTS.items() for n in numbers]
     rows = []
-    for i, (study, n) in enumerate(points):
-        report(f"{100 * i // len(points):3} % {study}, {n}")
-        measured = _in_a_process(study, n)
-        rows.append([study, str(n), *("" if measured.get(c) is None else f"{measured[c]:.4g}" for c in _COLUMNS[2:])])
+    with tempfile.TemporaryDirectory() as home:
+        for i, (study, n) in enumerate(points):
+            report(f"{100 * i // len(points):3} % {study}, {n}")
+            # what one study baked another may read; no other bakes are seen
+            cache = Path(home, f"{study.removesuffix(' before')} {n}")
+            measured = _in_a_process(study, n, cache)
+            rows.append([study, str(n), *("" if measured.get(c) is None else f"{measured[c]:.4g}" for c in _COLUMNS[2:])])
     print(write_table(table, _HEADING, _COLUMNS, rows, report), end="")
     _draw(folder / "scale.png", rows, report)
 
 
-def _in_a_process(study: str, n: int) -> dict:
+def _in_a_process(study: str, n: int, cache: Path) -> dict:
     code = "import os, sys; from lamina.addon.cli.charts import scale; scale.measure(sys.argv[1], int(sys.argv[2])); os._exit(0)"
     with tempfile.TemporaryDirectory() as home:
-        environment = os.environ | ENVIRONMENT | {"TMPDIR": home, "LAMINA_CACHE": home}  # no bakes of others
+        environment = os.environ | ENVIRONMENT | {"TMPDIR": home, FOLDER_VARIABLE: str(cache)}
         ran = subprocess.run([sys.executable, "-c", code, study, str(n)], env=environment, capture_output=True, text=True)
     answer = next((line for line in ran.stdout.splitlines() if line.startswith('{"')), None)
     if answer is None:
@@ -56,8 +66,10 @@ def measure(study: str, n: int) -> None:
     if study == "pictures":
         result = _pictures(n)
     else:
+        from ...cache import cache_folder
         from ..session import blender
 
+        keep_in(cache_folder())
         with blender(lambda text: None):
             result = _scene(study, n)
     channel.write("\n" + json.dumps(result) + "\n")
@@ -67,11 +79,14 @@ def measure(study: str, n: int) -> None:
 def _scene(study: str, n: int) -> dict:
     import bpy
 
-    from ...nodes.material import apply_stack, refresh
+    from ...background.ahead import bake_ahead
+    from ...nodes.backend import NODES, OSL
+    from ...nodes.material import Wanted, apply_stack, refresh
     from ...rendering.geometry import plane_mesh
-    from ...rendering.settings import add_object, measurement_settings, render_to
+    from ...rendering.settings import add_object, measurement_settings, node_tree, render_to
 
     stacks, tier = _stacks(study, n)
+    backend = NODES if "stock" in study else OSL
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.data.scenes.new("Scale")
     measurement_settings(scene, n if study == "samples" else 1, 64, max_bounces=1)
@@ -85,19 +100,24 @@ def _scene(study: str, n: int) -> dict:
     sun.rotation_euler = (0.0, 0.7, 0.0)
     with tempfile.TemporaryDirectory() as folder:
         render_to(scene, Path(folder, "empty.exr"))  # what Cycles takes without materials
-        seconds, memory = _spent(), _resident()
+        seconds, clock, memory = _spent(), time.monotonic(), _resident()
+        bake_ahead([Wanted(stack, tier) for stack in stacks if stack], lambda told: None)
         for i, stack in enumerate(stacks):
             material = bpy.data.materials.new("Scale")
-            apply_stack(material, stack, tier)
-            refresh(material, settle=True)
+            if stack is None:
+                node_tree(material).nodes["Principled BSDF"].inputs["Roughness"].default_value = 0.2 + 0.6 * i / n
+            else:
+                apply_stack(material, stack, tier, backend)
+                refresh(material, settle=True)
             tile = add_object(scene, "Tile", plane_mesh("Tile", 1.0))
             tile.location = (1.1 * (i % side), 1.1 * (i // side), 0.0)
             tile.data.materials.append(material)
-        made, held = _spent(), _resident()
+        made, taken, held = _spent(), time.monotonic() - clock, _resident()
+        scene.cycles.shading_system = backend == OSL
         render_to(scene, Path(folder, "full.exr"))
         rendered, peak = _spent(), _peak()
     texts = [text for text in bpy.data.texts if text.name.startswith("lamina_")]
-    return {"make_s": made - seconds, "make_mb": held - memory, "render_s": rendered - made, "render_mb": peak - held,
+    return {"make_s": made - seconds, "make_clock_s": taken, "make_mb": held - memory, "render_s": rendered - made, "render_mb": peak - held,
             "shader_bytes": max((len(t.as_string()) for t in texts), default=0), "texts": len(texts)}  # fmt: skip
 
 
@@ -109,9 +129,11 @@ def _stacks(study: str, n: int) -> tuple[list, str]:
         layer = {"kind": "dielectric", "ior": 1.5, "roughness": 0.2}
         layers = [layer | {"ior": 1.3 + 0.4 * (i % 2)} for i in range(n)]
         return [Stack.from_dict({"layers": layers, "base": {"kind": "lambert"}})], study.rpartition(" ")[2]
-    if study == "distinct materials":
-        # each has a bake of its own; bare metal bakes fastest
-        return [Stack.from_dict({"base": {"kind": "conductor", "metal": "copper", "roughness": 0.2 + 0.6 * i / n}}) for i in range(n)], "baked"
+    if "Principled" in study:
+        return [None] * n, ""
+    if "distinct" in study:
+        metals = [{"kind": "conductor", "metal": "copper", "roughness": 0.2 + 0.6 * i / n} for i in range(n)]  # bare metal bakes fastest
+        return [Stack.from_dict({"base": metal}) for metal in metals], "weidlich_wilkie" if "wilkie" in study else "baked"
     return [presets.load("clean_copper")] * (1 if study == "samples" else n), "baked"
 
 
@@ -129,8 +151,9 @@ def _pictures(n: int) -> dict:
 
 
 def _spent() -> float:
+    """Of this process and of the bakes that it started."""
     times = os.times()
-    return times.user + times.system
+    return times.user + times.system + times.children_user + times.children_system
 
 
 def _resident() -> float:
@@ -148,17 +171,21 @@ def _draw(path: Path, rows: list[list[str]], report: Report) -> None:
     plot = pyplot(report)
     if plot is None:
         return
-    panels = (("materials", "materials in the scene"), ("layers", "layers"), ("samples", "samples per pixel"), ("pictures", "pictures of a batch"))
-    figure, axes = plot.subplots(2, 4, figsize=(16, 7), layout="constrained")
-    for column, (word, label) in enumerate(panels):
+    both = ("make", "render")
+    panels = (("materials", ("make",), "materials, making them"), ("materials", ("render",), "materials, their first render"), ("layers", both, "layers"),
+              ("samples", both, "samples per pixel"), ("pictures", both, "pictures of a batch"))  # fmt: skip
+    figure, axes = plot.subplots(2, len(panels), figsize=(22, 8), layout="constrained")
+    for column, (word, parts, label) in enumerate(panels):
         for row, unit in ((0, "s"), (1, "mb")):
             axis = axes[row, column]
             for study in dict.fromkeys(r[0] for r in rows if word in r[0]):
-                for what, style in (("make", "-o"), ("render", "--s")):
-                    index = _COLUMNS.index(f"{what}_{unit}")
+                for part in parts:
+                    index = _COLUMNS.index(f"{part}_{unit}")
                     points = [(int(r[1]), float(r[index])) for r in rows if r[0] == study and r[index]]
                     if points:
-                        axis.plot(*zip(*points), style, markersize=4, label=f"{study.replace(word, '').strip(', ')} {what}".strip())
+                        name = study.replace(word, "").strip(", ")
+                        axis.plot(*zip(*points), "--s" if part == "render" and len(parts) > 1 else "-o", markersize=4,
+                                  label=name if len(parts) == 1 else f"{name} {part}".strip())  # fmt: skip
             axis.set(xlabel=label, ylabel="CPU seconds" if unit == "s" else "megabytes")
             if axis.lines:
                 axis.set_xscale("log")
