@@ -5,7 +5,7 @@ import bpy
 
 from ..reference_py.network.memory import keep_in
 from .background import bakes, fitting
-from .cache import cache_folder
+from .user_folders import cache_folder
 from .cli.main import run
 from .exchange import operators as exchange_operators
 from .exchange import texture_operator

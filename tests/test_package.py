@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The package as others receive it: the extension's zip, the Python wheel, licence headers, no traces of one machine."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -78,6 +79,28 @@ def test_zip_registers_alone_under_another_name(extension_zip: Path, tmp_path: P
         "import os; os._exit(0)\n"  # Blender 4.5's wheel can hang in its exit handlers
     )
     run(sys.executable, "-c", script, cwd=tmp_path)
+
+
+@pytest.mark.blender
+def test_an_installed_extension_writes_to_its_own_folder(extension_zip: Path, tmp_path: Path) -> None:
+    repository = tmp_path / "extensions" / "user_default"
+    with zipfile.ZipFile(extension_zip) as archive:
+        archive.extractall(repository / "lamina")
+    script = (
+        "import sys, types, bpy\n"
+        f"for name, path in (('bl_ext', []), ('bl_ext.user_default', [{str(repository)!r}])):\n"
+        "    sys.modules[name] = types.ModuleType(name)\n"
+        "    sys.modules[name].__path__ = path\n"
+        "from bl_ext.user_default.lamina.addon import user_folders\n"
+        "from bl_ext.user_default.lamina.addon.library import user_presets\n"
+        "assert user_presets.names() == []\n"
+        "print('FOLDERS', user_folders.cache_folder(), user_folders.presets_folder(), flush=True)\n"
+        "import os; os._exit(0)\n"
+    )
+    environment = {k: v for k, v in os.environ.items() if k not in ("LAMINA_CACHE", "LAMINA_PRESETS")}
+    said = run(sys.executable, "-c", script, env=environment | {"BLENDER_USER_RESOURCES": str(tmp_path)})
+    own = tmp_path / "extensions" / ".user" / "user_default" / "lamina"
+    assert f"FOLDERS {own / 'bakes'} {own / 'presets'}" in said
 
 
 def test_wheel_has_the_zips_version_and_files(extension_zip: Path, tmp_path: Path) -> None:

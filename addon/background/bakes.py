@@ -13,7 +13,7 @@ from bpy.app.handlers import persistent
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.network import HOLD_VALUES, TIERS, worker
-from ..cache import cache_folder
+from ..user_folders import cache_folder
 from ..nodes import material as materials
 from .process import Process
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_tip as tip_
 from bpy_extras.io_utils import ImportHelper
 
 from ...reference_py.errors import LaminaError
@@ -162,10 +163,10 @@ class LAMINA_OT_fit_measurement(LaminaOperator, ImportHelper, bpy.types.Operator
     @classmethod
     def poll(cls, context):
         if material_of(context) is None and not can_hold_material(getattr(context, "object", None)):
-            cls.poll_message_set("Select an object that can have a material")
+            cls.poll_message_set(tip_("Select an object that can have a material"))
             return False
         if _running is not None:
-            cls.poll_message_set("Another measurement is being fitted")
+            cls.poll_message_set(tip_("Another measurement is being fitted"))
             return False
         return True
 

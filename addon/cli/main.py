@@ -129,7 +129,7 @@ def build_parser() -> argparse.ArgumentParser:
     farm.add_argument("-o", "--output", metavar="FOLDER", required=True, help="new folder for the template, its scenes and scripts")
     farm.add_argument("--chunk", type=_between(1, 10_000), default=10, metavar="N", help="pictures per task (default: %(default)s)")
     chart = _command(commands, "chart", "chart", "measure a chart's numbers, print the table and draw it")
-    chart.add_argument("chart", choices=("network", "presets", "tiers", "error", "stress", "suite", "pareto", "pair", "levers", "fit", "scale"), help=(
+    chart.add_argument("chart", choices=("network", "presets", "tiers", "error", "stress", "suite", "pareto", "pair", "levers", "fit", "scale", "viewport"), help=(
         "network: what Cycles is told against the exact model; presets: what Cycles renders of every preset against the truth; "
         "tiers: the same in every tier, for the presets of the paper and a suite of stacks; "
         "error: every model against the truth, by angle; "
@@ -138,9 +138,10 @@ def build_parser() -> argparse.ArgumentParser:
         "levers: what lobes and closures cost in Cycles; "
         "scale: time and memory over the number of materials, layers, samples and pictures; "
         "fit: how well stacks are found from measurements, and a blue paint by other models; "
+        "viewport: how EEVEE shows every preset; LAMINA_BLENDER names a Blender that has it; "
         "pair: one car paint by Cycles' layer(), by Lamina and as explicit geometry"))
     chart.add_argument("-o", "--output", default=".", metavar="FOLDER", help="folder for table and picture (default: %(default)s)")
-    chart.add_argument("--surface", nargs="+", metavar="NAME", help="pareto: presets or stacks of the suite (default: six surface types)")
+    chart.add_argument("--surface", nargs="+", metavar="NAME", help="pareto, viewport: presets or stacks of the suite (default: six surface types; all presets)")
     chart.add_argument("--rounds", type=_between(1, 1000), metavar="N", help="pareto: rounds of timing (default: 5)")
 
     figures = _command(commands, "figures", "figures", "compute the paper's figures and check its sentences about them")
@@ -162,7 +163,7 @@ def _command(commands, name: str, module: str, summary: str) -> argparse.Argumen
 
 def _keep_bakes() -> None:
     from ...reference_py.network.memory import keep_in
-    from ..cache import cache_folder
+    from ..user_folders import cache_folder
 
     keep_in(cache_folder(), lambda told: print(f"lamina: {told}", file=sys.stderr))
 

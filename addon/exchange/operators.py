@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Buttons that convert materials. Every report goes to a text of the file and, with a window, to a popup."""
 
+import textwrap
 from pathlib import Path
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.app.translations import pgettext_tip as tip_
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ...reference_py.errors import LaminaError
@@ -33,9 +36,9 @@ def tell(operator: bpy.types.Operator, title: str, report: Report, told: list[st
         return
 
     def draw(popup, _context):
-        for line in lines:
-            popup.layout.label(text=line if len(line) <= _POPUP_WIDTH else line[: _POPUP_WIDTH - 3] + "...", translate=False)
-        popup.layout.label(text=f"All of it is in the text {REPORT_TEXT}")
+        for line in (part for line in lines for part in textwrap.wrap(line, _POPUP_WIDTH, subsequent_indent="    ")):
+            popup.layout.label(text=line, translate=False)
+        popup.layout.label(text=rpt_("All of it is in the text {name}").format(name=REPORT_TEXT), translate=False)
 
     bpy.context.window_manager.popup_menu(draw, title=title, icon="INFO")
 
@@ -50,7 +53,7 @@ class LAMINA_OT_convert_principled(ops.LaminaOperator, bpy.types.Operator):
         material = ops.material_of(context)
         try:
             if material is None:
-                raise LaminaError("Select a material")
+                raise LaminaError(tip_("Select a material"))
             principled_of(material)
         except LaminaError as error:
             cls.poll_message_set(str(error))
@@ -60,7 +63,7 @@ class LAMINA_OT_convert_principled(ops.LaminaOperator, bpy.types.Operator):
     def run(self, context):
         material = ops.material_of(context)
         report, told = conversion.to_lamina(material)
-        tell(self, f"{material.name} to Lamina", report, told)
+        tell(self, rpt_("{material} to Lamina").format(material=material.name), report, told)
         for notice in materials.make_renderable(material, context.scene):
             self.report({"INFO"}, f"Lamina: {notice}")
 

@@ -2,6 +2,7 @@
 """The button that bakes textures: a step at a time with a window, with Escape to cancel; to the end without one."""
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 
 from ...reference_py.errors import LaminaError
@@ -50,7 +51,7 @@ class LAMINA_OT_bake_textures(ops.LayeredOperator, bpy.types.Operator):
     def modal(self, context, event):
         if event.type == "ESC":
             self._leave(context)
-            self.report({"INFO"}, "Lamina: bake cancelled; nothing was written")
+            self.report({"INFO"}, rpt_("Lamina: bake cancelled; nothing was written"))
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}  # nothing may change while a bake reads it
@@ -67,14 +68,14 @@ class LAMINA_OT_bake_textures(ops.LayeredOperator, bpy.types.Operator):
         try:
             share = next(self._steps)
         except StopIteration:
-            tell(self, f"{len(self._bake.files)} files in {self._bake.folder}", self._bake.report)
+            tell(self, rpt_("{count} files in {folder}").format(count=len(self._bake.files), folder=self._bake.folder), self._bake.report)
             return {"FINISHED"}
         except LaminaError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         if not bpy.app.background:
             context.window_manager.progress_update(100.0 * share)
-            context.workspace.status_text_set(f"Lamina: baking textures, {100.0 * share:.0f} %; Esc cancels")
+            context.workspace.status_text_set(rpt_("Lamina: baking textures, {percent} %; Esc cancels").format(percent=round(100.0 * share)))
         return set()
 
     def _leave(self, context) -> None:

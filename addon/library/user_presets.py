@@ -1,13 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets that users save: one JSON stack and one picture each, in a folder that updates of Lamina leave alone.
+"""Presets that users save: one JSON stack and one picture each, in a folder that updates of Lamina leave alone."""
 
-The folder is the extension's own, else the user's data folder, else what the environment variable LAMINA_PRESETS names.
-Imports bpy only inside Blender's extensions.
-"""
-
-import os
 import re
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,30 +9,16 @@ from ...reference_py import presets
 from ...reference_py.atomic import output_folder
 from ...reference_py.errors import LaminaError
 from ...reference_py.stack import Stack
+from ..user_folders import presets_folder
 
-FOLDER_VARIABLE = "LAMINA_PRESETS"
 LONGEST = 60
 # Names that Windows keeps for devices, with any ending.
 _DEVICES = {"con", "prn", "aux", "nul", *(f"{device}{i}" for device in ("com", "lpt") for i in range(10))}
 
 
-def folder() -> Path:
-    """Where the user's presets are; it need not exist."""
-    if given := os.environ.get(FOLDER_VARIABLE):
-        return Path(given).expanduser()
-    package = __package__.rpartition(".")[0]
-    if package.startswith("bl_ext."):
-        import bpy
-
-        return Path(bpy.utils.extension_path_user(package, path="presets"))
-    if sys.platform == "win32":
-        return Path(os.environ.get("APPDATA") or Path.home(), "lamina", "presets")
-    return Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share", "lamina", "presets")
-
-
 def names() -> list[str]:
     """Names of the user's presets, in alphabetical order; none where there is no folder."""
-    return sorted(path.stem for path in folder().glob("*.json"))
+    return sorted(path.stem for path in presets_folder().glob("*.json"))
 
 
 def load(name: str) -> Stack:
@@ -48,7 +28,7 @@ def load(name: str) -> Stack:
 
 def picture_of(name: str) -> Path:
     """Where the picture of a user's preset is; older or copied ones may have none."""
-    return folder() / f"{name}.png"
+    return presets_folder() / f"{name}.png"
 
 
 def free_name(label: str) -> str:
@@ -79,11 +59,11 @@ def save(label: str, stack: Stack, draw: Callable[[Path], None]) -> str:
     Raises LaminaError; then there is neither file.
     """
     name = free_name(label)
-    output_folder(folder())
+    output_folder(presets_folder())
     picture = picture_of(name)
     try:
         draw(picture)
-        stack.save(folder() / f"{name}.json")
+        stack.save(presets_folder() / f"{name}.json")
     except BaseException:
         picture.unlink(missing_ok=True)
         raise
@@ -103,4 +83,4 @@ def remove(name: str) -> None:
 def _existing(name: str) -> Path:
     if name not in names():  # nothing else is a path below: neither ".." nor an absolute one is the stem of a file here
         raise LaminaError(f"unknown preset {name!r} of yours; choose {', '.join(names()) or 'none, there are none'}")
-    return folder() / f"{name}.json"
+    return presets_folder() / f"{name}.json"

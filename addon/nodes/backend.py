@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The two ways to write a network in a material: an OSL shader, or a group of stock nodes. Does not need bpy."""
 
+from collections.abc import Callable
+
 from ...reference_py.errors import LaminaError
 from ..rendering import environment
 
@@ -37,8 +39,9 @@ def backend_here(wanted: str) -> str:
     return wanted
 
 
-def notice(wanted: str) -> str:
+def notice(wanted: str, translated: Callable[[str], str] = str) -> str:
     """One line for the user where `wanted` leaves the choice and it fell on stock nodes; empty when it did not."""
     if wanted != AUTO or backend_here(wanted) == OSL:
         return ""
-    return f"made of stock nodes, because {environment.osl_available()[1]}; of all textures and animation of layers only a coverage's has an effect"
+    told = translated("made of stock nodes, because {reason}; of all textures and animation of layers only a coverage's has an effect")
+    return told.format(reason=translated(environment.osl_available()[1]))

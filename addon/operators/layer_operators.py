@@ -2,6 +2,7 @@
 """What the buttons beside the list of layers do. Each operator is one undo step."""
 
 import bpy
+from bpy.app.translations import pgettext_tip as tip_
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 
 from ...reference_py import ready_layers
@@ -53,7 +54,7 @@ class SelectedLayerOperator(LayeredOperator):
             return False
         lamina = material_of(context).lamina
         if not 0 <= lamina.active_layer < len(lamina.layers):
-            cls.poll_message_set("No layer is selected")
+            cls.poll_message_set(tip_("No layer is selected"))
             return False
         return True
 
@@ -175,7 +176,7 @@ class LAMINA_OT_layer_copy(LayeredOperator, bpy.types.Operator):
     @classmethod
     def poll(cls, context):
         if super().poll(context) and not material_of(context).lamina.layers:
-            cls.poll_message_set("The material has no layers to copy")
+            cls.poll_message_set(tip_("The material has no layers to copy"))
             return False
         return super().poll(context)
 

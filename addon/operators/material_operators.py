@@ -4,6 +4,8 @@
 import re
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.app.translations import pgettext_tip as tip_
 from bpy.props import EnumProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
@@ -52,7 +54,7 @@ class LayeredOperator(LaminaOperator):
     def poll(cls, context):
         material = material_of(context)
         if material is None or not material.lamina.is_layered:
-            cls.poll_message_set("The active material has no Lamina stack")
+            cls.poll_message_set(tip_("The active material has no Lamina stack"))
             return False
         return True
 
@@ -63,7 +65,7 @@ class StackOperator(LaminaOperator):
     @classmethod
     def poll(cls, context):
         if material_of(context) is None and not can_hold_material(getattr(context, "object", None)):
-            cls.poll_message_set("Select an object that can have a material")
+            cls.poll_message_set(tip_("Select an object that can have a material"))
             return False
         return True
 
@@ -136,8 +138,10 @@ class LAMINA_OT_export_stack(LayeredOperator, ExportHelper, bpy.types.Operator):
         material = material_of(context)
         materials.stack_of(material).save(self.filepath)
         hidden = len(material.lamina.layers) - len(material.lamina.shown_layers)
-        left_out = f"; {hidden} hidden layer{'s' * (hidden > 1)} left out" if hidden else ""
-        self.report({"INFO"}, f"Lamina: stack written to {self.filepath}{left_out}")
+        told = rpt_("Lamina: stack written to {path}").format(path=self.filepath)
+        if hidden:
+            told = rpt_("{told}; hidden layers left out: {count}").format(told=told, count=hidden)
+        self.report({"INFO"}, told)
 
 
 class LAMINA_OT_set_base(LayeredOperator, bpy.types.Operator):

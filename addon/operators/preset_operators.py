@@ -2,6 +2,7 @@
 """The menu of presets, and what it does with those that users save."""
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ...reference_py import presets
@@ -11,6 +12,7 @@ from ..library.preset_catalogues import CATALOGUES
 from ..library.thumbnails import render_thumbnail
 from ..nodes import material as materials
 from ..ui.preset_icons import preset_icon, user_preset_icon
+from ..user_folders import presets_folder
 from . import material_operators as ops
 
 
@@ -30,7 +32,7 @@ class LAMINA_OT_save_preset(ops.LayeredOperator, bpy.types.Operator):
         material = ops.material_of(context)
         stack = materials.stack_of(material)
         name = user_presets.save(self.name, stack, lambda path: render_thumbnail(material, path))
-        self.report({"INFO"}, f"Lamina: preset {presets.label(name)} saved in {user_presets.folder()}")
+        self.report({"INFO"}, rpt_("Lamina: preset {name} saved in {folder}").format(name=presets.label(name), folder=presets_folder()))
 
 
 class LAMINA_OT_apply_user_preset(ops.StackOperator, bpy.types.Operator):
@@ -57,7 +59,7 @@ class LAMINA_OT_remove_preset(ops.LaminaOperator, bpy.types.Operator):
 
     def run(self, _context):
         user_presets.remove(self.name)
-        self.report({"INFO"}, f"Lamina: preset {presets.label(self.name)} removed")
+        self.report({"INFO"}, rpt_("Lamina: preset {name} removed").format(name=presets.label(self.name)))
 
 
 class LAMINA_MT_remove_preset(bpy.types.Menu):

@@ -5,6 +5,10 @@ import importlib.util
 import sys
 from pathlib import Path
 
+# Why there may be no OSL.
+NO_CYCLES, NO_OSL = "this Blender has no Cycles", "this Blender was built without OSL"
+NO_QUERY = "Python cannot import oslquery, so Script nodes would get no sockets"
+
 
 def is_wheel() -> bool:
     """True when Blender runs as a Python module (`pip install bpy`) and not as an application."""
@@ -47,9 +51,9 @@ def osl_available() -> tuple[bool, str]:
     try:
         import _cycles
     except ImportError:
-        return False, "this Blender has no Cycles"
+        return False, NO_CYCLES
     if not renders_osl():
-        return False, "this Blender was built without OSL"
+        return False, NO_OSL
     if importlib.util.find_spec("oslquery") is None:
-        return False, "Python cannot import oslquery, so Script nodes would get no sockets"
+        return False, NO_QUERY
     return True, f"OSL {_cycles.osl_version_string}"

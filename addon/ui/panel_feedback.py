@@ -32,7 +32,7 @@ def draw_status(layout, context, material) -> None:
         return
     _draw_bake(layout, material)
     _draw_solo(layout, material.lamina)
-    if backend_of(material) != OSL and (told := notice(material.lamina.backend)):
+    if backend_of(material) != OSL and (told := notice(material.lamina.backend, iface_)):
         draw_message(layout, context, told, "INFO")
     _draw_findings(layout, context, check.find(material, context.scene, context.preferences))
 

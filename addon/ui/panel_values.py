@@ -13,7 +13,8 @@ from ..nodes.elements import kind_of, node_of, shown_parameters, use_of, used_fe
 from ..rendering import environment
 
 _MARGIN, _CHARACTER = 60, 6.4  # pixels at scale 1: what borders and the icon take, and a mean letter
-_UNITS = {"nm": "nm", "degrees": "\N{DEGREE SIGN}", "turns": "turns"}
+# By the schema's unit. A column for it would shift the value from under the others.
+UNITS = {"nm": "in nanometers", "degrees": "in degrees", "turns": "in turns"}
 
 
 def draw_element(layout, element) -> None:
@@ -47,15 +48,9 @@ def _draw_socket(layout, element, node, parameter: Parameter):
     socket = node.inputs.get(parameter.label)
     if socket is None:  # a file of an older version has it once its shader is made anew
         return None
-    if not parameter.unit:
-        layout.template_node_view(element.id_data.node_tree, node, socket)
-        return socket
-    row = layout.row()
-    row.template_node_view(element.id_data.node_tree, node, socket)
-    unit = row.row()
-    unit.active = False
-    unit.ui_units_x = 2.2
-    unit.label(text=_UNITS[parameter.unit])
+    layout.template_node_view(element.id_data.node_tree, node, socket)
+    if parameter.unit and not socket.is_linked:
+        draw_fact(layout, "", iface_(UNITS[parameter.unit]))
     return socket
 
 

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from lamina.addon import user_folders
 from lamina.reference_py import presets
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.frame import spherical
@@ -30,7 +31,7 @@ def own(blender, tmp_path, monkeypatch):
     """The user's presets, in a folder of this test."""
     from lamina.addon.library import user_presets
 
-    monkeypatch.setenv(user_presets.FOLDER_VARIABLE, str(tmp_path / "own"))
+    monkeypatch.setenv(user_folders.PRESETS_VARIABLE, str(tmp_path / "own"))
     return user_presets
 
 
@@ -258,11 +259,11 @@ STACK = Stack.from_dict({"base": {"kind": "lambert"}})
 ])
 def test_names_that_climb_or_clash_are_refused(own, label, told):
     own.save("taken", STACK, lambda path: path.write_bytes(b"picture"))
-    before = sorted(path.name for path in own.folder().parent.rglob("*"))
+    before = sorted(path.name for path in user_folders.presets_folder().parent.rglob("*"))
     with pytest.raises(LaminaError, match=re.escape(told)) as error:
         own.save(label, STACK, lambda path: path.write_bytes(b"picture"))
     assert "\n" not in str(error.value)
-    assert sorted(path.name for path in own.folder().parent.rglob("*")) == before
+    assert sorted(path.name for path in user_folders.presets_folder().parent.rglob("*")) == before
 
 
 @pytest.mark.parametrize("name", ["../x", "/etc/passwd", "", "nope"])
@@ -281,4 +282,4 @@ def test_a_picture_that_fails_leaves_no_preset(own):
 
     with pytest.raises(LaminaError, match="no picture"):
         own.save("half", STACK, fail)
-    assert list(own.folder().iterdir()) == []
+    assert list(user_folders.presets_folder().iterdir()) == []

@@ -10,7 +10,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from hypothesis import HealthCheck, given, settings  # noqa: E402
+from hypothesis import HealthCheck, Phase, given, settings  # noqa: E402
 from hypothesis import strategies as st  # noqa: E402
 
 from lamina.addon.check import check  # noqa: E402
@@ -167,6 +167,9 @@ class Session:
         return self._set(lambda layer: setattr(layer, "name", name))
 
     def value(self, roughness):
+        active = the_material().lamina.active_layer
+        if any(row["keys"] for row in observed()["layers"][active : active + 1]):
+            return False  # keyframes take an edited value back when the file is next read or the frame changes
         return self._set(lambda layer: setattr(node_of(layer).inputs["Roughness"], "default_value", roughness))
 
     def hide(self):
@@ -231,8 +234,9 @@ def consistent(seen: dict) -> None:
     assert wired == [*shown, material.lamina.base.node]
 
 
+# a failing sequence is printed as it is: to shorten it takes longer than to read it
 @settings(max_examples=max(_COUNT // _SEQUENCE, 1), deadline=None, derandomize=True, database=None,
-          suppress_health_check=list(HealthCheck))  # fmt: skip
+          phases=[Phase.generate], suppress_health_check=list(HealthCheck))  # fmt: skip
 @given(st.lists(OPERATIONS, min_size=_SEQUENCE, max_size=_SEQUENCE))
 def test_any_order_leaves_all_consistent(registered_lamina, tmp_path_factory, operations):
     bpy.ops.wm.read_factory_settings(use_empty=True)

@@ -13,17 +13,19 @@ from lamina.addon import registration
 from lamina.addon.check import check
 from lamina.addon.library.preset_catalogues import CATALOGUES
 from lamina.addon.nodes.properties import choice_label
+from lamina.addon.rendering import environment
+from lamina.addon.ui.panel_values import UNITS
 from lamina.reference_py.schema import SCHEMA
 
 ADDON = Path(lamina.__file__).parent / "addon"
 # Folders whose sources show text in Blender's window.
-_SHOWN = ("background", "check", "library", "nodes", "operators", "ui")
-_TRANSLATING = {"iface_", "rpt_", "tip_", "pgettext_iface", "pgettext_rpt", "pgettext_tip"}
+_SHOWN = ("background", "check", "exchange", "library", "nodes", "operators", "ui")
+_TRANSLATING = {"iface_", "rpt_", "tip_", "pgettext_iface", "pgettext_rpt", "pgettext_tip", "translated"}
 
 
 def strings() -> set[str]:
     """All of them."""
-    found = {*_of_schema(), *_of_classes(), *_of_checks(), *CATALOGUES}
+    found = {*_of_schema(), *_of_classes(), *_of_checks(), *CATALOGUES, *UNITS.values(), environment.NO_CYCLES, environment.NO_OSL, environment.NO_QUERY}
     for folder in _SHOWN:
         for path in sorted((ADDON / folder).glob("*.py")):
             found |= set(_of_source(path))
