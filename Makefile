@@ -96,13 +96,13 @@ killed-batch: $(READY)
 	$(RUN) tests/benchmarks/killed_batch.py figures/killed_batch.csv
 
 farm-tasks: $(READY)
-	$(RUN) tests/benchmarks/farm_tasks.py figures/farm_tasks.csv
+	$(RUN) tests/benchmarks/farm_tasks.py figures/farm_tasks.csv figures/openjd.txt
 
 fuzz: $(READY)
 	$(RUN) tests/benchmarks/fuzz.py
 
 matrix:
-	@$(or $(PYTHON),python3) tools/matrix.py
+	@$(or $(PYTHON),python3) tools/matrix.py -o figures/matrix.txt
 
 licences: $(READY)
 	@$(RUN) tools/licences.py

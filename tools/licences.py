@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Print the licence of every package that the development environment pins, as the package itself states it.
 
-    licences.py       exit code 1 if a package does not say
+    licences.py       exit code 1 if a package does not say; it is looked for in all environments of this checkout
 
 None of them is part of the extension, which needs what Blender brings along and nothing else.
 """
 
 import re
 import sys
-from importlib.metadata import PackageNotFoundError, metadata
+from importlib.metadata import PackageNotFoundError, distributions
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -24,8 +24,12 @@ def pinned() -> dict[str, set[str]]:
 
 
 def licence(name: str) -> str:
-    """What the installed package says; empty when it says nothing."""
-    data = metadata(name)
+    """What the installed package says; empty when it says nothing. Raises PackageNotFoundError."""
+    folders = [*sys.path, *map(str, sorted(ROOT.glob(".venv*/lib/python*/site-packages")))]
+    found = next(iter(distributions(name=name, path=folders)), None)
+    if found is None:
+        raise PackageNotFoundError(name)
+    data = found.metadata
     if said := data.get("License-Expression"):
         return said
     classes = [c.rpartition(" :: ")[2] for c in data.get_all("Classifier", []) if c.startswith("License ::")]

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Run the tests on every supported Blender whose Python this machine has, and print a table.
 
-    matrix.py [PYTEST_ARGUMENT...]     such as tests/addon/test_batch_job.py; exit code 1 if any test failed
+    matrix.py [-o TABLE.txt] [PYTEST_ARGUMENT...]     such as tests/addon/test_batch_job.py; exit code 1 if any test failed
+
+Without arguments the two halves of the suite run side by side, as `make test` has them. What failed is named on stderr and in the file.
 """
 
 import os
@@ -9,42 +11,60 @@ import re
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 BLENDERS = ("4.5", "5.0", "5.2")
+LONGEST = "tests/addon/test_parity.py"
+HALVES = (["tests/reference_py", LONGEST], ["tests/addon", "tests/test_package.py", "tests/test_trust.py", f"--ignore={LONGEST}"])
 
 
-def run(blender: str, arguments: list[str]) -> tuple[str, ...]:
-    """One row: Blender, its versions, passed, failed, skipped, minutes."""
+def run(blender: str, arguments: list[str]) -> tuple[tuple[str, ...], list[str]]:
+    """One row (Blender, its versions, passed, failed, skipped, minutes), and pytest's lines of what failed."""
     environment = os.environ | {"LAMINA_BPY": blender}
     venv = ROOT / f".venv-{blender}"
     made = subprocess.run(["make", "--no-print-directory", str(venv.relative_to(ROOT) / "ready")], cwd=ROOT, env=environment, capture_output=True, text=True)
     if made.returncode:
         said = (made.stdout + made.stderr).strip().splitlines()
         why = next((line for line in said if line.startswith("lamina:")), said[-1] if said else "make failed")
-        return blender, f"not here: {why[:100]}", "", "", "", ""
+        return (blender, f"not here: {why[:100]}", "", "", "", ""), []
     python = venv / "bin" / "python"
     versions = subprocess.run([python, "-c", "import sys, numpy; from importlib.metadata import version; print('bpy', version('bpy') + ',', "
                                "'Python', sys.version.split()[0] + ',', 'numpy', numpy.__version__)"], capture_output=True, text=True).stdout.strip()
     began = time.monotonic()
     counts = dict.fromkeys(("passed", "failed", "skipped", "error"), 0)
-    # as make test does: Blender-free tests in a process of their own
-    for part in [arguments] if arguments else [["tests/reference_py"], ["tests/addon", "tests/test_package.py", "tests/test_trust.py"]]:
-        print(f"{blender}: {' '.join(part)}", file=sys.stderr, flush=True)
-        told = subprocess.run([python, "-m", "pytest", "-q", "-rfE", *part], cwd=ROOT, capture_output=True, text=True).stdout
-        summary = told.strip().splitlines()[-1] if told.strip() else "1 error"
-        for number, what in re.findall(r"(\d+) (passed|failed|skipped|error)", summary):
-            counts[what] += int(number)
-        print("".join(f"{line}\n" for line in told.splitlines() if line.startswith(("FAILED", "ERROR"))), end="", file=sys.stderr, flush=True)
+    failed: list[str] = []
+    # Blender-free tests in a process of their own
+    parts = [arguments] if arguments else HALVES
+    print(f"{blender}: {'; '.join(map(' '.join, parts))}", file=sys.stderr, flush=True)
+    with ThreadPoolExecutor(len(parts)) as pool:
+        for told in pool.map(lambda part: _pytest(python, part), parts):
+            summary = told.strip().splitlines()[-1] if told.strip() else "1 error"
+            for number, what in re.findall(r"(\d+) (passed|failed|skipped|error)", summary):
+                counts[what] += int(number)
+            failed += [line for line in told.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    print("".join(f"{line}\n" for line in failed), end="", file=sys.stderr, flush=True)
     minutes = f"{(time.monotonic() - began) / 60.0:.1f}"
-    return blender, versions, str(counts["passed"]), str(counts["failed"] + counts["error"]), str(counts["skipped"]), minutes
+    return (blender, versions, str(counts["passed"]), str(counts["failed"] + counts["error"]), str(counts["skipped"]), minutes), failed
+
+
+def _pytest(python: Path, arguments: list[str]) -> str:
+    return subprocess.run([python, "-m", "pytest", "-q", "-rfE", *arguments], cwd=ROOT, capture_output=True, text=True).stdout
 
 
 def main() -> int:
-    rows = [("Blender", "versions", "passed", "failed", "skipped", "minutes"), *(run(blender, sys.argv[1:]) for blender in BLENDERS)]
-    for name, versions, *numbers in rows:
-        print(f"{name:8} {versions:44} " + " ".join(f"{n:>8}" for n in numbers))
+    arguments = sys.argv[1:]
+    table = Path(arguments[1]) if arguments[:1] == ["-o"] else None
+    rows, lines = [("Blender", "versions", "passed", "failed", "skipped", "minutes")], []
+    for blender in BLENDERS:
+        row, failed = run(blender, arguments[2:] if table else arguments)
+        rows.append(row)
+        lines += [f"{blender}: {line}" for line in failed]
+    text = "".join(f"{name:8} {versions:44} " + " ".join(f"{n:>8}" for n in numbers) + "\n" for name, versions, *numbers in rows)
+    print(text, end="")
+    if table:
+        table.write_text(f"# make matrix\n{text}" + "".join(f"{line}\n" for line in lines), encoding="utf-8")
     return 1 if any(row[3] not in ("", "0") for row in rows[1:]) else 0
 
 

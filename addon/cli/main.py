@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from ... import version
 from ...reference_py.errors import LaminaError
 from ..nodes.backend import BACKENDS, DEFAULT_BACKEND
+from ..rendering.interrupt import raising
 
 DONE, FAILED, BAD_INPUT, CANCELLED = 0, 1, 2, 130
 STACK_HELP = "name of a preset (see `lamina presets`) or a JSON file"
@@ -174,7 +175,8 @@ def run(arguments: Sequence[str]) -> int:
         options = build_parser().parse_args(arguments)
         handler = getattr(_module(options.module), options.command)
         _keep_bakes()
-        code = handler(options) or DONE
+        with raising():
+            code = handler(options) or DONE
         sys.stdout.flush()
         return code
     except BrokenPipeError:  # whoever read the output has seen enough

@@ -14,6 +14,20 @@ def _set_back(handler) -> None:
 
 
 @contextmanager
+def raising() -> Iterator[None]:
+    """Lets a SIGINT raise KeyboardInterrupt in the block, as plain Python does; a real Blender would end at once."""
+    own = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or own not in (None, signal.SIG_DFL):
+        yield
+        return
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        _set_back(own)
+
+
+@contextmanager
 def deferred() -> Iterator[None]:
     """Holds a SIGINT back to the end of the block: a Blender that is interrupted while it starts is left half-made."""
     if threading.current_thread() is not threading.main_thread():

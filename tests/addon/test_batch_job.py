@@ -2,9 +2,12 @@
 """The job file: what it means, and one clear line for whatever is wrong with it."""
 
 import json
+import re
+from pathlib import Path
 
 import pytest
 
+import lamina
 from lamina.addon.batch.items import Item, expand
 from lamina.addon.batch.job import Job
 from lamina.reference_py import presets
@@ -55,6 +58,12 @@ def test_items_travel_to_another_process(tmp_path):
     (tmp_path / "s.blend").write_bytes(b"one")
     made = expand(job(tmp_path, scenes=["ball", {"blend": "s.blend", "object": "Cup"}], sweeps=[{"parameter": "base.roughness", "values": [0.5]}]))
     assert [Item.from_dict(json.loads(json.dumps(item.to_dict()))) for item in made] == made
+
+
+def test_the_job_in_the_readme_is_one(tmp_path):
+    readme = (Path(lamina.__file__).parent / "README.md").read_text(encoding="utf-8")
+    (text,) = (block for block in re.findall(r"```json\n(.*?)```", readme, re.DOTALL) if '"stacks"' in block)
+    assert len(expand(Job.from_json(text, tmp_path / "job.json"))) == 12
 
 
 @pytest.mark.parametrize("name", ["../../../etc/passwd", "mein Lack für Ödön", "漆" * 40, "x" * 200, "a/b\\c:d*e?", "", ".", "\u202eexr"])

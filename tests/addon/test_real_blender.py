@@ -4,8 +4,10 @@
 import csv
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -18,20 +20,27 @@ pytestmark = [pytest.mark.blender, pytest.mark.skipif(not BLENDER, reason="LAMIN
 
 
 @pytest.fixture(scope="module")
-def blender(tmp_path_factory):
-    """Runs a Blender with a profile of its own, in which the extension is installed; (lines of stdout without Blender's own, stderr)."""
+def profile(tmp_path_factory) -> dict:
+    """Arguments of subprocess for a Blender with a profile of its own, in which the extension is installed."""
     home = tmp_path_factory.mktemp("profile")
     environment = os.environ | {"BLENDER_USER_RESOURCES": str(home / "user"), "LAMINA_CACHE": str(home / "cache")}
     root = Path(package.__file__).resolve().parent
     subprocess.run([sys.executable, root / "tools" / "extension.py", "build", home], check=True, capture_output=True)
+    install = [BLENDER, "-b", "--command", "extension", "install-file", "-r", "user_default", "-e", next(home.glob("*.zip"))]
+    subprocess.run(install, check=True, capture_output=True, env=environment)
+    return {"env": environment, "cwd": home, "text": True}
+
+
+@pytest.fixture(scope="module")
+def blender(profile):
+    """Runs that Blender; (lines of stdout without Blender's own, stderr)."""
 
     def run(*arguments, code=0):
-        ran = subprocess.run([BLENDER, "-b", *map(str, arguments)], env=environment, capture_output=True, text=True, timeout=600, cwd=home)
+        ran = subprocess.run([BLENDER, "-b", *map(str, arguments)], capture_output=True, timeout=600, **profile)
         assert ran.returncode == code, ran.stdout + ran.stderr
         assert "Traceback" not in ran.stderr
         return [line for line in ran.stdout.splitlines() if line and not line.startswith("Blender ")], ran.stderr
 
-    run("--command", "extension", "install-file", "-r", "user_default", "-e", next(home.glob("*.zip")))
     return run
 
 
@@ -84,3 +93,16 @@ def test_osl_where_there_is_none_is_code_2(blender, tmp_path):
     has_osl = osl_of(blender)
     _, said = blender("--command", "lamina", "batch", job, "-o", tmp_path / "out", "--no-sheet", code=0 if has_osl else 2)
     assert has_osl or "needs Cycles with OSL" in said
+
+
+def test_ctrl_c_is_130_as_in_the_wheel(profile, tmp_path):
+    job = tmp_path / "job.json"
+    job.write_text(json.dumps({"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "size": 256, "samples": 100_000}))
+    command = [BLENDER, "-b", "--command", "lamina", "batch", str(job), "-o", str(tmp_path / "out")]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, **profile)
+    assert "0 of them" in process.stderr.readline()
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    error = process.communicate(timeout=60)[1]
+    assert process.returncode == 130 and error.strip().splitlines()[-1] == "lamina: cancelled"
+    assert [f.name for f in (tmp_path / "out").iterdir()] == [".lamina-batch"]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a farm's task costs beside its pictures: `openjd run` of one bundle, with 1, 2, 4 and 8 pictures per task.
 
-    farm_tasks.py [TABLE.csv]
+    farm_tasks.py [TABLE.csv LOG.txt]
 
-Prints and writes a row for each. Seconds are of the clock, on one machine, where tasks run one after the other. The program
+Prints and writes a row for each, and what `openjd` says of two tasks. Seconds are of the clock, on one machine, where tasks run one after the other. The program
 `blender` is what LAMINA_BLENDER names, else the bpy wheel in its clothes.
 """
 
@@ -35,6 +35,12 @@ def main() -> int:
         for chunk in (1, 2, 4, 8):
             told = subprocess.run([openjd, "run", f"{home}/bundle/template.json", "--step", "Render", f"-pBlender={blender}", f"-pPicturesPerTask={chunk}",
                                    f"-pOutput={home}/out{chunk}"], check=True, capture_output=True, text=True).stdout  # fmt: skip
+            if chunk == PICTURES // 2 and len(sys.argv) > 2:
+                paths = {home: "/job", r"/\S*OpenJD/\w+": "/tmp/OpenJD/SESSION"}
+                log = f"$ openjd run /job/bundle/template.json --step Render -p Blender=blender -p PicturesPerTask={chunk} -p Output=/job/out{chunk}\n{told}"
+                for path, shown in paths.items():
+                    log = re.sub(path, shown, log)
+                Path(sys.argv[2]).write_text(log, encoding="utf-8")
             seconds, tasks = float(re.search(r"Duration: ([\d.]+)", told)[1]), int(re.search(r"Chunks run: (\d+)", told)[1])
             rows.append((chunk, tasks, f"{seconds:.1f}", f"{seconds / tasks:.2f}", f"{seconds / PICTURES:.2f}"))
             print("  ".join(f"{v!s:>18}" for v in rows[-1]), flush=True)
