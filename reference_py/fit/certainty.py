@@ -1,18 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How well data determine parameters: standard errors from the Jacobian, and the names of those that are not determined."""
+"""How well data determine parameters: standard errors, and the names of those that are not determined.
+
+The Jacobian tells how far values may move in a straight line. Valleys are curved, so each value that may move far is also
+held elsewhere while the others are fitted again, on the stand-in with what it lacks (a profile likelihood).
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from .elsewhere import COHERENT_ERROR, MOST_ALIKE, held, loose, straight
 from .fitting import Fit
+from .forward import MODEL_ERROR, stand_in
 from .measurement import half_angles
+from .metric import rms
 
-# Residuals are never believed to be smaller than this: the accuracy of `adding`'s f.
-MODEL_ERROR = 0.005
 # A value is not determined when its standard error exceeds this part of it.
 _OF_VALUE = 0.05
-_AT_BOUND, _MOST_ALIKE, _MOST_PAIRS = 1e-4, 0.95, 1500
+_AT_BOUND, _MOST_PAIRS = 1e-4, 1500
+# Where loose coordinates are held.
+_PLACES = (0.1, 0.5, 0.9, 1.0)
 
 
 @dataclass(frozen=True)
@@ -43,7 +50,7 @@ def independent_pairs(fit: Fit) -> float:
     np.fill_diagonal(distance, np.inf)
     neighbour = residual[np.argmin(distance, axis=1)]
     r = float(np.sum(residual * neighbour) / max(float(np.sum(np.square(residual))), 1e-30))
-    r = min(max(r, 0.0), _MOST_ALIKE)
+    r = min(max(r, 0.0), MOST_ALIKE)
     return len(m.f) * (1.0 - r) / (1.0 + r)
 
 
@@ -53,15 +60,24 @@ def certainty(fit: Fit) -> list[Value]:
     rows, pairs = len(fit.residual), len(fit.metric.measurement.f)
     alike = pairs / independent_pairs(fit)
     deviation = np.sqrt(alike * rows / max(rows - p.size, 1)) * fit.error
-    # the model's own error is systematic: as alike as any
-    deviation = max(deviation, MODEL_ERROR * np.sqrt((1.0 + _MOST_ALIKE) / (1.0 - _MOST_ALIKE)))
-    _, singular, directions = np.linalg.svd(fit.jacobian, full_matrices=False)
-    # what moves nothing by a rounding error is not determined at all
-    singular = np.maximum(singular, 1e-9 * max(float(singular[0]), 1e-30))
-    error = deviation * np.sqrt(np.sum(np.square(directions / singular[:, None]), axis=0))
+    error = straight(fit.jacobian, max(deviation, COHERENT_ERROR))
+    error = np.maximum(error, _reach(fit, error))
     values, widths = p.values(fit.x), p.ranges()
     curved = np.repeat([g.is_color for g in p.groups], [len(g.index) for g in p.groups])
     spread = np.minimum(p.slopes(fit.x) * error + np.where(curved, widths * np.square(error), 0.0), widths)
     bound = (fit.x <= _AT_BOUND) | (fit.x >= 1.0 - _AT_BOUND)
     known = spread <= _OF_VALUE * np.abs(values)
     return [Value(*row) for row in zip(p.names, values.tolist(), spread.tolist(), known.tolist(), bound.tolist())]
+
+
+def _reach(fit: Fit, error: np.ndarray) -> np.ndarray:
+    """(p,) how far coordinates move where loose ones are held elsewhere and the data are met as well, as far as models go."""
+    coarse, _ = stand_in(fit.model, fit.parameters, fit.metric)
+    reach = np.zeros(len(error))
+    for group in fit.parameters.groups:
+        which = np.intersect1d(loose(error), group.index)
+        for place in _PLACES if len(which) else ():
+            found = held(coarse, fit.residual, fit.x, which, place)
+            if rms(found.residual) <= np.hypot(fit.error, MODEL_ERROR):
+                reach = np.maximum(reach, np.abs(found.x - fit.x))
+    return reach

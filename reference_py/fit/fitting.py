@@ -8,26 +8,32 @@ Simultaneous Equations"). So the truth is evaluated about once per step.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
 
 from ..stack import Stack
-from .forward import DEFAULT_MODEL, Forward, require_fittable, stand_in
+from .elsewhere import held, loose, straight
+from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, Forward, require_fittable, stand_in
 from .measurement import Measurement, subsample
 from .metric import Metric, rms
 from .parameters import Parameters, Structure
-from .solve import Solution, least_squares
+from .prior import FINE, ROUGH, SETTLED, pulled
+from .solve import Solution
 from .starts import best_starts
 
-SAMPLES, STARTS, STEPS = 500, 4, 14
+SAMPLES, STARTS, STEPS = 500, 4, 8
+# Steps before the model's own derivatives are worth their time.
+_FIRST_STEPS = 5
 _ROUGH_SAMPLES, _ROUGH_STEPS, _ROUGH_TOLERANCE = 200, 20, 3e-3
 _DIRECT_STEPS, _CORRECTED_STEPS = 60, 8
 # Trust region of the first corrected step, in coordinates, and the least move that counts.
 _RADIUS, _STILL, _LEAST_RADIUS = 0.25, 2e-5, 1e-3
 # A step that gains less than this part of the error is idle; so many in a row are enough.
 _SETTLED, _PATIENCE = 1e-2, 2
+# Where loose coordinates are held for another beginning.
+_ELSEWHERE = (1.0, 0.5)
 # Good enough, as a residual: an order below the accuracy of `adding`.
 _EXACT = 3e-4
 
@@ -81,34 +87,37 @@ def rough_fits(
     """Fits of the stand-in from several starts, best first; see `best_starts`."""
     few = Metric(subsample(metric.measurement, _ROUGH_SAMPLES, rng), metric.kind)
     forward, _ = stand_in(model, Parameters(structure, metric.measurement.channels), few)
-    found = [_solved(forward, x) for x in best_starts(forward, starts, rng, known)]
+    found = [_solved(forward, x, ROUGH, _ROUGH_TOLERANCE, _ROUGH_STEPS) for x in best_starts(forward, starts, rng, known)]
     return sorted(found, key=lambda s: s.cost)
 
 
-def _solved(forward: Forward, x: np.ndarray, tolerance: float = _ROUGH_TOLERANCE, steps: int = _ROUGH_STEPS) -> Solution:
+def _solved(forward: Forward, x: np.ndarray, pull: float, tolerance: float, steps: int) -> Solution:
     zero, one = np.zeros(len(x)), np.ones(len(x))
-    return least_squares(forward.residual, forward.jacobian, x, zero, one, steps, tolerance)
+    return pulled(forward.parameters, pull, forward.residual, forward.jacobian, x, zero, one, steps, tolerance)
 
 
 def refined(
     metric: Metric, structure: Structure, model: str, x: np.ndarray, steps: int = STEPS, progress: Progress | None = None,
-    options: Mapping = MappingProxyType({}),
+    options: Mapping = MappingProxyType({}), slopes: np.ndarray | None = None,
 ) -> Fit:
-    """The fit of the model itself, begun at coordinates (p,); `options` are those of a slow model, such as `QUICK`."""
+    """The fit of the model itself, begun at coordinates (p,); `options` are those of a slow model, such as `QUICK`.
+
+    `slopes` (m, p) is the model's own Jacobian there, if it is known; else the stand-in's serves.
+    """
     parameters = Parameters(structure, metric.measurement.channels)
     coarse, is_other = stand_in(model, parameters, metric)
     if not is_other:
-        solved = _solved(coarse, x, 1e-6, _DIRECT_STEPS)
+        solved = _solved(coarse, x, SETTLED, 1e-6, _DIRECT_STEPS)
         return Fit(model, parameters, metric, solved.x, solved.residual, solved.jacobian, solved.steps, np.zeros(len(solved.residual)))
     fine = Forward(model, tuple(options.items()), parameters, metric)
-    size, radius = parameters.size, _RADIUS
+    radius, pull = (_RADIUS, FINE) if slopes is None else (0.5 * _RADIUS, SETTLED)
     at, value, base = x, fine.compressed(x), coarse.compressed(x)
     target = metric.compressed(metric.measurement.f).ravel()
-    lacks = np.zeros((len(value), size))
+    lacks = np.zeros((len(value), parameters.size)) if slopes is None else slopes - coarse.jacobian(x)
     evaluations, idle = 1, 0
     for step in range(steps):
         lack = value - base
-        solved = corrected(coarse, lack, lacks, at, radius, target)
+        solved = corrected(coarse, lack, lacks, at, radius, target, pull)
         moved = solved.x - at
         if np.max(np.abs(moved)) < _STILL:
             break
@@ -131,13 +140,44 @@ def refined(
             break
         if progress is not None:
             progress((step + 1) / steps)
-    # the stand-in's own derivatives: updates of one rank say nothing of directions that were not taken
-    return Fit(model, parameters, metric, at, value - target, coarse.jacobian(at), evaluations, value - base)
+    # without the model's own derivatives those of the stand-in: updates of one rank say nothing of directions not taken
+    jacobian = coarse.jacobian(at) if slopes is None else coarse.jacobian(at) + lacks
+    return Fit(model, parameters, metric, at, value - target, jacobian, evaluations, value - base)
 
 
-def corrected(coarse: Forward, lack: np.ndarray, lacks: np.ndarray, at: np.ndarray, radius: float, target: np.ndarray) -> Solution:
+def settled(fit: Fit, progress: Progress | None = None, options: Mapping = MappingProxyType({})) -> Fit:
+    """The fit continued with the model's own derivatives, which are then those of the result.
+
+    They cost as much as a third of their number of evaluations, since tints and colors share what their surfaces do. A
+    fit that explains the data, but not to the last, is begun again elsewhere, as there may be a better one.
+    """
+    coarse, is_other = stand_in(fit.model, fit.parameters, fit.metric)
+    if not is_other:
+        return fit
+    quick = Forward(fit.model, tuple({**QUICK.get(fit.model, {}), **options}.items()), fit.parameters, fit.metric)
+
+    def continued(x: np.ndarray) -> Fit:
+        more = refined(fit.metric, fit.structure, fit.model, x, STEPS, progress, options, quick.jacobian(x))
+        return replace(more, evaluations=more.evaluations + len(fit.parameters.groups) + 1)
+
+    best = continued(fit.x)
+    evaluations = fit.evaluations + best.evaluations
+    for place in _ELSEWHERE:
+        which = loose(straight(best.jacobian))
+        if not 2.0 * _EXACT < best.error < MODEL_ERROR or not len(which):
+            break
+        other = continued(held(coarse, best.residual, best.x, which, place).x)
+        evaluations += other.evaluations
+        best = min(best, other, key=lambda f: f.error)
+    return replace(best, evaluations=evaluations)
+
+
+def corrected(
+    coarse: Forward, lack: np.ndarray, lacks: np.ndarray, at: np.ndarray, radius: float, target: np.ndarray, pull: float = FINE,
+) -> Solution:
     """Fit of the stand-in plus `lack` (m,) at coordinates `at` (p,), which changes by `lacks` (m, p), near them."""
-    return least_squares(
+    return pulled(
+        coarse.parameters, pull,
         lambda y: coarse.compressed(y) + lack + lacks @ (y - at) - target,
         lambda y, r: coarse.jacobian(y) + lacks,
         at, np.maximum(at - radius, 0.0), np.minimum(at + radius, 1.0), _CORRECTED_STEPS, 1e-5,
@@ -153,4 +193,4 @@ def fit_structure(
     require_fittable(model)
     metric = subsampled(measurement, samples, seed)
     rough = rough_fits(metric, structure, model, starts, np.random.default_rng(seed))
-    return refined(metric, structure, model, rough[0].x, STEPS, progress, options)
+    return settled(refined(metric, structure, model, rough[0].x, _FIRST_STEPS, progress, options), progress, options)

@@ -18,6 +18,8 @@ from .metric import Metric
 from .parameters import Parameters
 
 DEFAULT_MODEL = "adding"
+# Residuals are never believed to be smaller than this: the accuracy of `adding`'s f.
+MODEL_ERROR = 0.005
 # What stands in for a slow model: a model's name and options.
 _STAND_IN = {"adding": ("mirror", {"tier": "analytic"})}
 # Coarser and about twice as fast: within .1 % in the median, some percent near grazing angles. For choosing a structure.

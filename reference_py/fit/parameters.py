@@ -56,6 +56,12 @@ class Group:
     def name(self) -> str:
         return f"{self.parameter.name} of {self.where}"
 
+    def coordinate(self, value):
+        """Coordinates of values in the schema's units, limited to its range."""
+        p = self.parameter
+        u = (np.clip(value, p.minimum, p.maximum) - p.minimum) / (p.maximum - p.minimum)
+        return np.sqrt(u) if self.is_color else u
+
 
 @dataclass(frozen=True)
 class Parameters:
@@ -115,9 +121,7 @@ class Parameters:
             p = g.parameter
             if p.name not in elements[g.where]:
                 raise LaminaError(f"fit: {g.where} has no {p.name}")
-            value = np.atleast_1d(elements[g.where][p.name])[: len(g.index)]
-            u = (value - p.minimum) / (p.maximum - p.minimum)
-            x[list(g.index)] = np.sqrt(u) if g.is_color else u
+            x[list(g.index)] = g.coordinate(np.atleast_1d(elements[g.where][p.name])[: len(g.index)])
         return x
 
     def stack(self, x: np.ndarray, name: str = "", source: str = "") -> Stack:

@@ -15,9 +15,9 @@ import numpy as np
 
 from ..errors import LaminaError
 from ..schema import DIELECTRIC
-from .certainty import MODEL_ERROR, independent_pairs
+from .certainty import independent_pairs
 from .fitting import SAMPLES, Fit, Progress, corrected, refined, rough_fits, subsampled
-from .forward import DEFAULT_MODEL, QUICK, require_fittable, stand_in
+from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, require_fittable, stand_in
 from .measurement import Measurement
 from .metric import Metric
 from .parameters import BASES, Parameters, Structure

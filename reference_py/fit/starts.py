@@ -8,12 +8,8 @@ import numpy as np
 from .metric import rms
 from .forward import Forward
 from .parameters import Parameters
+from .prior import USUAL
 
-# Usual values in the schema's units, between which guesses lie; a diffuse color comes from the data.
-_USUAL = {
-    "ior": (1.2, 2.0), "roughness": (0.1, 0.8), "tint": (0.4, 1.0), "reflectance": (0.3, 0.95), "edge_color": (0.3, 1.0),
-    "sigma_deg": (5.0, 40.0), "color": (0.5, 1.8),
-}
 _GUESSES, _SAME = 32, 0.06
 
 
@@ -53,10 +49,7 @@ def _carried(old: Parameters, x: np.ndarray, above: int, new: Parameters, guess:
 def _guess(parameters: Parameters, diffuse: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     x = np.empty(parameters.size)
     for g in parameters.groups:
-        p = g.parameter
-        low, high = _USUAL[p.name]
+        low, high = USUAL[g.parameter.name]
         value = low + (high - low) * rng.random()
-        value = np.clip(value * diffuse if p.name == "color" else np.full(len(g.index), value), p.minimum, p.maximum)
-        u = (value - p.minimum) / (p.maximum - p.minimum)
-        x[list(g.index)] = np.sqrt(u) if g.is_color else u
+        x[list(g.index)] = g.coordinate(value * diffuse if g.parameter.name == "color" else value)
     return x

@@ -54,9 +54,7 @@ def random_stack(structure: Structure, rng: np.random.Generator) -> Stack:
     x = np.empty(parameters.size)
     for g in parameters.groups:
         low, high = _IN_RANGE[g.parameter.name]
-        p, value = g.parameter, low + (high - low) * rng.random(len(g.index))
-        u = (value - p.minimum) / (p.maximum - p.minimum)
-        x[list(g.index)] = np.sqrt(u) if g.is_color else u
+        x[list(g.index)] = g.coordinate(low + (high - low) * rng.random(len(g.index)))
     return parameters.stack(x)
 
 

