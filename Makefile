@@ -78,22 +78,22 @@ assets: $(READY)
 	$(RUN) -m lamina.demo_blend.assets
 
 charts: $(READY)
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[figures]'
+	$(RUN) -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps --only-binary :all: -r requirements/figures.txt
 	for chart in network presets tiers error stress suite; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
 	$(VENV)/bin/lamina figures --out figures/paper
 
 pareto: $(READY)
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[figures]'
+	$(RUN) -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps --only-binary :all: -r requirements/figures.txt
 	$(VENV)/bin/lamina chart levers -o figures
 	$(VENV)/bin/lamina chart pareto -o figures
 	$(VENV)/bin/lamina chart pair -o figures
 
 fit: $(READY)
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[figures]'
+	$(RUN) -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps --only-binary :all: -r requirements/figures.txt
 	$(VENV)/bin/lamina chart fit -o figures
 
 scale: $(READY)
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e '.[figures]'
+	$(RUN) -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps --only-binary :all: -r requirements/figures.txt
 	$(VENV)/bin/lamina chart scale -o figures
 
 killed-batch: $(READY)
