@@ -22,8 +22,10 @@ HALVES = (["tests/reference_py", LONGEST], ["tests/addon", "tests/test_package.p
 
 def run(blender: str, arguments: list[str]) -> tuple[tuple[str, ...], list[str]]:
     """One row (Blender, its versions, passed, failed, skipped, minutes), and pytest's lines of what failed."""
-    environment = os.environ | {"LAMINA_BPY": blender}
-    venv = ROOT / f".venv-{blender}"
+    venv = ROOT / ".venv"
+    is_own = any(venv.glob(f"lib/python*/site-packages/bpy-{blender}.*.dist-info"))  # that of `make test` will do
+    venv = venv if is_own else ROOT / f".venv-{blender}"
+    environment = os.environ | {"LAMINA_BPY": "" if is_own else blender}
     made = subprocess.run(["make", "--no-print-directory", str(venv.relative_to(ROOT) / "ready")], cwd=ROOT, env=environment, capture_output=True, text=True)
     if made.returncode:
         said = (made.stdout + made.stderr).strip().splitlines()

@@ -7,6 +7,8 @@ a place, so a ramp is the table itself, up to float32. A ramp holds three column
 
 import hashlib
 import json
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
 
 import bpy
 import numpy as np
@@ -45,6 +47,9 @@ def network_group(network: TableNetwork | PatchNetwork) -> bpy.types.NodeTree:
 
     Networks of equal tables share one group of this file. A group that somebody edited is left alone.
     """
+    digest = _digest(network)
+    if tree := _group_with(_built.get(digest)):
+        return tree
     tree = bpy.data.node_groups.new("Lamina Network", "ShaderNodeTree")
     try:
         _build(tree, network)
@@ -52,12 +57,40 @@ def network_group(network: TableNetwork | PatchNetwork) -> bpy.types.NodeTree:
         bpy.data.node_groups.remove(tree)
         raise
     content = _content(tree)
-    for other in bpy.data.node_groups:
-        if other != tree and other.get(GROUP_KEY) == content and is_untouched(other):
-            bpy.data.node_groups.remove(tree)
-            return other
+    if len(_built) >= _MOST_BUILT:
+        _built.pop(next(iter(_built)))
+    _built[digest] = content
+    if other := _group_with(content):
+        bpy.data.node_groups.remove(tree)
+        return other
     tree.name, tree[GROUP_KEY] = f"Lamina Network {content}", content
     return tree
+
+
+# What the groups of networks were, by a digest of the network: the many nodes of one that is there need not be built again.
+_MOST_BUILT = 256
+_built: dict[str, str] = {}
+
+
+def _group_with(content: str | None) -> bpy.types.NodeTree | None:
+    """This file's group of a content, as long as nobody edited it."""
+    own = (group for group in bpy.data.node_groups if content and group.get(GROUP_KEY) == content)
+    return next((group for group in own if is_untouched(group)), None)
+
+
+def _digest(network: TableNetwork | PatchNetwork) -> str:
+    def told(value):
+        if isinstance(value, np.ndarray):
+            return value.tolist()
+        if isinstance(value, PatchNetwork):
+            return told((value.stack, value.parts))
+        if is_dataclass(value):
+            return [type(value).__name__, *(told(getattr(value, field.name)) for field in fields(value))]
+        if isinstance(value, Mapping):
+            return [[name, told(value[name])] for name in sorted(value)]
+        return [told(v) for v in value] if isinstance(value, (list, tuple)) else value
+
+    return hashlib.sha256(json.dumps(told(network)).encode()).hexdigest()
 
 
 def group_inputs(network: TableNetwork | PatchNetwork) -> tuple[ShaderInput, ...]:

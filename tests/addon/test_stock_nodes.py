@@ -145,6 +145,7 @@ def test_equal_networks_share_a_group_and_an_edited_one_is_left_alone(no_osl):
     network = TableNetwork((DiffuseTable(jagged(7, 0.1, 0.9)),))
     group = network_group(network)
     assert network_group(network) == group and len(no_osl.data.node_groups) == 1
+    assert network_group(TableNetwork((DiffuseTable(jagged(8, 0.1, 0.9)),))) != group
     ramp = next(node for node in group.nodes if node.bl_idname == "ShaderNodeValToRGB")
     ramp.color_ramp.elements[3].color = (1.0, 0.0, 0.0, 1.0)
     assert network_group(network) != group
