@@ -3,7 +3,9 @@
 
 import bpy
 import numpy as np
+from mathutils import Vector
 
+from ..addon.rendering.settings import add_object
 from .materials import plain_material, preset_material
 from .shapes import loft, turned
 from .stage import put, stage
@@ -18,7 +20,9 @@ def build(settle: bool = True) -> bpy.types.Scene:
     scene.frame_start, scene.frame_end, scene.render.fps = 1, FRAMES, 24
     form = put(scene, "Form", speed_form("Form"), preset_material("clear_coat_car_paint", settle), (0.0, 0.0, 0.16))
     table = turned("Table", [(0.0, 0.12), (1.72, 0.12), (1.72, 0.0), (0.0, 0.0)], [0.0, 0.03, 0.01, 0.0], 160)
-    disc = put(scene, "Table", table, plain_material("Table", (0.2, 0.2, 0.21), 0.3))
+    disc = put(scene, "Table", table, plain_material("Table", (0.12, 0.12, 0.13), 0.3))
+    for place, power in (((-0.9, -1.5, 3.4), 80.0), ((0.4, 0.9, 3.2), 120.0)):
+        _tube(scene, place, power)
     turner = bpy.data.objects.new("Turner", None)
     scene.collection.objects.link(turner)
     form.parent = disc.parent = turner
@@ -41,6 +45,15 @@ def speed_form(name: str) -> bpy.types.Mesh:
     up = np.where(np.sin(phi) > 0.0, up * height[:, None], -up * 0.22 * np.minimum(height, 0.5)[:, None])
     rings = np.stack(np.broadcast_arrays(x[:, None], across, up + 0.14 + 0.06 * np.square(2.0 * s - 1.0)[:, None]), axis=-1)
     return loft(name, rings)
+
+
+def _tube(scene: bpy.types.Scene, location: tuple[float, float, float], power: float) -> None:
+    """A long lamp such as paint shops hang over a car: its reflection is a line that shows the form."""
+    light = bpy.data.lights.new("Tube", "AREA")
+    light.shape, light.size, light.size_y, light.energy = "RECTANGLE", 5.0, 0.16, power
+    lamp = add_object(scene, "Tube", light)
+    lamp.location = location
+    lamp.rotation_euler = (Vector(location) - Vector((0.0, 0.0, 0.4))).to_track_quat("Z", "Y").to_euler()
 
 
 def _turn_once(item: bpy.types.Object) -> None:

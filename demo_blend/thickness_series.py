@@ -10,11 +10,13 @@ from .stage import per_object, put, stage
 
 THICKNESS = (0.1, 0.4, 0.8, 1.6, 3.2, 6.4)
 RADIUS, STEP = 0.44, 0.98
+HEIGHT = 360  # of the picture in pixels: the balls fill it
 
 
 def build(settle: bool = True) -> bpy.types.Scene:
     """One material for all balls: each gives its own thickness."""
-    scene = stage("Thickness Series", (0.0, -9.6, 2.6), (0.0, 0.0, 0.5), 56.0)
+    scene = stage("Thickness Series", (0.0, -9.6, 2.6), (0.0, 0.0, 0.42), 57.0)
+    scene.render.resolution_y = HEIGHT
     material = stack_material("Tinted Glaze", presets.load("tinted_glaze"), "analytic")
     per_object(material, material.lamina.layers[0], "Thickness", "thickness")
     mesh = ball("Ball", RADIUS)

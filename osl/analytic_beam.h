@@ -129,9 +129,10 @@ void cross_first(output Beam b, float table[], int kind, int beckmann, float alp
     }
 }
 
-// A deeper one. `met`: the beam passed an interface before; of the last one: `kind_back`, `alpha_back`, `eta_back`.
+// A deeper one, or, in loops, any: `top` says whether it is the first.
+// `met`: the beam passed an interface before; of the last one: `kind_back`, `alpha_back`, `eta_back`.
 void cross_next(output Beam b, float table[], int kind, int beckmann, float alpha, float n1, float n2, color tau,
-                int met, int kind_back, float alpha_back, float eta_back)
+                int top, int met, int kind_back, float alpha_back, float eta_back)
 {
     if (n1 != n2) {
         float eta = n2 / n1;
@@ -141,7 +142,7 @@ void cross_next(output Beam b, float table[], int kind, int beckmann, float alph
         color back = color(0.0);
         if (met)
             back = meet_before(b, table, r12, c1, slope, n1, eta, kind_back, alpha_back, eta_back);
-        cross_interface(b, beckmann, alpha, n1, n2, slope, r12, back, 0);
+        cross_interface(b, beckmann, alpha, n1, n2, slope, r12, back, top);
     }
     if (largest(tau) > 0.0) {
         color once = attenuation(tau, b.p, b.variance, n2);

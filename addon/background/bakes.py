@@ -13,8 +13,9 @@ from bpy.app.handlers import persistent
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.network import HOLD_VALUES, TIERS, worker
-from ..user_folders import cache_folder
 from ..nodes import material as materials
+from ..nodes.preview import follow_preview
+from ..user_folders import cache_folder
 from .process import Process
 
 TICK = 0.4
@@ -90,6 +91,7 @@ def _follow(material: bpy.types.Material) -> bool:
         materials.refresh(material)
     if material.lamina.tier not in HOLD_VALUES or materials.is_settled(material):
         _state.resting.pop(material.name_full, None)
+        follow_preview(material)
         return False
     wanted = materials.wanted_network(material)
     rested = _state.resting.get(material.name_full) == wanted.key

@@ -114,7 +114,8 @@ def _machine(material, scene, preferences) -> Iterator[Finding]:
         return
     available, reason = environment.osl_available()
     if not available:
-        yield Finding("osl_missing", {"reason": reason})
+        if has_shader(material):  # a new one would be of stock nodes
+            yield Finding("osl_missing", {"reason": reason})
     elif problem := scene_problem(scene):
         yield Finding("scene_without_osl", {"reason": problem})
     elif problem := device_problem(scene, preferences):

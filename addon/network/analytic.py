@@ -13,11 +13,11 @@ from ...reference_py.network.analytic.network import ALBEDO_NODES
 from ...reference_py.optics.material import TINT_FLOOR
 from ...reference_py.schema import ANISOTROPY
 from ...reference_py.stack import Element, Stack
-from .analytic_layers import beam_of, below_text, layers_text, roughest, view_text
+from .analytic_layers import beam_of, below_text, for_each, layers_text, lines_of, roughest, view_text
 from .analytic_tables import Tables, constants
 from .block import Block, Closure
 from .inputs import BASE
-from .parts import beckmann, fill, numbers
+from .parts import beckmann, fill
 from .surface import Surface, diffuse_closure, surface_of, top_closure
 
 NOTE = "Adding over the interfaces at every shading point."
@@ -128,10 +128,9 @@ def _metal(stack: Stack, surface: Surface, told: Tables) -> tuple[str, Closure, 
 
 def _lobe_nodes(stack: Stack, surface: Surface) -> str:
     above = stack.layers[-1] if stack.layers else stack.base
-    lines = []
-    for u, w, x, y, cell in zip(*base.lobe_nodes()):
-        node = f"{numbers((u, w, x, y))}, {surface.alpha}, {beckmann(stack.base)}, {beckmann(above)}"
-        lines.append(f"lobe_node(lobe, {node}, eta, k, node_share, radius);")
-        if stack.layers:
-            lines.append(f"carry_node(lobe, below, node_share, radius, {cell:.9g});")
-    return "\n".join(f"    {line}" for line in lines)
+    nodes = {f"node_{name}": values for name, values in zip(("u", "weight", "x", "y", "cell"), base.lobe_nodes())}
+    given = f"@node_u@, @node_weight@, @node_x@, @node_y@, {surface.alpha}, {beckmann(stack.base)}, {beckmann(above)}"
+    body = [f"lobe_node(lobe, {given}, eta, k, node_share, radius);"]
+    if stack.layers:
+        body.append("carry_node(lobe, below, node_share, radius, @node_cell@);")
+    return lines_of(for_each(nodes, body, len(stack.layers)))

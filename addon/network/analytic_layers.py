@@ -30,8 +30,8 @@ def layers_text(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface]
         ]  # fmt: skip
     return fill(
         "analytic_layers.osl",
-        VALUES=_lines(values),
-        BEFORE=_lines(_before(stack, told, "down") + _before(stack, told, "up") + _in_order(stack, told, "down") + _in_order(stack, told, "up")),
+        VALUES=lines_of(values),
+        BEFORE=lines_of(_before(stack, told, "down") + _before(stack, told, "up") + _in_order(stack, told, "down") + _in_order(stack, told, "up")),
         ESCAPING="" if stack.base.kind == "conductor" else _escaping(stack, told) + "\n",
         LEAST=_nested("min", [f"n_{j}" for j in range(count)]),
         N_BASE=f"n_{count}",
@@ -42,7 +42,7 @@ def layers_text(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface]
 def view_text(stack: Stack, told: Tables, view: str) -> str:
     """The beam of the view of cosine `view`."""
     beam = beam_of(view)
-    return fill("analytic_view.osl", BEAM=beam, VIEW=view, CROSSINGS=_lines(_crossings(stack, told, beam, "down")))
+    return fill("analytic_view.osl", BEAM=beam, VIEW=view, CROSSINGS=lines_of(_crossings(stack, told, beam, "down")))
 
 
 def beam_of(view: str) -> str:
@@ -55,7 +55,7 @@ def roughest(count: int) -> str:
     return _nested("max", [f"real_{j} * alpha_{j}" for j in range(count)])
 
 
-def _lines(lines, indent="    ") -> str:
+def lines_of(lines, indent="    ") -> str:
     return "\n".join(indent + line for line in lines)
 
 
@@ -95,17 +95,16 @@ def _before(stack: Stack, told: Tables, way: str) -> list[str]:
 
 
 def _crossings(stack: Stack, told: Tables, beam: str, way: str) -> list[str]:
+    if _has_loops(stack):
+        here = f"{beam}, {told.name}, " + ", ".join(f"{way}_{name}[j]" for name in ("kind", "beckmann", "alpha", "own", "other", "tau"))
+        back = ", ".join(f"{way}_{name}[j]" for name in ("met", "last_kind", "last_alpha")) + f", {way}_last_n[j] / {way}_own[j]"
+        return [f"for (int j = 0; j < {len(stack.layers)}; ++j) {{", f"    cross_next({here}, j == 0, {back});", "}"]
     lines = []
     for place, (j, own, other, tau) in enumerate(_passages(stack, way)):
         layer = stack.layers[j]
         here = f"{beam}, {told.arguments(layer['distribution'])}, {beckmann(layer)}, alpha_{j}, n_{own}, n_{other}, {tau}"
         back = f"met_{way}_{j}, kind_{way}_{j}, alpha_{way}_{j}, n_{way}_{j} / n_{own}"
-        if place and _has_loops(stack):
-            here = f"{beam}, {told.name}, " + ", ".join(f"{way}_{name}[j]" for name in ("kind", "beckmann", "alpha", "own", "other", "tau"))
-            back = ", ".join(f"{way}_{name}[j]" for name in ("met", "last_kind", "last_alpha")) + f", {way}_last_n[j] / {way}_own[j]"
-            loop = f"for (int j = 1; j < {len(stack.layers)}; ++j)"
-            return [*lines, f"{loop} {{", f"    cross_next({here}, {back});", "}"]
-        lines.append(f"cross_next({here}, {back});" if place else f"cross_first({here});")
+        lines.append(f"cross_next({here}, 0, {back});" if place else f"cross_first({here});")
     return lines
 
 
@@ -151,13 +150,13 @@ def _escaping(stack: Stack, told: Tables) -> str:
     body = ["start_beam(beam, sqrt(1.0 - @u@ * @u@), 0.0);", *_crossings(stack, told, "beam", "down")]
     body.append(f"escaped += @w@ / (n_{count} * n_{count}) * beam.transmitted;")
     thickest = _nested("max", [f"largest(tau_{j})" for j in range(count)])
-    return _lines([
-        "color escaped = color(0.0);", *_for_each({"u": u, "w": 2.0 * w * u}, body, count),
+    return lines_of([
+        "color escaped = color(0.0);", *for_each({"u": u, "w": 2.0 * w * u}, body, count),
         "color reflected = 1.0 - escaped;", f"float thickest = {thickest};",
     ])  # fmt: skip
 
 
-def _for_each(nodes: dict[str, np.ndarray], body: list[str], count: int) -> list[str]:
+def for_each(nodes: dict[str, np.ndarray], body: list[str], count: int) -> list[str]:
     """`body` once per node, its @names@ replaced by the node's values; as a loop where straight lines would be too many."""
     size = len(next(iter(nodes.values())))
     if count > MOST_UNROLLED:
@@ -192,9 +191,9 @@ def _below(stack: Stack, told: Tables) -> str:
     lines = ["color left, back, out;", "float p, weight;"]
     if stack.base.kind != "conductor":
         body.append("absorbed += weight * (1.0 - back - out);")
-        lines += ["color absorbed = color(0.0);", *_for_each(nodes, body, count)]
+        lines += ["color absorbed = color(0.0);", *for_each(nodes, body, count)]
         lines.append("reflected = max(reflected - max(absorbed, color(0.0)), color(0.0));")
-        return _lines(["if (thickest > 0.0) {", *("    " + line for line in lines), "}"])
+        return lines_of(["if (thickest > 0.0) {", *("    " + line for line in lines), "}"])
     lines += ["Below below;", "below.least = least;", f"below.n_base = {n_base};", "below.critical2 = critical2;"]
     lines += ["color reflected = color(0.0);", "color escaped = color(0.0);"]
     body += ["reflected += weight * back;", "escaped += weight * out;"]
@@ -205,14 +204,14 @@ def _below(stack: Stack, told: Tables) -> str:
             for share in ("back", "out"):
                 lines.append(f"below.{group}_{share}_{degree} = color(0.0);")
                 body.append(f"below.{group}_{share}_{degree} += @{group}_{degree}@ * {share};")
-    return _lines(lines + _for_each(nodes, body, count))
+    return lines_of(lines + for_each(nodes, body, count))
 
 
 def below_text() -> dict[str, str]:
     """Placeholders of the part that evaluates the polynomials of light from below (`analytic_below.h`)."""
     groups = {"escaping": ("u", base.ESCAPING), "trapped": ("v", base.TRAPPED)}
     fields = [f"color {group}_{share}_{d};" for group, (_, size) in groups.items() for share in ("back", "out") for d in range(size)]
-    texts = {"FIELDS": _lines(fields)}
+    texts = {"FIELDS": lines_of(fields)}
     for group, (variable, size) in groups.items():
         for share in ("back", "out"):
             terms = f"b.{group}_{share}_{size - 1}"

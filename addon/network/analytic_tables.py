@@ -48,6 +48,7 @@ def _declaration(name: str, kinds: tuple[str, ...]) -> str:
     return f"    float {name}[{values.size}] = {{{','.join(str(v) for v in np.rint(values / tables.UNIT).astype(int))}}},"
 
 
+@cache
 def _starts() -> list[int]:
     """Where each block starts within the tables of a distribution, then where they end."""
     sizes = tables.tables()["ggx"]

@@ -26,7 +26,7 @@ def live_values(material: bpy.types.Material) -> tuple[tuple[int, str], ...]:
             if parameter in unused or parameter.name in ALWAYS_LIVE:
                 continue
             socket = node.inputs[parameter.label]
-            if socket.is_linked or (node.name, list(node.inputs).index(socket)) in animated:
+            if socket.is_linked or animated and (node.name, list(node.inputs).index(socket)) in animated:
                 result.append((index, parameter.name))
     return tuple(result)
 

@@ -190,12 +190,14 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
         bring_up_to_date(element)
     owners = {layer_owner(i): node_of(e) for i, e in enumerate(layers)} | {BASE: node_of(lamina.base)}
     waits = lamina.tier in HOLD_VALUES
-    if waits or backend == NODES:
+    wanted = wanted_network(material) if waits else None
+    if wanted:
+        told = wanted.stack
+    elif backend == NODES:
         told = stack_of(material)
     else:
         elements = [structure_dict(e, kind_of(e)) for e in (*layers, lamina.base)]
         told = Stack.from_dict({"layers": elements[:-1], "base": elements[-1]}, f"material {material.name}")
-    wanted = wanted_network(material) if waits else None
     settled = wanted is None or settle or wanted.is_known()
     network = make_network(told, PROVISIONAL_TIER) if not settled else wanted.make(progress) if waits else make_network(told, lamina.tier)
     if backend == NODES:

@@ -147,8 +147,8 @@ def _compiler_leftovers_removed() -> Iterator[None]:
 
 def _anonymise(node) -> None:
     """Drop the compiler's remarks from the compiled shader: they hold folders of this machine, and the file may travel."""
-    lines = (line for line in node.bytecode.splitlines(keepends=True) if not line.startswith("#"))
-    node.bytecode = re.sub(r"%(?:filename|line)\{[^}]*\} ?", "", "".join(lines))
+    code = re.sub(r"\n#[^\n]*", "", "\n" + node.bytecode)[1:]
+    node.bytecode = re.sub(r"%(?:filename|line)\{[^}]*\} ?", "", code)
     node.bytecode_hash = hashlib.md5(node.bytecode.encode(), usedforsecurity=False).hexdigest()
 
 

@@ -34,12 +34,17 @@ def has_shader(material: bpy.types.Material) -> bool:
 def script_with(material: bpy.types.Material, shader: Shader, owners: dict[str, bpy.types.Node]) -> bpy.types.ShaderNodeScript:
     """The material's Script node with this shader, wired to the nodes of the values by owner."""
     script = _shader_node(material, _SCRIPT, lambda node: holds(node, shader), lambda node: set_script(node, shader))
-    links = material.node_tree.links
+    links, kept = material.node_tree.links, set()
+    wanted = {i.osl_name: owners[i.owner].outputs[i.parameter.label] for i in shader.inputs}
+    # each change makes Blender look through the whole tree
     for link in [link for link in links if link.to_node == script]:
-        links.remove(link)
-    inputs = {socket.identifier: socket for socket in script.inputs}
-    for shader_input in shader.inputs:
-        links.new(owners[shader_input.owner].outputs[shader_input.parameter.label], inputs[shader_input.osl_name])
+        if link.from_socket == wanted.get(link.to_socket.identifier):
+            kept.add(link.to_socket.identifier)
+        else:
+            links.remove(link)
+    for socket in script.inputs:
+        if socket.identifier in wanted and socket.identifier not in kept:
+            links.new(wanted[socket.identifier], socket)
     return script
 
 

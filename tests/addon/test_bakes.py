@@ -9,9 +9,11 @@ import pytest
 pytest.importorskip("bpy")
 
 from lamina.addon.background import ahead, bakes  # noqa: E402
+from lamina.addon.network.stock_nodes import HAS_DIELECTRIC, network_group  # noqa: E402
 from lamina.addon.nodes import elements, material  # noqa: E402
 from lamina.addon.nodes.live_values import live_values  # noqa: E402
 from lamina.reference_py.network import memory  # noqa: E402
+from lamina.reference_py.network.tabulate import tabulate  # noqa: E402
 from lamina.reference_py.suite import suite_stack  # noqa: E402
 
 pytestmark = pytest.mark.blender
@@ -60,6 +62,26 @@ def test_a_material_is_live_until_its_bake_is_done(window):
     rest(owner)
     assert material.is_settled(owner) and not material.is_stale(owner)
     assert "error" in owner.lamina.note and bakes.bake_of(owner) is None
+
+
+def shown_by(owner, engine: str):
+    """The node that an engine takes for the surface."""
+    return owner.node_tree.get_output_node(engine).inputs["Surface"].links[0].from_node
+
+
+def test_eevee_shows_the_same_network_in_stock_nodes(window):
+    owner = coated(window)
+    rest(owner)
+    preview = shown_by(owner, "EEVEE")
+    assert preview.bl_idname == "ShaderNodeGroup" and shown_by(owner, "CYCLES").name == owner.lamina.shader_node
+    tables = preview.node_tree
+    assert tables == network_group(tabulate(material.wanted_network(owner).make().resolved, HAS_DIELECTRIC))
+    elements.node_of(owner.lamina.base).inputs["Color"].default_value = (0.1, 0.1, 0.1, 1.0)
+    rest(owner)
+    assert shown_by(owner, "EEVEE").node_tree != tables
+    owner.lamina.tier = "weidlich_wilkie"
+    rest(owner)
+    assert shown_by(owner, "EEVEE") == shown_by(owner, "CYCLES")
 
 
 def test_a_changed_value_is_shown_at_once_and_baked_when_it_rests(window):

@@ -152,6 +152,8 @@ def test_faults_without_osl(owner, monkeypatch):
         check.mend(owner, bpy.context.scene, bpy.context.preferences, ignored.key)
     with pytest.raises(LaminaError, match="no finding 'shader_gone//' any more"):
         check.mend(owner, bpy.context.scene, bpy.context.preferences, "shader_gone//")
+    owner.node_tree.nodes.remove(owner.node_tree.nodes[owner.lamina.shader_node])
+    assert codes(owner) == ["shader_gone"]
 
 
 def test_a_device_without_osl_gets_stock_nodes(owner, monkeypatch):

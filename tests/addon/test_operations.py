@@ -16,6 +16,7 @@ from hypothesis import strategies as st  # noqa: E402
 from lamina.addon.check import check  # noqa: E402
 from lamina.addon.nodes import material as materials  # noqa: E402
 from lamina.addon.nodes.elements import node_of  # noqa: E402
+from lamina.reference_py.coverage import MAX_COVERED  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
 
 pytestmark = pytest.mark.blender
@@ -95,8 +96,12 @@ class Session:
     def _layers(self):
         return the_material().lamina.layers
 
+    def _has_room(self, layers: int, covered: int) -> bool:
+        """Whether so many layers more, some of them with a coverage, are allowed, also when all are shown."""
+        return len(self._layers()) + layers <= _MOST_LAYERS and sum(e.use_coverage for e in self._layers()) + covered <= MAX_COVERED
+
     def add(self, kind):
-        if len(self._layers()) >= _MOST_LAYERS:
+        if not self._has_room(1, kind == "rust"):
             return False
         names = [e.name for e in self._layers()]
         call = bpy.ops.lamina.layer_add if kind == "dielectric" else bpy.ops.lamina.layer_add_ready
@@ -130,7 +135,7 @@ class Session:
 
     def duplicate(self):
         rows, active = observed()["layers"], the_material().lamina.active_layer
-        if active >= len(rows) or len(rows) >= _MOST_LAYERS:
+        if active >= len(rows) or not self._has_room(1, self._layers()[active].use_coverage):
             return False
         bpy.ops.lamina.layer_duplicate("EXEC_DEFAULT", True)
         seen = observed()["layers"]
@@ -141,7 +146,7 @@ class Session:
 
     def paste(self):
         rows = observed()["layers"]
-        if not rows or 2 * len(rows) > _MOST_LAYERS:
+        if not rows or not self._has_room(len(rows), sum(e.use_coverage for e in self._layers())):
             return False
         bpy.ops.lamina.layer_copy("EXEC_DEFAULT", all_layers=True)
         bpy.ops.lamina.layer_paste("EXEC_DEFAULT", True)

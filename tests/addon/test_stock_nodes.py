@@ -64,7 +64,7 @@ def check(bpy, network: TableNetwork, tolerance: float, windows=((0.0, 0.0, 1.0)
 @pytest.mark.parametrize("tier, name, tolerance", [
     ("weidlich_wilkie", "blue_wall_paint", TOLERANCE),
     ("weidlich_wilkie", "patina_copper", TOLERANCE),
-    ("weidlich_wilkie", "metallic_car_paint", NARROW_TOLERANCE),  # 1.3e-4 where dielectrics are exact
+    ("weidlich_wilkie", "metallic_car_paint", NARROW_TOLERANCE),
     ("baked", "frosted_paint", TOLERANCE),
     ("baked", "frosted_metal", TOLERANCE),
     ("baked", "glazed_mug", TOLERANCE),

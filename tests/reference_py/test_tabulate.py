@@ -12,7 +12,7 @@ from lamina.reference_py.network import make_network
 from lamina.reference_py.network.closure import unit_energy
 from lamina.reference_py.network.lobe import DielectricCurve, DiffuseLobe, GlossyLobe, SchlickCurve
 from lamina.reference_py.network.table import DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork, interpolate, knot_cosines
-from lamina.reference_py.network.tabulate import tabulate
+from lamina.reference_py.network.tabulate import NARROWEST_CURVE, tabulate
 from lamina.reference_py.optics.diffuse import oren_nayar, oren_nayar_albedo
 from lamina.reference_py.optics.quadrature import directional_albedo
 
@@ -59,7 +59,9 @@ def test_a_dielectric_curve_stays_where_it_may():
     kept = [table.fresnel is not None for table in tabulate(network_of(*lobes.values()), keep_dielectrics=True).tables]
     assert kept == [True, True, False, False]
     tilted = GlossyLobe("ggx", np.ones(3), np.float64(0.3), np.float64(0.3), np.float64(0.1), curve)
-    assert tabulate(network_of(tilted), keep_dielectrics=True).tables[0].fresnel is None
+    narrow = GlossyLobe("ggx", np.ones(3), np.float64(NARROWEST_CURVE), np.float64(NARROWEST_CURVE), fresnel=curve)
+    for lobe in (tilted, narrow):
+        assert tabulate(network_of(lobe), keep_dielectrics=True).tables[0].fresnel is None
 
 
 def test_tilt_and_widths_come_back():

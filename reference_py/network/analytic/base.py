@@ -112,6 +112,7 @@ def layers_below(up: Sequence[Crossing], n_base: float) -> Below:
     )  # fmt: skip
 
 
+@cache
 def polynomial_fit(count: int) -> np.ndarray:
     """(count, count): coefficients, from the constant on, of the polynomial through values at the Gauss nodes."""
     return np.linalg.inv(np.vander(gauss(count)[0], increasing=True))
