@@ -37,7 +37,8 @@ def main() -> int:
                                    f"-pOutput={home}/out{chunk}"], check=True, capture_output=True, text=True).stdout  # fmt: skip
             if chunk == PICTURES // 2 and len(sys.argv) > 2:
                 paths = {home: "/job", r"/\S*OpenJD/\w+": "/tmp/OpenJD/SESSION"}
-                log = f"$ openjd run /job/bundle/template.json --step Render -p Blender=blender -p PicturesPerTask={chunk} -p Output=/job/out{chunk}\n{told}"
+                told_briefly = re.sub(r"^.*\t(Fra:.*|Saved: .*|Time: .*|)\n", "", told, flags=re.MULTILINE)  # without Blender's every step
+                log = f"$ openjd run /job/bundle/template.json --step Render -p Blender=blender -p PicturesPerTask={chunk} -p Output=/job/out{chunk}\n{told_briefly}"
                 for path, shown in paths.items():
                     log = re.sub(path, shown, log)
                 Path(sys.argv[2]).write_text(log, encoding="utf-8")
