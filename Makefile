@@ -99,7 +99,7 @@ farm-tasks: $(READY)
 	$(RUN) tests/benchmarks/farm_tasks.py figures/farm_tasks.csv figures/openjd.txt
 
 fuzz: $(READY)
-	$(RUN) tests/benchmarks/fuzz.py
+	$(RUN) tests/benchmarks/fuzz.py 100000 figures/fuzz.txt
 
 matrix:
 	@$(or $(PYTHON),python3) tools/matrix.py -o figures/matrix.txt

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Throws broken input at every reader: each must answer with a value or with one line, never with anything else.
 
-    fuzz.py [COUNT]      inputs in all, shared among the readers (default: 100000; some minutes of one core)
+    fuzz.py [COUNT [TABLE.txt]]      inputs in all, shared among the readers (default: 100000; some minutes of one core)
 
 Some of the inputs are made by hypothesis from the grammar of JSON with the readers' own keys, the others are whole files with
-bytes changed, cut, doubled or put in. What it finds becomes a case of a test. Prints a row per reader; exit code 1 on a finding.
+bytes changed, cut, doubled or put in. What it finds becomes a case of a test. Prints a row per reader, also into TABLE.txt; exit code 1
+on a finding.
 """
 
 import json
@@ -22,10 +23,16 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from support.measured import merl_bytes, merl_values, rgl_fields, table_text, tensor_bytes  # noqa: E402
+
 from lamina.addon.batch.items import expand
 from lamina.addon.batch.job import KEYS, Job
 from lamina.reference_py import presets
+from lamina.reference_py.atomic import write_text
 from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.fit.measurement import spread_pairs
+from lamina.reference_py.fit.readers import read
 from lamina.reference_py.network import AutoNetwork, BakedNetwork, memory
 from lamina.reference_py.schema import SCHEMA
 from lamina.reference_py.stack import Stack
@@ -69,6 +76,27 @@ def read_picture(data: bytes) -> None:
     path = HOME / "picture.exr"
     path.write_bytes(data)
     read_exr(path)
+
+
+def reader_of(suffix: str):
+    """A reader of measurements whose files end in `suffix`."""
+
+    def read_measurement(data: bytes) -> None:
+        path = (HOME / "measured").with_suffix(suffix)
+        path.write_bytes(data)
+        m = read(path)
+        assert np.all(np.isfinite(m.f)) and np.all(m.f >= 0.0) and np.all(m.wi[:, 2] > 0.0) and np.all(m.wo[:, 2] > 0.0)
+
+    return read_measurement
+
+
+def measurements() -> dict[str, list[bytes]]:
+    """Small measured files by suffix."""
+    wi, wo = spread_pairs(30, np.random.default_rng(SEED))
+    f = np.linspace(0.1, 0.5, 90).reshape(30, 3)
+    tensors = [rgl_fields(thetas=3, cells=5), rgl_fields(thetas=3, cells=5, wavelength_nm=(450.0, 550.0, 650.0))]
+    return {".binary": [merl_bytes(merl_values(sizes=(6, 6, 12)))], ".bsdf": [tensor_bytes(fields) for fields in tensors],
+            ".csv": [table_text(wi, wo, f).encode()]}  # fmt: skip
 
 
 def keys() -> list[str]:
@@ -182,17 +210,23 @@ def main() -> int:
     stack_trial, job_trial, cache_trial, preset_trial, picture_trial = trials
     stack_trial.by_grammar(values(), part)
     stack_trial.by_grammar(grown(presets.load("glazed_mug").to_dict(), keys()), part)
-    stack_trial.by_bending(stacks, 4 * part, True)
+    stack_trial.by_bending(stacks, 3 * part, True)
     job_trial.by_grammar(grown(job), part)
-    job_trial.by_bending([json.dumps(job).encode()], 4 * part, True)
+    job_trial.by_bending([json.dumps(job).encode()], 3 * part, True)
     cache_trial.by_bending(caches, 2 * part, True)
-    preset_trial.by_bending(stacks, 3 * part, False)
-    picture_trial.by_bending(pictures(), 4 * part, False)
-    print(f"{'reader':18} {'inputs':>8} {'read':>8} {'refused':>8} {'found':>8}")
+    preset_trial.by_bending(stacks, 2 * part, False)
+    picture_trial.by_bending(pictures(), 3 * part, False)
+    for suffix, files in measurements().items():
+        trials.append(Trial(f"read {suffix}", reader_of(suffix)))
+        trials[-1].by_bending(files, part + part // 3 + 1, False)
+    rows = [f"{'reader':18} {'inputs':>8} {'read':>8} {'refused':>8} {'found':>8}"]
     for trial in trials:
         a = trial.answers
-        print(f"{trial.name:18} {a.total():8} {a['read']:8} {a['refused']:8} {a['FOUND']:8}")
-    print(f"{sum(trial.answers.total() for trial in trials)} inputs, {sum(len(trial.findings) for trial in trials)} findings")
+        rows.append(f"{trial.name:18} {a.total():8} {a['read']:8} {a['refused']:8} {a['FOUND']:8}")
+    rows.append(f"{sum(trial.answers.total() for trial in trials)} inputs, {sum(len(trial.findings) for trial in trials)} findings")
+    print("\n".join(rows))
+    if len(sys.argv) > 2:
+        write_text(Path(sys.argv[2]), "\n".join(["# make fuzz", *rows]) + "\n")
     for trial in trials:
         for (kind, file, line), (given_input, message) in trial.findings.items():
             print(f"FOUND by {trial.name}: {kind} at {file}:{line}: {message[:200]}\n  {given_input[:600]!r}")
