@@ -16,8 +16,8 @@ from .metric import Metric
 INCIDENT_DEG = (0.0, 35.0, 65.0)
 """Those of Weidlich07, figure 9."""
 _VIEW_DEG = np.arange(-85.0, 85.5, 1.0)
-# Measured pairs this near to a slice are drawn on it.
-_NEAR_DEG = 4.0
+# Measured pairs this near to a slice are drawn on it, the nearest ones first.
+_NEAR_DEG, _MOST_DOTS = 4.0, 250
 _COLORS = ("tab:red", "tab:green", "tab:blue")
 # Cells across a lobe's image; measured pairs that are looked at for it, at once, and how near they must be.
 _LOBE_CELLS, _LOBE_PAIRS, _LOBE_CHUNK, _LOBE_NEAR = 72, 30_000, 100, 0.25
@@ -53,7 +53,7 @@ def _slice(cartesian, polar, measurement, angle, evaluator, truth, curves, legen
             if exact is not None:
                 axis.plot(x, exact[:, c], color=color, linestyle="--", linewidth=1.0, label="data" if c == 0 else None)
             else:
-                axis.plot(dots, measurement.f[near, c], ".", color=color, markersize=3, label="data" if c == 0 else None)
+                axis.plot(dots, measurement.f[near, c], ".", color=color, markersize=3, alpha=0.6, zorder=1, label="data" if c == 0 else None)
     for name, other in curves.items():
         cartesian.plot(_VIEW_DEG, other(wi, wo)[:, 0 if single else 1], linewidth=0.9, label=name)
     cartesian.axvline(-angle, color="tab:orange", linewidth=0.8, linestyle=":")
@@ -76,7 +76,9 @@ def _on_slice(measurement: Measurement, angle: float) -> tuple[np.ndarray, np.nd
     theta_o = np.degrees(np.arccos(np.clip(m.wo[:, 2], 0.0, 1.0)))
     turn = np.arctan2(m.wo[:, 1], m.wo[:, 0]) - np.arctan2(m.wi[:, 1], m.wi[:, 0])
     aside = np.abs(np.sin(turn)) * np.sin(np.radians(theta_o)) * min(1.0, angle / _NEAR_DEG)
-    near = np.flatnonzero((np.abs(theta_i - angle) < _NEAR_DEG) & (aside < np.sin(np.radians(_NEAR_DEG))))
+    away = np.maximum(np.abs(theta_i - angle), np.degrees(np.arcsin(np.minimum(aside, 1.0))))
+    near = np.argsort(away, kind="stable")[:_MOST_DOTS]
+    near = near[away[near] < _NEAR_DEG]
     sign = np.where(np.cos(turn[near]) > 0.0, -1.0, 1.0)
     return near, sign * theta_o[near]
 

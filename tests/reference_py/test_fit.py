@@ -85,8 +85,8 @@ def test_the_truth_is_found_again():
     stack = random_stack(structure, np.random.default_rng(0))
     clean, _ = recovery(stack, structure, "adding", 0.0, 0)
     assert clean.shape < 0.01 and clean.error < 0.01 and clean.worst < 0.03 and clean.determined >= 3
-    # the truth is slow: it is asked a few times, and the closures of the tier analytic do the search
-    assert clean.evaluations <= 8
+    # the truth is slow: it is asked a few times and for its derivatives once; the tier analytic does the search (13 measured)
+    assert clean.evaluations <= 16
 
 
 def test_fewest_layers_that_the_data_support():
