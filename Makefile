@@ -23,7 +23,8 @@ help:
 	@echo "make assets    build the asset library of the presets in addon/presets anew"
 	@echo "make charts    measure the tables of figures/ anew and draw them"
 	@echo "make pareto    measure error against cost in Cycles anew and draw it (half an hour, best on a quiet machine)"
-	@echo "make fit       measure how well stacks are found from measurements (two hours, best on a quiet machine)"
+	@echo "make fit       measure how well stacks are found from measurements (an hour; goes on where it was stopped)"
+	@echo "make fit-table measure how long the fit of a whole MERL table takes (three minutes)"
 	@echo "make scale     measure time and memory as work grows, and draw them (ten minutes on a quiet machine)"
 	@echo "make killed-batch  kill a batch of 200 pictures five times at random and compare it with an undisturbed one"
 	@echo "make farm-tasks    measure what a farm's task costs beside its pictures"
@@ -88,6 +89,9 @@ pareto: $(READY)
 
 fit: $(READY)
 	$(VENV)/bin/lamina chart fit -o figures
+
+fit-table: $(READY)
+	$(RUN) tests/benchmarks/fit_table.py
 
 scale: $(READY)
 	$(VENV)/bin/lamina chart scale -o figures

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One picture per fit: slices in the plane of incidence, polar and Cartesian, lobes, and where the residuals are.
+"""One picture per fit: slices in the plane of incidence, polar and Cartesian, lobes of data and fit, and where the residuals are.
 
 Imports matplotlib when called, never on import.
 """
@@ -16,10 +16,11 @@ from .metric import Metric
 INCIDENT_DEG = (0.0, 35.0, 65.0)
 """Those of Weidlich07, figure 9."""
 _VIEW_DEG = np.arange(-85.0, 85.5, 1.0)
-# Measured pairs this near to a slice are drawn on it.
-_NEAR_DEG = 4.0
+# Measured pairs this near to a slice are drawn on it, the nearest ones first.
+_NEAR_DEG, _MOST_DOTS = 4.0, 250
 _COLORS = ("tab:red", "tab:green", "tab:blue")
-_LOBE_CELLS = 48
+# Cells across a lobe's image; measured pairs that are looked at for it, at once, and how near they must be.
+_LOBE_CELLS, _LOBE_PAIRS, _LOBE_CHUNK, _LOBE_NEAR = 72, 30_000, 100, 0.25
 
 
 def picture(
@@ -29,13 +30,13 @@ def picture(
     """A matplotlib figure. `truth` draws the data as a curve where it is known everywhere, as of a model; else pairs
     near each slice are drawn as dots. `curves` are more models for the slices, by name.
     """
-    figure = new_figure(13.0, 11.0, title or f"{measurement.source}\n{fit.structure.name}, model {fit.model}: error {100 * fit.error:.2g} %")
-    grid = figure.add_gridspec(4, 3, height_ratios=(1.0, 1.0, 0.9, 0.9))
+    figure = new_figure(13.0, 15.5, title or f"{measurement.source}\n{fit.structure.name}, model {fit.model}: error {100 * fit.error:.2g} %")
+    grid = figure.add_gridspec(5, 3, height_ratios=(1.0, 0.75, 0.9, 0.9, 0.9))
     for column, angle in enumerate(INCIDENT_DEG):
         cartesian, polar = figure.add_subplot(grid[0, column]), figure.add_subplot(grid[1, column], projection="polar")
         _slice(cartesian, polar, measurement, angle, evaluator, truth, curves or {}, legend=column == 0)
-        _lobe(figure, figure.add_subplot(grid[2, column]), angle, evaluator)
-    _residual_maps(figure, grid, measurement, fit, evaluator)
+        _lobes(figure, (figure.add_subplot(grid[2, column]), figure.add_subplot(grid[3, column])), measurement, angle, evaluator, truth)
+    _residual_maps(figure, [grid[4, column] for column in range(3)], measurement, fit, evaluator)
     return figure
 
 
@@ -52,7 +53,7 @@ def _slice(cartesian, polar, measurement, angle, evaluator, truth, curves, legen
             if exact is not None:
                 axis.plot(x, exact[:, c], color=color, linestyle="--", linewidth=1.0, label="data" if c == 0 else None)
             else:
-                axis.plot(dots, measurement.f[near, c], ".", color=color, markersize=3, label="data" if c == 0 else None)
+                axis.plot(dots, measurement.f[near, c], ".", color=color, markersize=3, alpha=0.6, zorder=1, label="data" if c == 0 else None)
     for name, other in curves.items():
         cartesian.plot(_VIEW_DEG, other(wi, wo)[:, 0 if single else 1], linewidth=0.9, label=name)
     cartesian.axvline(-angle, color="tab:orange", linewidth=0.8, linestyle=":")
@@ -75,28 +76,59 @@ def _on_slice(measurement: Measurement, angle: float) -> tuple[np.ndarray, np.nd
     theta_o = np.degrees(np.arccos(np.clip(m.wo[:, 2], 0.0, 1.0)))
     turn = np.arctan2(m.wo[:, 1], m.wo[:, 0]) - np.arctan2(m.wi[:, 1], m.wi[:, 0])
     aside = np.abs(np.sin(turn)) * np.sin(np.radians(theta_o)) * min(1.0, angle / _NEAR_DEG)
-    near = np.flatnonzero((np.abs(theta_i - angle) < _NEAR_DEG) & (aside < np.sin(np.radians(_NEAR_DEG))))
+    away = np.maximum(np.abs(theta_i - angle), np.degrees(np.arcsin(np.minimum(aside, 1.0))))
+    near = np.argsort(away, kind="stable")[:_MOST_DOTS]
+    near = near[away[near] < _NEAR_DEG]
     sign = np.where(np.cos(turn[near]) > 0.0, -1.0, 1.0)
     return near, sign * theta_o[near]
 
 
-def _lobe(figure, axis, angle: float, evaluator: Evaluator) -> None:
-    """f cos over the hemisphere of views, seen from above."""
-    x, y = np.meshgrid(*2 * [np.linspace(-0.999, 0.999, _LOBE_CELLS)])
-    z2 = 1.0 - x * x - y * y
-    inside = z2 > 0.01
-    wo = np.stack([x[inside], y[inside], np.sqrt(z2[inside])], axis=-1)
+def _lobes(figure, axes, measurement: Measurement, angle: float, evaluator: Evaluator, truth: Evaluator | None) -> None:
+    """f cos over the hemisphere of views, seen from above, on one scale: of the data, then of the fit."""
+    x, y = np.meshgrid(*2 * [np.linspace(-0.995, 0.995, _LOBE_CELLS)])
+    wo = np.stack([x, y, np.sqrt(np.maximum(1.0 - x * x - y * y, 0.0))], axis=-1)
+    inside = wo[..., 2] > 0.1
+    wo = wo[inside]
     wi = np.broadcast_to(spherical(np.radians(angle), np.pi), wo.shape)
-    values = np.full(x.shape, np.nan)
-    values[inside] = np.log10(np.maximum(np.mean(evaluator(wi, wo), axis=1) * wo[:, 2], 1e-6))
-    top = float(np.nanmax(values))
-    image = axis.imshow(values, origin="lower", extent=(-1, 1, -1, 1), cmap="viridis", vmin=top - 2.0, vmax=top)
-    axis.set_title(f"fit: log10 f cos, light at {angle:g}° from the left", fontsize=8)
-    axis.set_axis_off()
-    figure.colorbar(image, ax=axis, shrink=0.8).ax.tick_params(labelsize=6)
+    cos_o = wo[:, 2]
+    fitted = np.mean(evaluator(wi, wo), axis=1) * cos_o
+    data = np.mean(truth(wi, wo), axis=1) * cos_o if truth else _measured(measurement, wi, wo) * cos_o
+    known = np.concatenate([fitted, data[np.isfinite(data)]])
+    low, high = float(np.quantile(known, 0.02)), float(np.quantile(known, 0.995))
+    for axis, name, values in zip(axes, ("data", "fit"), (data, fitted)):
+        image = np.full(x.shape, np.nan)
+        image[inside] = values
+        drawn = axis.imshow(image, origin="lower", extent=(-1, 1, -1, 1), cmap="viridis", vmin=low, vmax=high, interpolation="nearest")
+        axis.set_title(f"{name}: f cos, light at {angle:g}° from the left", fontsize=8)
+        axis.plot([-np.sin(np.radians(angle))], [0.0], "x", color="tab:orange", markersize=5)
+        axis.set_axis_off()
+        figure.colorbar(drawn, ax=axis, shrink=0.8).ax.tick_params(labelsize=6)
 
 
-def _residual_maps(figure, grid, measurement, fit, evaluator) -> None:
+def _measured(measurement: Measurement, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """(n,) mean over channels of the nearest measured pairs; NaN where none is near.
+
+    Near in half and difference angles, as for an isotropic surface, with a highlight's half angles told apart.
+    """
+    m = measurement.subset(np.arange(0, len(measurement.f), max(1, len(measurement.f) // _LOBE_PAIRS)))
+    place, wanted = _place(m.wi, m.wo), _place(wi, wo)
+    result = np.empty(len(wi))
+    for i in range(0, len(wi), _LOBE_CHUNK):
+        distance = np.sum(np.square(wanted[i : i + _LOBE_CHUNK, None] - place), axis=-1)
+        nearest = np.argmin(distance, axis=1)
+        far = np.take_along_axis(distance, nearest[:, None], axis=1)[:, 0] > np.square(_LOBE_NEAR)
+        result[i : i + _LOBE_CHUNK] = np.where(far, np.nan, np.mean(m.f[nearest], axis=1))
+    return result
+
+
+def _place(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    theta_h, theta_d, phi_d = half_angles(wi, wo)
+    across = np.sqrt(theta_h) * np.sin(theta_d)
+    # the second harmonic of phi_d: light and view may change places
+    return np.stack([np.sqrt(theta_h), theta_d, across * np.cos(2.0 * phi_d), across * np.sin(2.0 * phi_d)], axis=-1)
+
+
+def _residual_maps(figure, places, measurement, fit, evaluator) -> None:
     """Mean residual by half and difference angle, by view and light angle, and the errors per region."""
     m = measurement.subset(np.arange(0, len(measurement.f), max(1, len(measurement.f) // 6000)))
     metric = Metric(m, fit.metric.kind)
@@ -107,7 +139,7 @@ def _residual_maps(figure, grid, measurement, fit, evaluator) -> None:
     pairs = (("half angle", theta_h, "difference angle", theta_d),
              ("light angle", np.degrees(np.arccos(m.wi[:, 2])), "view angle", np.degrees(np.arccos(m.wo[:, 2]))))
     for column, (x_name, x, y_name, y) in enumerate(pairs):
-        axis = figure.add_subplot(grid[3, column])
+        axis = figure.add_subplot(places[column])
         edges = np.linspace(0.0, 90.0, 19)
         count, *_ = np.histogram2d(x, y, (edges, edges))
         total, *_ = np.histogram2d(x, y, (edges, edges), weights=residual)
@@ -115,7 +147,7 @@ def _residual_maps(figure, grid, measurement, fit, evaluator) -> None:
         image = axis.imshow(mean.T, origin="lower", extent=(0, 90, 0, 90), cmap="RdBu_r", vmin=-limit, vmax=limit, aspect="auto")
         style(axis, "mean residual (fit above data: red)", f"{x_name} (degrees)", f"{y_name} (degrees)", legend=False)
         figure.colorbar(image, ax=axis).ax.tick_params(labelsize=6)
-    axis = figure.add_subplot(grid[3, 2])
+    axis = figure.add_subplot(places[2])
     bands = metric.bands(f)
     axis.barh(list(bands), [100.0 * v for v in bands.values()], color="tab:gray")
     axis.invert_yaxis()

@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import LaminaError
 from ..schema import DIELECTRIC
 from .certainty import independent_pairs
-from .fitting import SAMPLES, Fit, Progress, corrected, refined, rough_fits, subsampled
+from .fitting import SAMPLES, Fit, Progress, corrected, refined, rough_fits, settled, subsampled
 from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, require_fittable, stand_in
 from .measurement import Measurement
 from .metric import Metric
@@ -27,6 +27,8 @@ DISTRIBUTIONS = DIELECTRIC.parameter("distribution").choices
 MOST_LAYERS, LEAST_SAMPLES = 8, 50
 _AUTO_LAYERS = 3
 _LOOK_STEPS, _STARTS, _MORE_STARTS = 1, 3, 2
+# Steps at the model's own settings before counts of layers are compared; the chosen one goes on.
+_COMPARED_STEPS = 2
 # Bases whose squared rough error is so many times the best's so far are not looked at more closely.
 _FAR = 6.0
 # Bases whose error is so many times the best's are not looked at under more layers.
@@ -95,7 +97,7 @@ def select(
     chosen = tried[-1]
     if layers == AUTO and len(tried) > 1 and not supported(tried[-1], tried[-2]):
         chosen = tried[-2]
-    best = search.with_best_surfaces(chosen)
+    best = settled(search.with_best_surfaces(chosen))
     done(1.0)
     tried = [best if fit is chosen else fit for fit in tried]
     return Selection(best, tuple(tried), _reason(best, tried, layers))
@@ -136,7 +138,7 @@ class _Search:
 
     def refined(self, fit: Fit) -> Fit:
         """A quick fit at the model's own settings; more layers begin from it."""
-        fit = refined(self.metric, fit.structure, self.model, fit.x)
+        fit = refined(self.metric, fit.structure, self.model, fit.x, _COMPARED_STEPS)
         self._by_base[fit.structure.base] = fit
         return fit
 

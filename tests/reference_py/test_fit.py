@@ -10,6 +10,7 @@ from support.measured import paint
 from lamina.reference_py import presets
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.fit import fit_structure, select
+from lamina.reference_py.fit.bound import least_error
 from lamina.reference_py.fit.certainty import certainty, independent_pairs
 from lamina.reference_py.fit.dense import evaluate_all
 from lamina.reference_py.fit.fitting import subsampled
@@ -85,8 +86,8 @@ def test_the_truth_is_found_again():
     stack = random_stack(structure, np.random.default_rng(0))
     clean, _ = recovery(stack, structure, "adding", 0.0, 0)
     assert clean.shape < 0.01 and clean.error < 0.01 and clean.worst < 0.03 and clean.determined >= 3
-    # the truth is slow: it is asked a few times, and the closures of the tier analytic do the search
-    assert clean.evaluations <= 8
+    # the truth is slow: it is asked a few times and for its derivatives once; the tier analytic does the search (13 measured)
+    assert clean.evaluations <= 16
 
 
 def test_fewest_layers_that_the_data_support():
@@ -116,6 +117,24 @@ def test_what_data_do_not_determine_is_named():
     assert values["roughness of layer 0"].determined and values["ior of layer 0"].determined
     assert not values["red color of the base"].determined or not values["red tint of layer 0"].determined
     assert values["roughness of layer 0"].value == pytest.approx(0.4, abs=4.0 * values["roughness of layer 0"].standard_error)
+
+
+def test_what_data_say_nothing_of_stays_usual():
+    hidden = Stack.from_dict({"layers": [{"kind": "dielectric", "roughness": 0.4, "tint": [1e-4] * 3}],
+                              "base": {"kind": "conductor", "reflectance": [0.99] * 3, "edge_color": [0.01] * 3}})
+    fit = fit_structure(sample_model("weidlich_wilkie", hidden, pairs=300), Structure.of(1, "conductor"), "weidlich_wilkie")
+    assert fit.error < 1e-3
+    assert fit.stack.base["edge_color"] == pytest.approx((0.65,) * 3, abs=0.1)
+    assert not any(v.determined for v in certainty(fit) if "edge_color" in v.name)
+
+
+def test_no_stack_comes_closer_than_the_best_sum_of_lobes():
+    pytest.importorskip("scipy.optimize")
+    wi, wo = spread_pairs(150, np.random.default_rng(3))
+    mine = Metric(checked(wi, wo, paint(wi, wo)[:, :1], "paint"))
+    assert least_error(mine) < 0.02
+    stripes = np.where(np.sin(25.0 * wo[:, :1]) > 0.0, 3.0, 0.01)
+    assert least_error(Metric(checked(wi, wo, stripes, "stripes"))) > 0.3
 
 
 def test_what_a_model_cannot_say_counts_less_than_noise():

@@ -3,6 +3,7 @@
 
 import csv
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,14 +11,18 @@ import numpy as np
 from ....reference_py import presets
 from ....reference_py.atomic import require_writable
 from ....reference_py.figures.figure9 import PRINTED, blue_paint
-from ....reference_py.fit import select
+from ....reference_py.fit import fit_structure, select
+from ....reference_py.fit.bound import least_error
 from ....reference_py.fit.compare import compare
 from ....reference_py.fit.draw import picture
 from ....reference_py.fit.fitting import refined, rough_fits, subsampled
 from ....reference_py.fit.forward import evaluate
 from ....reference_py.fit.metric import METRICS, Metric, shape_error
+from ....reference_py.fit.parameters import Structure
+from ....reference_py.fit.peers import PEER_MODELS, fit_peer
 from ....reference_py.fit.readers.sampled import sample_model
 from ....reference_py.fit.study import data_of, judged, random_stack, random_structure, recovery
+from ....reference_py.models.peers.lafortune import lobes as lafortune_lobes
 from ....reference_py.models.weidlich_wilkie import WeidlichWilkie
 from .output import Report, print_table, pyplot, save_picture, write_table
 
@@ -26,7 +31,7 @@ CASES = ((1, 0.0, 30), (2, 0.0, 30), (1, 0.05, 30), (2, 0.05, 30))
 _RECOVERY_COLUMNS = ("layers", "noise", "number", "base", "distribution", "shape_error", "rms_log", "worst_parameter_error", "worst_parameter",
                      "determined", "parameters", "evaluations", "cpu_s")
 _METRIC_STACKS = 10
-_WAVELENGTH_NM = 550.0
+_WAVELENGTH_NM, _STEEP_DEG = 550.0, 65.0
 
 
 def chart(folder: Path, report: Report) -> None:
@@ -133,11 +138,12 @@ def _blue_paint(folder: Path, report: Report) -> None:
     compared, models = compare(measurement, chosen.best)
     rows += [(r.name, str(r.parameters), f"{r.error:.4f}", f"{r.shape:.4f}") for r in compared]
     for layers in (2, 3):
-        more = select(measurement, layers, "oren_nayar", "weidlich_wilkie").best
-        f = evaluate(more.model, {}, more.stack, m.wo, m.wi, 1)
-        rows.append((f"{more.model}, {more.structure.name}", str(more.count), f"{metric.error(f):.4f}", f"{shape_error(f, m.f, m.wi[:, 2]):.4f}"))
+        rows.append(_paint_row(metric, fit_structure(measurement, Structure.of(layers, "oren_nayar"), "weidlich_wilkie")))
+    rows.append(("any sum of lobes of stacks", "-", f"{least_error(metric):.4f}", "-"))
+    rows += _where_it_is_hard(metric)
     columns = ("model", "parameters", "rms_log", "shape_error")
-    heading = ("lamina chart fit", "Lafortune's blue paint at 550 nm (green channel), 3000 pairs of directions to 85 degrees; fitted to 500 of them")
+    heading = ("lamina chart fit", "Lafortune's blue paint at 550 nm (green channel), 3000 pairs of directions to 85 degrees; fitted to 500 of them, "
+               "sums of lobes to all")
     write_table(folder / "fit_blue_paint.csv", heading, columns, rows, report)
     print_table(columns, rows)
     if pyplot(report) is None:
@@ -148,6 +154,29 @@ def _blue_paint(folder: Path, report: Report) -> None:
     ours = _evaluator(fit.model, fit.stack)
     title = f"Lafortune's blue paint at 550 nm (stands in for the measurement of figure 9) and our fit, {fit.structure.name}"
     save_picture(picture(measurement, fit, ours, paint, title, curves), folder / "fit_blue_paint.png", report)
+
+
+def _paint_row(metric: Metric, fit, of: str = "") -> tuple[str, ...]:
+    m = metric.measurement
+    f = evaluate(fit.model, {}, fit.stack, m.wo, m.wi, 1)
+    return (f"{fit.model}, {fit.structure.name}{of}", str(fit.count), f"{metric.error(f):.4f}", f"{shape_error(f, m.f, m.wi[:, 2]):.4f}")
+
+
+def _where_it_is_hard(whole: Metric) -> list[tuple[str, ...]]:
+    """The same duel on two parts of the paint: without its lobe towards the light, and without what is steeper than 65 degrees."""
+    m = whole.measurement
+    retro = lafortune_lobes(m.wo, m.wi)[0][:, 1:2]
+    inner = np.minimum(m.wi[:, 2], m.wo[:, 2]) >= np.cos(np.radians(_STEEP_DEG))
+    rows = []
+    for name, data in ((", without its lobe towards the light", replace(m, f=m.f - retro)), (f", to {_STEEP_DEG:g} degrees", m.subset(inner))):
+        metric, few = Metric(data), subsampled(data)
+        peer = fit_peer(PEER_MODELS[0], few)
+        f = peer.f(data.wi, data.wo)
+        rows.append((PEER_MODELS[0].label + name, str(peer.count), f"{metric.error(f):.4f}", f"{shape_error(f, data.f, data.wi[:, 2]):.4f}"))
+        for structure in (Structure.of(1, "oren_nayar"), Structure.of(2, "oren_nayar")):
+            rows.append(_paint_row(metric, fit_structure(data, structure, "weidlich_wilkie"), name))
+        rows.append((f"any sum of lobes of stacks{name}", "-", f"{least_error(metric):.4f}", "-"))
+    return rows
 
 
 def _evaluator(model: str, stack, channel: int = 0):

@@ -5,8 +5,8 @@ f = d / pi + sum of max(Cxy (x x' + y y') + Cz z z', 0)^n. It is a fit to measur
 material is that of option `fit`, and the stack is not used at all. `blue_paint` stands in for the measured latex
 paint of Weidlich07, figure 9, which is not at hand: three lobes per channel as printed in pbrt version 1 (Pharr and
 Humphreys 2004), materials/bluepaint.cpp, not checked against the paper of 1997.
-Limits: fixed data, no mirror-like coat. The third lobe peaks off the mirror direction; the second is a broad
-retroreflection. Its albedo is .31 .40 .73 at normal and .38 .46 .75 at grazing views.
+Limits: fixed data, no mirror-like coat. The third lobe peaks off the mirror direction; the first is a
+retroreflection, the second broad. Its albedo is .31 .40 .73 at normal and .38 .46 .75 at grazing views.
 """
 
 import numpy as np
@@ -33,11 +33,12 @@ class Lafortune(Peer):
     OPTIONS = {"fit": tuple(_FITS)}
 
     def _f(self, wo, wi):
-        diffuse, lobes = _FITS[self.options["fit"]]
-        across = wi[..., 0] * wo[..., 0] + wi[..., 1] * wo[..., 1]
-        along = wi[..., 2] * wo[..., 2]
-        total = np.array(diffuse) / np.pi * np.ones(wi.shape)
-        for c_xy, c_z, n in lobes:
-            base = np.array(c_xy) * across[..., None] + np.array(c_z) * along[..., None]
-            total = total + np.maximum(base, 0.0) ** np.array(n)
-        return total
+        fit = self.options["fit"]
+        return np.array(_FITS[fit][0]) / np.pi * np.ones(wi.shape) + sum(lobes(wo, wi, fit))
+
+
+def lobes(wo: np.ndarray, wi: np.ndarray, fit: str = "blue_paint") -> list[np.ndarray]:
+    """Each lobe's f (..., 3); the first of the blue paint is its retroreflection."""
+    across = (wi[..., 0] * wo[..., 0] + wi[..., 1] * wo[..., 1])[..., None]
+    along = (wi[..., 2] * wo[..., 2])[..., None]
+    return [np.maximum(np.array(c_xy) * across + np.array(c_z) * along, 0.0) ** np.array(n) for c_xy, c_z, n in _FITS[fit][1]]
