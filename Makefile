@@ -8,7 +8,7 @@ READY := $(VENV)/ready
 RUN := $(VENV)/bin/python
 SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py' -o -name '*.osl' -o -name '*.h' -o -name '*.json' \))
 
-.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto scale killed-batch farm-tasks fuzz matrix licences clean
+.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport scale killed-batch farm-tasks fuzz matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -23,6 +23,7 @@ help:
 	@echo "make assets    build the asset library of the presets in addon/presets anew"
 	@echo "make charts    measure the tables of figures/ anew and draw them"
 	@echo "make pareto    measure error against cost in Cycles anew and draw it (half an hour, best on a quiet machine)"
+	@echo "make viewport  measure how EEVEE shows presets (half an hour without a graphics card; LAMINA_BLENDER names a Blender that has it)"
 	@echo "make fit       measure how well stacks are found from measurements (an hour; goes on where it was stopped)"
 	@echo "make fit-table measure how long the fit of a whole MERL table takes (three minutes)"
 	@echo "make scale     measure time and memory as work grows, and draw them (ten minutes on a quiet machine)"
@@ -86,6 +87,9 @@ pareto: $(READY)
 	$(VENV)/bin/lamina chart levers -o figures
 	$(VENV)/bin/lamina chart pareto -o figures
 	$(VENV)/bin/lamina chart pair -o figures
+
+viewport: $(READY)
+	$(VENV)/bin/lamina chart viewport -o figures
 
 fit: $(READY)
 	$(VENV)/bin/lamina chart fit -o figures

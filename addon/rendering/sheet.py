@@ -70,33 +70,33 @@ def render_sheet(items: Sequence[Tile], out_path: str | os.PathLike, columns: in
 
 
 def compose(pictures: Sequence[np.ndarray], items: Sequence[Tile], columns: int, title: str = "") -> np.ndarray:
-    """Lay out square (n, n, 3) uint8 pictures in rows, each over its label and note; (h, w, 3) uint8."""
-    side = len(pictures[0])
+    """Lay out (h, w, 3) uint8 pictures of one size in rows, each over its label and note; (h, w, 3) uint8."""
+    high, wide = pictures[0].shape[:2]
     columns = min(columns, len(pictures))
-    unit = side / 320.0
+    unit = wide / 320.0
     margin, gap, caption, head = (round(v * unit) for v in (28, 14, 62, 66 if title else 0))
     rows = -(-len(pictures) // columns)
-    width = 2 * margin + columns * side + (columns - 1) * gap
-    height = 2 * margin + head + rows * (side + caption) + (rows - 1) * gap - round(8 * unit)
+    width = 2 * margin + columns * wide + (columns - 1) * gap
+    height = 2 * margin + head + rows * (high + caption) + (rows - 1) * gap - round(8 * unit)
     page = np.broadcast_to(PAGE, (height, width, 3)).copy()
-    mask = _rounded_square(side, 10.0 * unit)[..., None]
+    mask = _rounded(high, wide, 10.0 * unit)[..., None]
     lines = [Line(title, margin, margin + 30 * unit, 32 * unit, 0.92, width - 2 * margin, "LEFT")] if title else []
     for i, (picture, item) in enumerate(zip(pictures, items)):
-        x = margin + (i % columns) * (side + gap)
-        y = margin + head + (i // columns) * (side + caption + gap)
-        place = page[y:y + side, x:x + side]
+        x = margin + (i % columns) * (wide + gap)
+        y = margin + head + (i // columns) * (high + caption + gap)
+        place = page[y:y + high, x:x + wide]
         place += mask * (picture / 255.0 - place)
-        lines.append(Line(item.label, x + side / 2, y + side + 28 * unit, 20 * unit, 0.9, 0.96 * side))
+        lines.append(Line(item.label, x + wide / 2, y + high + 28 * unit, 20 * unit, 0.9, 0.96 * wide))
         if item.note:
-            lines.append(Line(item.note, x + side / 2, y + side + 51 * unit, 15 * unit, 0.5, 0.96 * side))
+            lines.append(Line(item.note, x + wide / 2, y + high + 51 * unit, 15 * unit, 0.5, 0.96 * wide))
     page += text_mask(lines, width, height)[..., None] * (1.0 - page)
     return (page.clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
 
 
-def _rounded_square(side: int, radius: float) -> np.ndarray:
-    """Coverage (side, side) of a square with rounded corners."""
-    offset = np.maximum(np.abs(np.arange(side) + 0.5 - side / 2) - (side / 2 - radius), 0.0)
-    return np.clip(radius + 0.5 - np.hypot(offset, offset[:, None]), 0.0, 1.0)
+def _rounded(high: int, wide: int, radius: float) -> np.ndarray:
+    """Coverage (high, wide) of a rectangle with rounded corners."""
+    down, across = (np.maximum(np.abs(np.arange(n) + 0.5 - n / 2) - (n / 2 - radius), 0.0) for n in (high, wide))
+    return np.clip(radius + 0.5 - np.hypot(across, down[:, None]), 0.0, 1.0)
 
 
 def text_mask(lines: Sequence[Line], width: int, height: int) -> np.ndarray:

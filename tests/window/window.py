@@ -159,9 +159,7 @@ def use(window: Window) -> None:
     window.picture("added")
 
     before = state["layers"]
-    down = window.find_button("lamina.layer_move(direction='DOWN')")
-    window.click(*down)
-    state = window.wait_for("a layer that moved", lambda s: s["layers"] != before)
+    state = move_down(window, before)
     assert state["layers"] == [before[1], before[0], *before[2:]] and state["active"] == 1, state
     told(f"move: {', '.join(state['layers'])}")
 
@@ -190,6 +188,17 @@ def add_layer(window: Window, letter: str, count: int) -> dict:
         except AssertionError:
             window.key("Escape")
     raise AssertionError(f"no layer was added; the last state: {window.state()}")
+
+
+def move_down(window: Window, before: list[str]) -> dict:
+    """Click the button that moves a layer down; thrice, as a busy machine may miss a click."""
+    for _ in range(3):
+        window.click(*window.find_button("lamina.layer_move(direction='DOWN')"))
+        try:
+            return window.wait_for("a layer that moved", lambda s: s["layers"] != before, patience=15.0)
+        except AssertionError:
+            continue
+    raise AssertionError(f"no layer moved; the last state: {window.state()}")
 
 
 def told(text: str) -> None:
