@@ -8,7 +8,7 @@ READY := $(VENV)/ready
 RUN := $(VENV)/bin/python
 SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py' -o -name '*.osl' -o -name '*.h' -o -name '*.json' \))
 
-.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport scale killed-batch farm-tasks fuzz matrix licences clean
+.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table scale killed-batch farm-tasks fuzz matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
