@@ -145,7 +145,9 @@ def refined(
     return Fit(model, parameters, metric, at, value - target, jacobian, evaluations, value - base)
 
 
-def settled(fit: Fit, progress: Progress | None = None, options: Mapping = MappingProxyType({})) -> Fit:
+def settled(
+    fit: Fit, progress: Progress | None = None, options: Mapping = MappingProxyType({}), steps: int = STEPS,
+) -> Fit:
     """The fit continued with the model's own derivatives, which are then those of the result.
 
     They cost as much as a third of their number of evaluations, since tints and colors share what their surfaces do. A
@@ -157,7 +159,7 @@ def settled(fit: Fit, progress: Progress | None = None, options: Mapping = Mappi
     quick = Forward(fit.model, tuple({**QUICK.get(fit.model, {}), **options}.items()), fit.parameters, fit.metric)
 
     def continued(x: np.ndarray) -> Fit:
-        more = refined(fit.metric, fit.structure, fit.model, x, STEPS, progress, options, quick.jacobian(x))
+        more = refined(fit.metric, fit.structure, fit.model, x, steps, progress, options, quick.jacobian(x))
         return replace(more, evaluations=more.evaluations + len(fit.parameters.groups) + 1)
 
     best = continued(fit.x)

@@ -27,7 +27,7 @@ DISTRIBUTIONS = DIELECTRIC.parameter("distribution").choices
 MOST_LAYERS, LEAST_SAMPLES = 8, 50
 _AUTO_LAYERS = 3
 _LOOK_STEPS, _STARTS, _MORE_STARTS = 1, 3, 2
-# Steps at the model's own settings before counts of layers are compared; the chosen one goes on.
+# Steps at the model's own settings before counts of layers are compared; the chosen one goes on for as many.
 _COMPARED_STEPS = 2
 # Bases whose squared rough error is so many times the best's so far are not looked at more closely.
 _FAR = 6.0
@@ -97,7 +97,7 @@ def select(
     chosen = tried[-1]
     if layers == AUTO and len(tried) > 1 and not supported(tried[-1], tried[-2]):
         chosen = tried[-2]
-    best = settled(search.with_best_surfaces(chosen))
+    best = settled(search.with_best_surfaces(chosen), steps=_COMPARED_STEPS)
     done(1.0)
     tried = [best if fit is chosen else fit for fit in tried]
     return Selection(best, tuple(tried), _reason(best, tried, layers))
@@ -161,7 +161,7 @@ class _Search:
             target = self.metric.compressed(self.metric.measurement.f).ravel()
             guess = corrected(coarse, fit.lack, np.zeros(fit.jacobian.shape), fit.x, 0.3, target)
             if guess.cost < _BETTER * float(fit.residual @ fit.residual):
-                trial = refined(self.metric, structure, self.model, guess.x)
+                trial = refined(self.metric, structure, self.model, guess.x, _COMPARED_STEPS)
                 fit = min(fit, trial, key=lambda f: f.error)
         return fit
 
