@@ -20,8 +20,8 @@ def build(settle: bool = True) -> bpy.types.Scene:
     scene.frame_start, scene.frame_end, scene.render.fps = 1, FRAMES, 24
     form = put(scene, "Form", speed_form("Form"), preset_material("clear_coat_car_paint", settle), (0.0, 0.0, 0.16))
     table = turned("Table", [(0.0, 0.12), (1.72, 0.12), (1.72, 0.0), (0.0, 0.0)], [0.0, 0.03, 0.01, 0.0], 160)
-    disc = put(scene, "Table", table, plain_material("Table", (0.12, 0.12, 0.13), 0.3))
-    for place, power in (((-0.9, -1.5, 3.4), 80.0), ((0.4, 0.9, 3.2), 120.0)):
+    disc = put(scene, "Table", table, plain_material("Table", (0.2, 0.2, 0.21), 0.3))
+    for place, power in (((-0.9, -1.5, 3.4), 160.0), ((0.4, 0.9, 3.2), 220.0)):
         _tube(scene, place, power)
     turner = bpy.data.objects.new("Turner", None)
     scene.collection.objects.link(turner)
