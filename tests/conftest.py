@@ -2,9 +2,13 @@
 """A clean Blender for each test that asks for it."""
 
 import os
+import signal
 import sys
 
 import pytest
+
+# A shell lets its background jobs, and so all that tests start, ignore Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -13,12 +13,12 @@ from math import isfinite
 import bpy
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.schema import FLOAT, SCHEMA, Parameter
+from ...reference_py.schema import FLOAT, NORMAL, SCHEMA, Parameter
 from ..background import bakes
 from ..network.inputs import BASE, layer_owner
 from ..network.node_groups import is_untouched as group_is_untouched
 from ..nodes import material as materials
-from ..nodes.backend import NODES, OSL
+from ..nodes.backend import NODES, OSL, backend_here
 from ..nodes.elements import kind_of, node_of
 from ..nodes.kind_groups import KIND_KEY, hands_on
 from ..nodes.live_values import live_values
@@ -32,6 +32,7 @@ ERROR, WARNING = "ERROR", "INFO"
 # code: how bad it is, what is wrong, and the button that mends it (empty: nothing here can)
 CODES = {
     "not_editable": (WARNING, "{reason}", ""),
+    "backend_missing": (ERROR, "{reason}", "Use Automatic"),
     "osl_missing": (ERROR, "The shader is an OSL script, and {reason}", "Make It of Stock Nodes"),
     "scene_without_osl": (ERROR, "{reason}", "Use Cycles with OSL"),
     "device_without_osl": (ERROR, "{reason}", "Use Stock Nodes"),
@@ -50,6 +51,7 @@ CODES = {
     "link_broken": (ERROR, "{layer}: the link to {label} is broken", "Remove the Link"),
     "link_muted": (WARNING, "{layer}: the link to {label} is muted", "Unmute"),
     "image_missing": (ERROR, "{layer}: {label} has a texture without an image", "Remove the Link"),
+    "normal_ignored": (WARNING, "{layer}: stock nodes leave its normal out", ""),
     "texture_ignored": (WARNING, "{layer}: {label} has a texture or animation, which stock nodes cannot follow", ""),
     "out_of_range": (ERROR, "{layer}: {label} is {value}; allowed is {allowed}", "Bring into Range"),
 }  # fmt: skip
@@ -110,6 +112,11 @@ def mend(material: bpy.types.Material, scene: bpy.types.Scene, preferences: bpy.
 
 def _machine(material, scene, preferences) -> Iterator[Finding]:
     """What this Blender or its scene lacks."""
+    try:
+        backend_here(material.lamina.backend)
+    except LaminaError as error:
+        yield Finding("backend_missing", {"reason": str(error)})
+        return
     if backend_of(material) != OSL:
         return
     available, reason = environment.osl_available()
@@ -260,3 +267,7 @@ def _ignored(material) -> Iterator[Finding]:
         element = lamina.base if index < 0 else shown[index]
         label = kind_of(element).parameter(name).label
         yield Finding("texture_ignored", {"layer": element.name, "label": label}, node_of(element).name, label)
+    stack = materials.stack_of(material)
+    for element, told in zip((*shown, lamina.base), (*stack.layers, stack.base)):
+        if told.has(NORMAL):
+            yield Finding("normal_ignored", {"layer": element.name}, node_of(element).name)

@@ -7,7 +7,7 @@ import numpy as np
 from ...reference_py.schema import COLOR, FLOAT
 from ..background import bakes
 from ..nodes import material as materials
-from ..nodes.backend import NODES
+from ..nodes.backend import AUTO, NODES
 from ..nodes.elements import kind_of, new_node, node_of
 from ..nodes.kind_groups import fresh_group
 from ..nodes.node_copy import copy_inputs
@@ -30,6 +30,11 @@ def _regenerate(material, _scene, _finding) -> None:
 
 def _use_cycles(_material, scene, _finding) -> None:
     enable_osl(scene)
+
+
+def _use_automatic(material, _scene, _finding) -> None:
+    with materials.changing(material):
+        material.lamina.backend = AUTO
 
 
 def _use_nodes(material, _scene, _finding) -> None:
@@ -127,6 +132,7 @@ def _into_range(material, _scene, finding) -> None:
 
 
 MENDS = {
+    "backend_missing": _use_automatic,
     "osl_missing": _regenerate,
     "scene_without_osl": _use_cycles,
     "device_without_osl": _use_nodes,

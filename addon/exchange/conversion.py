@@ -8,7 +8,9 @@ from ...reference_py.exchange.principled import PLACES, from_principled, to_prin
 from ...reference_py.exchange.report import Report
 from ...reference_py.stack import Stack
 from ..nodes import material as materials
+from ..nodes.backend import OSL
 from ..nodes.elements import kind_of, node_of, shown_parameters
+from ..nodes.shader_node import backend_of
 from .sources import PRINCIPLED, animated_parts, is_layer, link_through, linked_places, parameter_of, principled_of, read_principled
 
 
@@ -28,7 +30,7 @@ def to_lamina(material: bpy.types.Material) -> tuple[Report, list[str]]:
     with materials.changing(material):
         elements = [*material.lamina.shown_layers, material.lamina.base]
         for socket, source in sources.items():
-            told.append(_link(socket, source, elements, converted))
+            told.append(_link(socket, source, elements, converted, backend_of(material) == OSL))
     principled = material.node_tree.nodes.get(name)
     if principled is not None and not any(output.is_linked for output in principled.outputs):
         material.node_tree.nodes.remove(principled)
@@ -52,7 +54,8 @@ def _with_linked_features(stack: Stack, owners: dict[str, int], sources) -> Stac
     return Stack.from_dict(data, stack.name or "conversion")
 
 
-def _link(socket: str, source, elements, converted) -> str:
+def _link(socket: str, source, elements, converted, is_followed: bool) -> str:
+    """Link a texture to what its socket became, and tell so; `is_followed`: whether the shader reads its values live."""
     roles, name = next(((r, n) for s, r, n in PLACES if s == socket), ((), ""))
     owners = _roles(roles, converted.owners, name)
     linked = False
@@ -70,6 +73,8 @@ def _link(socket: str, source, elements, converted) -> str:
         linked = True
     if not linked:
         return f"lost: {socket} texture: a stack has no place for it"
+    if not is_followed and name != "coverage":
+        return f"lost: {socket} texture: it stays linked, but stock nodes cannot follow it and show the socket's own value"
     return f"kept: {socket} texture: " + ("through nodes that keep the mean albedo" if socket == "Base Color" else "linked to the layer")
 
 

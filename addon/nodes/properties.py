@@ -20,6 +20,13 @@ _NOT_ANIMATABLE: set[str] = set()
 _ACRONYMS = {"ggx": "GGX"}
 _BACKEND_LABELS = {AUTO: "Automatic", OSL: "OSL", NODES: "Stock Nodes"}
 
+_TIER_HELP = {
+    "auto": "Live while values change; when they rest, the cheapest shader whose error stays under the tolerance",
+    "baked": "The truth, computed once when values rest and fitted by few lobes: closest and cheapest",
+    "analytic": "Every value live, all reflections between the layers computed while shading: for textures and animation of many values",
+    "weidlich_wilkie": "Every value live, as the paper of 2007 has it, whose energy is far from the truth's",
+}
+
 _quiet = False
 _followers: list[Callable[[bpy.types.Material, str], None]] = []
 
@@ -123,7 +130,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     tier: EnumProperty(
         name="Tier",
         description="How the stack is told to Cycles",
-        items=[(name, name.replace("_", " ").title(), "") for name in TIERS],
+        items=[(name, name.replace("_", " ").title(), _TIER_HELP[name]) for name in TIERS],
         default=DEFAULT_TIER,
         options=_NOT_ANIMATABLE,
         update=_update("tier"),

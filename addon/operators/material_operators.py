@@ -14,6 +14,7 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.schema import SCHEMA
 from ...reference_py.stack import Stack
 from ..background import bakes
+from ..library import user_presets
 from ..nodes import material as materials
 from ..nodes.script_node import enable_osl
 
@@ -59,6 +60,11 @@ class LayeredOperator(LaminaOperator):
         return True
 
 
+def _names_of_presets() -> set[str]:
+    """What presets call their stacks, which becomes the name of a new material."""
+    return {presets.load(name).name for name in presets.names()} | {presets.label(name) for name in user_presets.names()}
+
+
 class StackOperator(LaminaOperator):
     """An operator that gives the active material, made if there is none, a new stack."""
 
@@ -84,8 +90,8 @@ class StackOperator(LaminaOperator):
             raise
         if made:
             context.object.active_material = material
-        elif former and re.fullmatch(rf"{re.escape(former)}(\.\d+)?", material.name):
-            material.name = stack.name or _UNNAMED  # it had the former stack's name, not one of its own
+        elif former in _names_of_presets() and re.fullmatch(rf"{re.escape(former)}(\.\d+)?", material.name):
+            material.name = stack.name or _UNNAMED  # it had the former preset's name, not one that a user gave it
         for message in stack.unknown_keys():
             self.report({"WARNING"}, f"Lamina: {message}")
         for notice in materials.make_renderable(material, context.scene):

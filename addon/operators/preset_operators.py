@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The menu of presets, and what it does with those that users save."""
 
+from dataclasses import replace
+
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
@@ -14,6 +16,14 @@ from ..nodes import material as materials
 from ..ui.preset_icons import preset_icon, user_preset_icon
 from ..user_folders import presets_folder
 from . import material_operators as ops
+
+
+# Before the source of the numbers that a preset was begun from: they may have been changed since.
+_BEGUN_FROM = "Own preset, begun from: "
+
+
+def _source(before: str) -> str:
+    return f"{_BEGUN_FROM}{before.removeprefix(_BEGUN_FROM)}" if before else "Own preset"
 
 
 class LAMINA_OT_save_preset(ops.LayeredOperator, bpy.types.Operator):
@@ -31,6 +41,7 @@ class LAMINA_OT_save_preset(ops.LayeredOperator, bpy.types.Operator):
     def run(self, context):
         material = ops.material_of(context)
         stack = materials.stack_of(material)
+        stack = replace(stack, name=self.name.strip(), source=_source(stack.source))
         name = user_presets.save(self.name, stack, lambda path: render_thumbnail(material, path))
         self.report({"INFO"}, rpt_("Lamina: preset {name} saved in {folder}").format(name=presets.label(name), folder=presets_folder()))
 

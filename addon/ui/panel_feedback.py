@@ -22,19 +22,22 @@ def draw_status(layout, context, material) -> None:
     try:
         if material is not None:
             materials.require_editable(material)
-            backend_here(material.lamina.backend)
-        if material is not None and material.lamina.problem:
-            raise LaminaError(material.lamina.problem)
+            if not material.lamina.is_layered:
+                backend_here(material.lamina.backend)
     except LaminaError as error:
         draw_message(layout, context, str(error), "ERROR")
         return
     if material is None or not material.lamina.is_layered:
         return
+    found = check.find(material, context.scene, context.preferences)
+    problem = material.lamina.problem
+    if problem and problem not in [finding.text() for finding in found]:
+        draw_message(layout, context, problem, "ERROR")
     _draw_bake(layout, material)
     _draw_solo(layout, material.lamina)
-    if backend_of(material) != OSL and (told := notice(material.lamina.backend, iface_)):
+    if backend_of(material) != OSL and not problem and (told := notice(material.lamina.backend, iface_)):
         draw_message(layout, context, told, "INFO")
-    _draw_findings(layout, context, check.find(material, context.scene, context.preferences))
+    _draw_findings(layout, context, found)
 
 
 def _draw_bake(layout, material) -> None:

@@ -156,6 +156,24 @@ def test_faults_without_osl(owner, monkeypatch):
     assert codes(owner) == ["shader_gone"]
 
 
+def test_osl_that_was_asked_for_and_is_missing_has_a_button(owner, monkeypatch):
+    monkeypatch.setattr(environment, "osl_available", lambda: (False, "this Blender was built without OSL"))
+    owner.lamina.backend = "osl"
+    (missing,) = found(owner)
+    assert missing.code == "backend_missing" and "built without OSL" in missing.text()
+    check.mend(owner, bpy.context.scene, bpy.context.preferences, missing.key)
+    assert owner.lamina.backend == "auto" and codes(owner) in ([], ["osl_missing"])
+
+
+def test_a_normal_that_stock_nodes_leave_out_is_named(owner):
+    stack = STACK.to_dict()
+    stack["layers"][0]["normal"] = [0.0, 0.0, 0.0]
+    material.apply_stack(owner, Stack.from_dict(stack), "analytic", "nodes")
+    assert codes(owner) == ["normal_ignored"]
+    material.apply_stack(owner, Stack.from_dict(stack), "analytic", "osl")
+    assert codes(owner) == []
+
+
 def test_a_device_without_osl_gets_stock_nodes(owner, monkeypatch):
     monkeypatch.setattr(check, "device_problem", lambda *_: "HIP devices cannot")
     check.mend(owner, bpy.context.scene, bpy.context.preferences, "device_without_osl//")
@@ -191,7 +209,7 @@ def test_a_linked_material_is_looked_at_and_not_touched(owner, tmp_path):
 
 
 def test_every_code_is_tested_and_every_button_works():
-    tested = {*FAULTS, "osl_missing", "device_without_osl", "texture_ignored", "shader_stale", "not_baked", "not_editable"}
+    tested = {*FAULTS, "backend_missing", "normal_ignored", "osl_missing", "device_without_osl", "texture_ignored", "shader_stale", "not_baked", "not_editable"}
     assert set(check.CODES) == tested
     assert set(check_mends.MENDS) == {code for code, (_, _, mending) in check.CODES.items() if mending}
 

@@ -370,3 +370,17 @@ def test_panel_offers_to_update_a_shader_of_old_values(layered):
     assert "The shader holds old values" in " ".join(drawn("label"))
     bpy.ops.lamina.regenerate()
     assert "old values" not in " ".join(drawn("label"))
+
+
+def test_a_preset_renames_only_what_a_preset_named(blender):
+    """A name that a user gave stays, also one that a conversion made the stack's."""
+    blender.ops.mesh.primitive_plane_add()
+    own = blender.data.materials.new("Hero Car")
+    blender.context.object.active_material = own
+    blender.ops.lamina.apply_preset(preset="glazed_mug")
+    own.lamina.stack_name = own.name
+    blender.ops.lamina.apply_preset(preset="clean_copper")
+    assert own.name == "Hero Car"
+    own.name = own.lamina.stack_name
+    blender.ops.lamina.apply_preset(preset="glazed_mug")
+    assert own.name == presets.load("glazed_mug").name
