@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import lamina
+from lamina.addon.batch.estimate import estimate
 from lamina.addon.batch.items import Item, expand
 from lamina.addon.batch.job import Job
 from lamina.reference_py import presets
@@ -52,6 +53,12 @@ def test_coverage_and_blends_are_inputs_too(tmp_path):
     first = hashes()
     (tmp_path / "s.blend").write_bytes(b"two")
     assert len({*first, *hashes()}) == 4
+
+
+def test_every_tier_says_what_it_chose_and_how_wrong_that_is():
+    for tier, chosen in (("baked", "baked"), ("analytic", "analytic"), ("weidlich_wilkie", "weidlich_wilkie")):
+        told = estimate(presets.load("polished_chrome"), tier)
+        assert told["lamina:chosen"] == chosen and told["lamina:error"].startswith("albedo 0.")
 
 
 def test_items_travel_to_another_process(tmp_path):

@@ -112,3 +112,18 @@ def test_bad_input_leaves_nothing(bundle, tmp_path):
     (tmp_path / "job.json").write_text("{}")
     lamina("farm", tmp_path / "job.json", "-o", tmp_path / "new", code=2)
     assert not (tmp_path / "new").exists()
+
+
+def test_what_fails_half_way_leaves_nothing_and_can_be_tried_again(tmp_path):
+    """A .blend that breaks the farm after the first material; baked stock nodes; a folder that was there, empty."""
+    (tmp_path / "broken.blend").write_bytes(b"BLENDER")
+    (tmp_path / "out").mkdir()
+    job = {"stacks": ["polished_chrome"], "views": [0, 90], "size": 16, "samples": 2, "tiers": ["baked"], "backend": "nodes"}
+    for keys, code in (({"scenes": ["ball", {"blend": "broken.blend", "object": "Cup"}]}, 2), ({}, 0)):
+        (tmp_path / "job.json").write_text(json.dumps(job | keys))
+        _, said = lamina("farm", tmp_path / "job.json", "-o", tmp_path / "out", code=code)
+        if code:
+            assert "broken.blend: Blender cannot open it" in said.splitlines()[-1]
+            assert not list((tmp_path / "out").iterdir()) and len(list(tmp_path.iterdir())) == 3
+    items = json.loads((tmp_path / "out" / "files" / "items.json").read_text())["items"]
+    assert [item["texts"]["lamina:chosen"] for item in items] == ["baked", "baked"] and len(list(tmp_path.iterdir())) == 3
