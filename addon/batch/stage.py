@@ -12,7 +12,7 @@ from ..nodes.material import apply_stack, make_renderable, refresh
 from ..nodes.script_node import drop_text
 from ..rendering.studio import build_ball_scene
 from .estimate import estimate
-from .items import BALL_SAMPLES, BALL_SIZE, Item
+from .items import BALL_SAMPLES, Item
 from .task import WITH_CAMERA, render_item
 
 
@@ -56,7 +56,7 @@ class Stage:
         if not item.blend:
             if bpy.data.filepath:
                 bpy.ops.wm.read_homefile(use_empty=True)
-            studio = build_ball_scene(None, BALL_SIZE[0], BALL_SAMPLES)
+            studio = build_ball_scene(None, item.size, BALL_SAMPLES)
             studio.scene[WITH_CAMERA] = "Backdrop\nHalo"
             self.scene, self.target = studio.scene, studio.ball
         else:
