@@ -54,8 +54,16 @@ def render_item(scene: bpy.types.Scene, target: bpy.types.Object, item: dict, te
         "lamina:samples": str(scene.cycles.samples),
         "lamina:seed": str(item["seed"]),
         "lamina:seconds": f"{time.monotonic() - started:.2f}",
+        "lamina:view": json.dumps(view_of(scene)),
     }
     _write(folder / item["file"], channels, texts)
+
+
+def view_of(scene) -> dict:
+    """How the scene shows linear light, which an EXR does not hold: for contact sheets."""
+    view = scene.view_settings
+    return {"display_device": scene.display_settings.display_device, "view_transform": view.view_transform, "look": view.look,
+            "exposure": view.exposure, "gamma": view.gamma}
 
 
 def pixel_hash(channels: dict) -> str:

@@ -74,7 +74,7 @@ def test_a_batch_leaves_pictures_with_their_origin_a_table_and_a_sheet(done, reg
         assert 0.0 < float(row["soft_light_error"]) < 1.0 and "soft_light " + row["soft_light_error"] in texts["lamina:error"]
         assert float(row["mean_r"]) == pytest.approx(float(picture.channels["R"].mean()), rel=1e-4) and float(row["mean_r"]) > 0.01
     assert len({row["pixels"] for row in rows}) == 3  # each frame has its own noise
-    assert read_png(folder / "out" / "sheet.png")[0].shape[2] == 3
+    assert min(read_png(folder / "out" / "sheet.png")[0].shape[:2]) > 192
 
 
 def test_whole_pictures_are_kept_and_damaged_ones_made_anew(done, copy, registered_lamina):
@@ -232,11 +232,35 @@ def test_bad_jobs_are_code_2_and_leave_nothing(tmp_path):
     assert all(key in keys for key in JOB)
 
 
-def test_tiles_show_the_middle_in_srgb():
-    from lamina.addon.batch.outputs import tile
+def test_cells_hold_whole_pictures_of_any_shape():
+    from lamina.addon.batch.outputs import fitted
 
-    picture = np.zeros((30, 60, 3))
-    picture[:, 15:45] = 0.2140  # half way in sRGB
-    for side in (10, 64):
-        assert np.all(tile(picture, side) == 127 + (tile(picture, side) == 128))
-    assert np.all(tile(np.full((4, 4, 3), np.nan), 64) == 0)
+    picture = np.zeros((10, 30, 3))
+    picture[:, 15:] = 0.5
+    for side, high in ((6, 2), (60, 20), (90, 30)):
+        cell = fitted(picture, side)
+        assert cell.shape == (high, side, 3) and np.all(cell[:, :side // 2] == 0.0) and np.allclose(cell[:, side // 2:], 0.5)
+    assert np.all(fitted(np.full((4, 4, 3), np.nan), 8) == 0) and fitted(np.ones((2, 16_000, 3)), 192).shape == (1, 192, 3)
+
+
+def test_the_sheet_shows_what_render_shows(blender, tmp_path):
+    """The same light through the scene's own view transform, which is not sRGB's curve alone."""
+    from lamina.addon.batch.task import view_of
+    from lamina.addon.rendering import images, settings, view
+    from lamina.addon.rendering.studio import build_ball_scene
+
+    studio = build_ball_scene(None, (24, 16), 4)
+    pictures = {}
+    for transform in ("Khronos PBR Neutral", "AgX"):
+        studio.scene.view_settings.view_transform, studio.scene.view_settings.exposure = transform, 1.0
+        settings.render_to(studio.scene, tmp_path / "a.png")
+        pictures[transform] = images.read_png(tmp_path / "a.png")[0].astype(int)
+        shown = view_of(studio.scene)
+        studio.scene.render.image_settings.file_format, studio.scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+        settings.render_to(studio.scene, tmp_path / "a.exr")
+        studio.scene.render.image_settings.file_format, studio.scene.render.image_settings.color_depth = "PNG", "8"
+        channels = images.read_exr(tmp_path / "a.exr").channels
+        told = view.displayed(np.stack([channels[c] for c in "RGB"], axis=-1), shown)
+        assert np.abs(told.astype(int) - pictures[transform]).max() <= 1
+    studio.remove()
+    assert np.abs(pictures["AgX"] - pictures["Khronos PBR Neutral"]).max() > 20
