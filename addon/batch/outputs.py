@@ -4,13 +4,14 @@
 import csv
 import io
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ...reference_py.atomic import write_text
+from ...reference_py.network.choice import DEFAULT_TOLERANCE
 from .items import Item
 
 TABLE = "batch.csv"
@@ -61,14 +62,35 @@ def _row(output: Output, folder: Path) -> dict:
     if output.problem:
         return row
     pixels = _pixels(folder / item.file)
-    said = texts["lamina:error"].split()
-    errors = dict(zip(said[::2], said[1::2])) if not texts["lamina:error"].startswith("unknown") else {}
+    errors = _errors(texts)
     return row | {
         "chosen": texts["lamina:chosen"], **{f"{e}_error": errors.get(e, "") for e in _ERRORS}, "samples": texts["lamina:samples"],
         "height": pixels.shape[0], "width": pixels.shape[1],
         **{f"mean_{c}": f"{v:.6g}" for c, v in zip("rgb", pixels.mean(axis=(0, 1)))},
         "seconds": texts["lamina:seconds"], "version": texts["lamina:version"], "blender": texts["lamina:blender"], "pixels": texts["lamina:pixels"],
     }  # fmt: skip
+
+
+def missed(outputs: Sequence[Output]) -> str:
+    """One line on the pictures whose estimated error is above the tolerance, empty if there are none."""
+    seen = [(max(float(e) for e in errors), output.item) for output in outputs if not output.problem and (errors := _seen(output.texts))]
+    above = [(error, item) for error, item in seen if error > DEFAULT_TOLERANCE]
+    if not above:
+        return ""
+    error, item = max(above, key=lambda one: one[0])
+    return f"{len(above)} of {len(outputs)} pictures miss the tolerance of {100 * DEFAULT_TOLERANCE:g} %, the worst {item.id} ({item.look}, {item.words}) " \
+           f"by its estimated error of {100 * error:.1f} %; see {TABLE}"
+
+
+def _seen(texts: Mapping[str, str]) -> list[str]:
+    """The errors that the tolerance is for, as in `judge.Errors.seen`."""
+    errors = _errors(texts)
+    return [errors[name] for name in ("albedo", "soft_light") if name in errors]
+
+
+def _errors(texts: Mapping[str, str]) -> dict[str, str]:
+    said = texts["lamina:error"].split()
+    return dict(zip(said[::2], said[1::2])) if said[:1] != ["unknown:"] else {}
 
 
 def _pixels(path: Path) -> np.ndarray:

@@ -33,7 +33,7 @@ def batch(options) -> int | None:
     report = say("batch")
     with blender(report):
         from ..batch.lock import sole_owner
-        from ..batch.outputs import write_sheets, write_table
+        from ..batch.outputs import missed, write_sheets, write_table
         from ..batch.run import run_items
         from ..rendering.images import require_pictures
 
@@ -51,6 +51,8 @@ def batch(options) -> int | None:
                 written = False
     failed = [output for output in outputs if output.problem]
     report(f"{len(outputs) - len(failed)} of {len(outputs)} pictures are done")
+    if told := missed(outputs):
+        report(told)
     for output in failed:
         report(f"failed: {output.item.id}: {output.problem}")
     return FAILED if failed or not written else None
