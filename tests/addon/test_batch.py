@@ -17,6 +17,7 @@ from support.commands import RUN, lamina
 
 import lamina as package
 from lamina.reference_py import presets
+from lamina.reference_py.errors import LaminaError
 
 pytest.importorskip("bpy")
 
@@ -62,7 +63,7 @@ def test_a_batch_leaves_pictures_with_their_origin_a_table_and_a_sheet(done, reg
     folder, said = done
     rows = table(folder / "out")
     assert [row["state"] for row in rows] == ["done"] * 3 and "3/3, 100 %, about 0 s left" in said
-    assert sorted(f.name for f in (folder / "out").iterdir()) == sorted([".lamina-batch", "batch.csv", "sheet.png", *(r["id"] + ".exr" for r in rows)])
+    assert sorted(f.name for f in (folder / "out").iterdir()) == sorted(["batch.csv", "sheet.png", *(r["id"] + ".exr" for r in rows)])
     for row in rows:
         picture = read_exr(folder / "out" / f"{row['id']}.exr")
         texts = picture.metadata
@@ -140,7 +141,7 @@ def test_ctrl_c_is_130_and_leaves_no_process(done, tmp_path):
     assert process.returncode == 130 and error.strip().splitlines()[-1] == "lamina: cancelled" and "Traceback" not in error
     time.sleep(0.3)
     assert children and not any(alive(int(child)) for child in children)
-    assert [f.name for f in (tmp_path / "out").iterdir()] == [".lamina-batch"]
+    assert not list((tmp_path / "out").iterdir())
 
 
 def test_one_batch_at_a_time_in_a_folder(copy):
@@ -150,7 +151,22 @@ def test_one_batch_at_a_time_in_a_folder(copy):
     with sole_owner(copy / "out"):
         _, said = lamina("batch", copy / "job.json", "-o", copy / "out", code=2)
     assert len(said.splitlines()) == 1 and f"another batch works there, process {os.getpid()}" in said
-    assert pixels(copy / "out") == before
+    assert pixels(copy / "out") == before and not (copy / "out" / ".lamina-batch").exists()
+
+
+def test_a_lock_that_its_owner_just_removed_is_nobodys(tmp_path, monkeypatch):
+    """Opened before the former owner removed it, locked after: a third batch may hold the new file by then."""
+    from lamina.addon.batch import lock
+
+    real = lock._lock
+
+    def late(handle):
+        (tmp_path / ".lamina-batch").unlink()
+        real(handle)
+
+    monkeypatch.setattr(lock, "_lock", late)
+    with pytest.raises(LaminaError, match="another batch works there"), lock.sole_owner(tmp_path):
+        pass
 
 
 def test_what_fails_is_named_and_the_rest_is_done(tmp_path, blender):
