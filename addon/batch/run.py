@@ -18,13 +18,21 @@ WORK = ".work"
 _POLL_SECONDS = 0.2
 
 
-def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float | None, report: Callable[[str], None]) -> list[Output]:
+def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float | None, report: Callable[[str], None],
+              replace: bool = False) -> list[Output]:
     """Render what is not there yet, each within `limit` seconds; returns one output per item, failed ones with their problem.
 
-    Raises LaminaError when no worker can be started, KeyboardInterrupt when cancelled; workers are gone then.
+    Raises LaminaError when no worker can be started, and before anything is rendered when whole pictures of other inputs
+    have the names of some, unless `replace`; KeyboardInterrupt when cancelled; workers are gone then.
     """
+    from .task import OTHER_INPUTS
+
     outputs = {item.id: verified(item, folder) for item in items}
     left = [item for item in items if outputs[item.id].problem]
+    others = [output.item.file for output in outputs.values() if output.problem == OTHER_INPUTS]
+    if others and not replace:
+        raise LaminaError(f"{folder}: {len(others)} pictures of other inputs (another job, or this one as it was) have the names of this job's, "
+                          f"such as {others[0]}; choose another folder, or give --replace to render them anew")
     report(f"{len(items)} pictures, {len(items) - len(left)} of them are there and whole")
     if not left:
         return list(outputs.values())

@@ -21,6 +21,7 @@ import bpy
 from mathutils import Matrix
 
 WITH_CAMERA = "lamina_with_camera"
+OTHER_INPUTS = "is of other inputs"
 
 if __package__:
     from ..rendering import oiio
@@ -167,8 +168,11 @@ def _farm(arguments: list[str]) -> int:
     for i, item in enumerate(wanted):
         print(f"openjd_status: {item['id']}", flush=True)
         try:
-            if is_there(options.output / item["file"], item["inputs"]):
+            what, _ = problem(options.output / item["file"], item["inputs"])
+            if not what:
                 print(f"{item['id']}: is there already", flush=True)
+            elif what == OTHER_INPUTS:
+                raise RuntimeError(f"{item['file']} is there already and {what}; choose another folder, or delete it")
             else:
                 with _within(listed["time_limit"], item["id"]):
                     scene, target = _shown(item, options.items.parent)
@@ -218,11 +222,6 @@ def _shown(item: dict, folder: Path):
     return scene, target
 
 
-def is_there(path: Path, inputs: str) -> bool:
-    """Whether a file is a whole picture of these very inputs."""
-    return not problem(path, inputs)[0]
-
-
 def problem(path: Path, inputs: str) -> tuple[str, dict[str, str]]:
     """What is wrong with an output, empty if nothing, and the texts in its header."""
     try:
@@ -232,7 +231,7 @@ def problem(path: Path, inputs: str) -> tuple[str, dict[str, str]]:
     except (OSError, ValueError, MemoryError) as error:
         return f"cannot be read: {' '.join(str(error).split())}", {}
     if texts.get("lamina:inputs") != inputs:
-        return "is of other inputs", texts
+        return OTHER_INPUTS, texts
     if not all(name in channels for name in "RGBA") or pixel_hash(channels) != texts.get("lamina:pixels"):
         return "has other pixels than were written", texts
     return "", texts

@@ -40,7 +40,7 @@ def batch(options) -> int | None:
         require_pictures()
         backend_here(job.backend)
         with sole_owner(folder):
-            outputs = run_items(items, folder, options.processes or _processes(), job.time_limit, report)
+            outputs = run_items(items, folder, options.processes or _processes(), job.time_limit, report, options.replace)
             try:
                 report(f"wrote {write_table(outputs, folder)}")
                 for sheet in write_sheets(outputs, folder, job.name) if not options.no_sheet else ():

@@ -81,13 +81,13 @@ def test_a_batch_leaves_pictures_with_their_origin_a_table_and_a_sheet(done, reg
 
 
 def test_whole_pictures_are_kept_and_damaged_ones_made_anew(done, copy, registered_lamina):
-    """Truncated, bent, missing and foreign ones; dates that a clock running backwards leaves do not matter."""
+    """Truncated, bent and missing ones; dates that a clock running backwards leaves do not matter."""
     from lamina.addon.rendering import oiio
 
     out = copy / "out"
     first, second, third = (out / f"{row['id']}.exr" for row in table(out))
     os.utime(first, (4e9, 4e9))
-    shutil.copy(first, third)  # of other inputs
+    third.unlink()
     second.write_bytes(second.read_bytes()[:-200])
     _, said = lamina("batch", copy / "job.json", "-o", out, "--processes", 1)
     assert "3 pictures, 1 of them are there and whole" in said
@@ -99,6 +99,17 @@ def test_whole_pictures_are_kept_and_damaged_ones_made_anew(done, copy, register
     from lamina.addon.batch.task import problem
 
     assert problem(second, texts["lamina:inputs"])[0] == "has other pixels than were written"
+
+
+def test_pictures_of_other_inputs_are_replaced_only_on_demand(copy):
+    out = copy / "out"
+    before = {file.name: file.read_bytes() for file in out.iterdir()}
+    (copy / "job.json").write_text(json.dumps(JOB | {"samples": 1, "frames": "1-4"}))
+    _, said = lamina("batch", copy / "job.json", "-o", out, code=2)
+    assert len(said.splitlines()) == 1 and "3 pictures of other inputs" in said and "clean_copper-" in said and "--replace" in said
+    assert {file.name: file.read_bytes() for file in out.iterdir()} == before
+    lamina("batch", copy / "job.json", "-o", out, "--replace", "--processes", 1)
+    assert [(row["state"], row["samples"]) for row in table(out)] == [("done", "1")] * 4
 
 
 def test_killed_while_rendering_it_goes_on_where_it_was(done, tmp_path):

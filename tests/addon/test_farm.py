@@ -72,6 +72,13 @@ def test_a_failed_picture_fails_its_task_and_no_other(bundle, blender_program, t
                           "--range", "0-1", "--output", str(tmp_path / "out")], capture_output=True, text=True, timeout=300)  # fmt: skip
     assert ran.returncode == 1 and f"lamina: failed: {items['items'][0]['id']}" in ran.stdout
     assert [f.name for f in (tmp_path / "out").iterdir()] == [items["items"][1]["file"]]
+    before = (tmp_path / "out" / items["items"][1]["file"]).read_bytes()
+    items["items"][1]["inputs"] = "another job's"
+    (tmp_path / "files" / "items.json").write_text(json.dumps(items))
+    ran = subprocess.run([blender_program, "-b", "--python", str(tmp_path / "files" / "render_items.py"), "--", "--items", str(tmp_path / "files" / "items.json"),
+                          "--range", "1", "--output", str(tmp_path / "out")], capture_output=True, text=True, timeout=300)  # fmt: skip
+    assert ran.returncode == 1 and "is of other inputs; choose another folder" in ran.stdout
+    assert (tmp_path / "out" / items["items"][1]["file"]).read_bytes() == before
 
 
 def test_a_picture_that_takes_too_long_ends_its_task(bundle, blender_program, tmp_path):
