@@ -26,11 +26,15 @@ _COLUMNS_OF_TABLE = (
 
 @dataclass(frozen=True)
 class Output:
-    """An item's picture: what is wrong with it, empty if nothing, and the texts in its header."""
+    """An item's picture: what is wrong with it, empty if nothing, and the texts in its header.
+
+    `scene_failed` where the problem is that of the item's scene, and so of all its items.
+    """
 
     item: Item
     problem: str
     texts: dict[str, str]
+    scene_failed: bool = False
 
 
 def verified(item: Item, folder: Path) -> Output:

@@ -16,6 +16,10 @@ from .items import BALL_SAMPLES, Item
 from .task import WITH_CAMERA, render_item
 
 
+class SceneError(LaminaError):
+    """What is wrong with a scene or its object, and so with every item that names them."""
+
+
 class Stage:
     """Shows one item after the other and renders it."""
 
@@ -36,10 +40,11 @@ class Stage:
 
     def show(self, item: Item) -> None:
         """Make the item's scene and material the present ones. Raises LaminaError."""
-        if self._scene_key != item.blend:
+        key = (item.blend, item.scene.object)
+        if self._scene_key != key:
             self._scene_key = self._material_key = None
             self._open(item)
-            self._scene_key = item.blend
+            self._scene_key = key
         key = (item.stack.to_json(), item.tier, item.backend)
         if self._material_key != key:
             self._material_key = None
@@ -88,20 +93,20 @@ def own_texts(item: Item) -> dict[str, str]:
 
 
 def open_scene(item: Item):
-    """The active scene of an item's .blend file and the item's object in it. Raises LaminaError."""
+    """The active scene of an item's .blend file and the item's object in it. Raises SceneError."""
     try:
         bpy.ops.wm.open_mainfile(filepath=item.blend, load_ui=False)
     except RuntimeError as error:
-        raise LaminaError(f"{item.scene.blend}: Blender cannot open it: {' '.join(str(error).split())}") from None
+        raise SceneError(f"{item.scene.blend}: Blender cannot open it: {' '.join(str(error).split())}") from None
     scene = bpy.context.scene
     target = scene.objects.get(item.scene.object)
     if target is None or not hasattr(target.data, "materials"):
         choices = sorted(o.name for o in scene.objects if hasattr(o.data, "materials"))
-        raise LaminaError(f"{item.scene.blend}: no object {item.scene.object!r} that takes a material; choose {', '.join(choices) or 'none'}")
+        raise SceneError(f"{item.scene.blend}: no object {item.scene.object!r} that takes a material; choose {', '.join(choices) or 'none'}")
     if scene.camera is None:
-        raise LaminaError(f"{item.scene.blend}: the scene {scene.name} has no camera")
+        raise SceneError(f"{item.scene.blend}: the scene {scene.name} has no camera")
     if scene.render.engine != "CYCLES":
-        raise LaminaError(f"{item.scene.blend}: the scene {scene.name} renders with {scene.render.engine}; choose Cycles in it")
+        raise SceneError(f"{item.scene.blend}: the scene {scene.name} renders with {scene.render.engine}; choose Cycles in it")
     return scene, target
 
 

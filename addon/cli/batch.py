@@ -53,8 +53,12 @@ def batch(options) -> int | None:
     report(f"{len(outputs) - len(failed)} of {len(outputs)} pictures are done")
     if told := missed(outputs):
         report(told)
+    groups: dict[tuple, list[str]] = {}
     for output in failed:
-        report(f"failed: {output.item.id}: {output.problem}")
+        key = (output.item.scene.name if output.scene_failed else output.item.id, output.problem)
+        groups.setdefault(key, []).append(output.item.id)
+    for (name, problem), ids in groups.items():
+        report(f"failed: {ids[0] if len(ids) == 1 else f'{len(ids)} pictures of scene {name}'}: {problem}")
     return FAILED if failed or not written else None
 
 

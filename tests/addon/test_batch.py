@@ -238,6 +238,67 @@ def test_a_picture_that_hangs_is_ended_and_the_rest_is_done(tmp_path, monkeypatc
     assert any(f"{items[1].id} failed: took longer" in line for line in said)
 
 
+# Answers like a worker whose .blend lacks the object Cup.
+LACKS = """
+import json, sys
+print('{"ready": true}', flush=True)
+for line in sys.stdin:
+    item = json.loads(line)
+    if item["scene"]["object"] == "Cup":
+        print(json.dumps({"id": item["id"], "error": "no object 'Cup'", "scene": True}), flush=True)
+    else:
+        open(sys.argv[1] + "/" + item["file"], "w").close()
+        print(json.dumps({"id": item["id"]}), flush=True)
+"""
+
+
+def test_a_scene_that_fails_is_tried_and_named_once(tmp_path, monkeypatch):
+    from lamina.addon.batch import run, worker
+    from lamina.addon.batch.items import expand
+    from lamina.addon.batch.job import Job
+    from lamina.addon.batch.outputs import Output
+
+    monkeypatch.setattr(worker, "command", lambda folder, threads: [sys.executable, "-c", LACKS, str(folder)])
+    monkeypatch.setattr(run, "verified", lambda item, folder: Output(item, "" if (folder / item.file).exists() else "is not there", {}))
+    (tmp_path / "s.blend").write_bytes(b"")
+    cup, ball = ({"blend": "s.blend", "object": name} for name in ("Cup", "Ball"))
+    items, said = expand(Job.load(write_job(tmp_path, stacks=["clean_copper", "glazed_mug"], scenes=[cup, ball]))), []
+    outputs = run.run_items(items, tmp_path, 1, None, said.append)
+    assert [(o.problem, o.scene_failed) for o in outputs] == [("no object 'Cup'", True)] * 6 + [("", False)] * 6
+    assert [line.partition(" left: ")[2] for line in said if "failed" in line] == ["6 pictures of scene s_Cup failed: no object 'Cup'"]
+    with pytest.raises(LaminaError, match="^no object 'Cup'$"):
+        run.run_items(items[:6], tmp_path, 1, None, said.append)
+
+
+def test_a_scene_without_cycles_is_bad_input(tmp_path, blender):
+    blender.context.scene.camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
+    blender.context.scene.collection.objects.link(blender.context.scene.camera)
+    blender.context.scene.collection.objects.link(blender.data.objects.new("Cup", blender.data.meshes.new("Cup")))
+    blender.context.scene.render.engine = "BLENDER_WORKBENCH"
+    blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "s.blend"))
+    job = write_job(tmp_path, stacks=["clean_copper", "glazed_mug"], scenes=[{"blend": "s.blend", "object": "Cup"}])
+    _, said = lamina("batch", job, "-o", tmp_path / "out", "--processes", 1, code=2)
+    assert said.count("renders with BLENDER_WORKBENCH; choose Cycles") == 2  # once as it happened, once in the end
+    assert "6 pictures of scene s_Cup failed" in said and not list((tmp_path / "out").iterdir())
+
+
+def test_each_object_of_one_file_is_shown_in_its_turn(tmp_path, blender):
+    from lamina.addon.batch.items import expand
+    from lamina.addon.batch.job import Job
+    from lamina.addon.batch.stage import Stage
+    from lamina.addon.rendering.settings import add_object
+    from lamina.addon.rendering.studio import build_ball_scene
+
+    blender.context.window.scene = build_ball_scene(None, 16, 1, name="Two").scene
+    add_object(blender.context.scene, "Other", blender.data.objects["Ball"].data.copy())
+    blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "s.blend"))
+    stage, shown = Stage(), []
+    for item in expand(Job.load(write_job(tmp_path, frames=1, scenes=[{"blend": "s.blend", "object": name} for name in ("Ball", "Other")]))):
+        stage.show(item)
+        shown.append((stage.target.name, stage.target.material_slots[0].material.name, stage.scene.objects["Ball"].material_slots[0].material))
+    assert [name for name, _, _ in shown] == ["Ball", "Other"] and shown[1][1] == "clean_copper" and shown[1][2] is None
+
+
 def test_processes_share_no_material_while_there_are_others(tmp_path):
     from lamina.addon.batch.items import expand
     from lamina.addon.batch.job import Job
