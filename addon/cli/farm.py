@@ -3,6 +3,7 @@
 
 import json
 import os
+import shlex
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -34,7 +35,9 @@ def farm(options) -> None:
         write_text(made / "lamina_flamenco.js", job_type(job.name, len(items), options.chunk))
         write_text(made / "template.json", json.dumps(template(job.name, len(items), options.chunk), indent=2) + "\n")
     report(f"wrote {len(items)} pictures to render into {folder}")
-    report(f"here: openjd run {folder}/template.json --step Render -p Output=FOLDER; then lamina batch {options.job} -o FOLDER verifies them")
+    template_file, job_file = shlex.quote(str(folder.resolve() / "template.json")), shlex.quote(str(Path(options.job).resolve()))
+    report(f"here: openjd run {template_file} --step Render -p Blender=blender -p Output=/abs/FOLDER; "
+           f"then lamina batch {job_file} -o /abs/FOLDER verifies them")
 
 
 @contextmanager

@@ -107,6 +107,7 @@ BAD = [
     ({"frames": "10-1"}, "has no frames"),
     ({"frames": "1-999999"}, "more than 100000"),
     ({"frames": [1.5]}, "1.5 is no frame"),
+    ({"frames": "1-100000000"}, "'1-100000000' is no frame; write numbers from -999999 to 999999 and ranges"),
     ({"size": 1}, "size is 1; choose a whole number from 2"),
     ({"samples": 0}, "samples is 0"),
     ({"time_limit": 0}, "time_limit is 0; choose seconds, more than 0"),
@@ -134,7 +135,7 @@ def test_bad_jobs_are_one_line(tmp_path, keys, words):
     (home / "newer.json").write_text('{"schema_version": 99, "base": {"kind": "lambert"}}')
     with pytest.raises(LaminaError, match=words) as raised:
         expand(job(home, **keys))
-    assert "\n" not in str(raised.value) and len(str(raised.value)) < 1000
+    assert "\n" not in str(raised.value) and len(str(raised.value)) < 1000 and "is no name of a file: /" not in str(raised.value)
 
 
 @pytest.mark.parametrize("text, words", [

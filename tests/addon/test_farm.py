@@ -132,5 +132,6 @@ def test_what_fails_half_way_leaves_nothing_and_can_be_tried_again(tmp_path):
         if code:
             assert "broken.blend: Blender cannot open it" in said.splitlines()[-1]
             assert not list((tmp_path / "out").iterdir()) and len(list(tmp_path.iterdir())) == 3
+    assert f"openjd run {tmp_path}/out/template.json --step Render -p Blender=blender -p Output=" in said and f"lamina batch {tmp_path}/job.json -o" in said
     items = json.loads((tmp_path / "out" / "files" / "items.json").read_text())["items"]
     assert [item["texts"]["lamina:chosen"] for item in items] == ["baked", "baked"] and len(list(tmp_path.iterdir())) == 3
