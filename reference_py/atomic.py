@@ -38,12 +38,15 @@ def replacing(path: str | os.PathLike) -> Iterator[Path]:
 
 def require_writable(path: str | os.PathLike) -> None:
     """Raise LaminaError now if `path` could not be written later, before long work starts."""
-    folder = Path(path).parent
+    _try_folder(Path(path).parent, f"{path}: cannot write into folder {Path(path).parent}")
+
+
+def _try_folder(folder: Path, complaint: str) -> None:
     try:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        raise LaminaError(f"{path}: cannot write into folder {folder}: {error.strerror}") from None
+        raise LaminaError(f"{complaint}: {error.strerror}") from None
 
 
 def output_folder(path: str | os.PathLike) -> Path:
@@ -53,7 +56,7 @@ def output_folder(path: str | os.PathLike) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise LaminaError(f"{folder}: cannot make this folder: {error.strerror}") from None
-    require_writable(folder / "any")
+    _try_folder(folder, f"{folder}: cannot write into this folder")
     return folder
 
 

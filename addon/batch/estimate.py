@@ -5,6 +5,7 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.network import AutoNetwork, make_network
 from ...reference_py.network.judge import Judge, ball_cosines
 from ...reference_py.network.memory import remembered, truth_of
+from ...reference_py.network.table import TableNetwork
 from ...reference_py.stack import Stack
 
 
@@ -12,7 +13,9 @@ def estimate(stack: Stack, tier: str) -> dict[str, str]:
     """Texts "lamina:chosen" and "lamina:error": errors as shares of the reflected light, or why there are none."""
     network = make_network(stack, tier)
     own = isinstance(network, AutoNetwork)
-    chosen = network.choice.chosen.label if own else network.resolved.tier
+    # tables alone do not know which tier they were made by
+    told = network if isinstance(network.resolved, TableNetwork) else network.resolved
+    chosen = network.choice.chosen.label if own else told.tier
     if own:
         c = network.choice.chosen
         error = {"albedo": c.albedo, "soft_light": c.soft_light, "shape": c.shape}

@@ -20,6 +20,7 @@ JOB_VERSION = 1
 BALL = "ball"
 MAX_VALUES = 100_000
 MAX_SECONDS = 1_000_000
+MAX_FRAME = 999_999  # six digits, as in _RANGE
 _RANGE = re.compile(r"(-?\d{1,6})(?:-(-?\d{1,6}))?(?:x(\d{1,6}))?")
 _PARAMETER = re.compile(r"layers\[(\d{1,3})\]\.(\w+)|base\.(\w+)")
 REQUIRED = object()
@@ -173,12 +174,13 @@ def inside(value: str, where: str, folder: Path) -> Path:
     try:
         home = folder.resolve()
         path = (home / value).resolve()
-        if not path.is_relative_to(home):
-            raise LaminaError(f"{where}: {_short(value)} is outside of the job's folder {folder}; put it there, beside the job file")
-        if not path.is_file():
-            raise LaminaError(f"{where}: {_short(value)} is no file in the job's folder {folder}")
+        within, there = path.is_relative_to(home), path.is_file()
     except (OSError, ValueError, RuntimeError) as error:
         raise LaminaError(f"{where}: {_short(value)} is no name of a file: {getattr(error, 'strerror', None) or error}") from None
+    if not within:
+        raise LaminaError(f"{where}: {_short(value)} is outside of the job's folder {home}; put it there, beside the job file")
+    if not there:
+        raise LaminaError(f"{where}: {_short(value)} is no file in the job's folder {home}")
     return path
 
 
@@ -288,10 +290,11 @@ def _frames(value, where: str, folder: Path) -> tuple[int, ...]:
     frames: list[int] = []
     for i, entry in enumerate(value if isinstance(value, list) else [value]):
         if isinstance(entry, int) and not isinstance(entry, bool):
-            entry = str(entry) if abs(entry) < 1_000_000 else ""
+            entry = str(entry) if abs(entry) <= MAX_FRAME else ""
         match = _RANGE.fullmatch(entry) if isinstance(entry, str) else None
         if match is None:
-            raise LaminaError(f'{where}: {_short(value if not isinstance(value, list) else value[i])} is no frame; write numbers and ranges such as 1, "1-24" or "1-24x2"')
+            raise LaminaError(f'{where}: {_short(value if not isinstance(value, list) else value[i])} is no frame; '
+                              f'write numbers from -{MAX_FRAME} to {MAX_FRAME} and ranges such as 1, "1-24" or "1-24x2"')
         first, last, step = int(match[1]), int(match[2] or match[1]), int(match[3] or 1)
         if step < 1 or last < first:
             raise LaminaError(f"{where}: {_short(entry)} has no frames; write FIRST-LAST or FIRST-LASTxSTEP")

@@ -4,17 +4,19 @@
 import csv
 import io
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ...reference_py.atomic import write_text
+from ...reference_py.network.choice import DEFAULT_TOLERANCE
 from .items import Item
 
 TABLE = "batch.csv"
-_TILES_PER_SHEET, _COLUMNS, _TILE = 60, 8, 160
+# a narrower cell's labels could not be read
+_TILES_PER_SHEET, _COLUMNS, _TILE = 60, 8, 192
 _ERRORS = ("albedo", "soft_light", "shape")
 _COLUMNS_OF_TABLE = (
     "id", "state", "look", "tier", "chosen", *(f"{e}_error" for e in _ERRORS), "scene", "view_deg", "frame", "sweep", "samples", "seed",
@@ -24,11 +26,15 @@ _COLUMNS_OF_TABLE = (
 
 @dataclass(frozen=True)
 class Output:
-    """An item's picture: what is wrong with it, empty if nothing, and the texts in its header."""
+    """An item's picture: what is wrong with it, empty if nothing, and the texts in its header.
+
+    `scene_failed` where the problem is that of the item's scene, and so of all its items.
+    """
 
     item: Item
     problem: str
     texts: dict[str, str]
+    scene_failed: bool = False
 
 
 def verified(item: Item, folder: Path) -> Output:
@@ -60,14 +66,35 @@ def _row(output: Output, folder: Path) -> dict:
     if output.problem:
         return row
     pixels = _pixels(folder / item.file)
-    said = texts["lamina:error"].split()
-    errors = dict(zip(said[::2], said[1::2])) if not texts["lamina:error"].startswith("unknown") else {}
+    errors = _errors(texts)
     return row | {
         "chosen": texts["lamina:chosen"], **{f"{e}_error": errors.get(e, "") for e in _ERRORS}, "samples": texts["lamina:samples"],
         "height": pixels.shape[0], "width": pixels.shape[1],
         **{f"mean_{c}": f"{v:.6g}" for c, v in zip("rgb", pixels.mean(axis=(0, 1)))},
         "seconds": texts["lamina:seconds"], "version": texts["lamina:version"], "blender": texts["lamina:blender"], "pixels": texts["lamina:pixels"],
     }  # fmt: skip
+
+
+def missed(outputs: Sequence[Output]) -> str:
+    """One line on the pictures whose estimated error is above the tolerance, empty if there are none."""
+    seen = [(max(float(e) for e in errors), output.item) for output in outputs if not output.problem and (errors := _seen(output.texts))]
+    above = [(error, item) for error, item in seen if error > DEFAULT_TOLERANCE]
+    if not above:
+        return ""
+    error, item = max(above, key=lambda one: one[0])
+    return f"{len(above)} of {len(outputs)} pictures miss the tolerance of {100 * DEFAULT_TOLERANCE:g} %, the worst {item.id} ({item.look}, {item.words}) " \
+           f"by its estimated error of {100 * error:.1f} %; see {TABLE}"
+
+
+def _seen(texts: Mapping[str, str]) -> list[str]:
+    """The errors that the tolerance is for, as in `judge.Errors.seen`."""
+    errors = _errors(texts)
+    return [errors[name] for name in ("albedo", "soft_light") if name in errors]
+
+
+def _errors(texts: Mapping[str, str]) -> dict[str, str]:
+    said = texts["lamina:error"].split()
+    return dict(zip(said[::2], said[1::2])) if said[:1] != ["unknown:"] else {}
 
 
 def _pixels(path: Path) -> np.ndarray:
@@ -78,19 +105,22 @@ def _pixels(path: Path) -> np.ndarray:
 
 
 def write_sheets(outputs: Sequence[Output], folder: Path, title: str) -> list[Path]:
-    """Contact sheets of the first frame of every look that is done, in the job's order. Needs a running Blender."""
+    """Contact sheets of the first frame of every look that is done, in the job's order, each as its scene shows it.
+
+    Needs a running Blender.
+    """
     from ..rendering.images import write_png
     from ..rendering.sheet import Tile, compose
 
-    first = {output.item.id.rpartition(".")[0]: output for output in reversed(outputs) if not output.problem}
-    shown = [output for output in outputs if first.get(output.item.id.rpartition(".")[0]) is output]
-    side = min(_TILE, max((min(_pixels(folder / o.item.file).shape[:2]) for o in shown[:1]), default=_TILE))
-    side = max(side, 64)
-    written = []
+    frames: dict[str, list[Output]] = {}
+    for output in outputs:
+        if not output.problem:
+            frames.setdefault(output.item.id.rpartition(".")[0], []).append(output)
+    shown, written = list(frames.values()), []
     for page, start in enumerate(range(0, len(shown), _TILES_PER_SHEET)):
         part = shown[start:start + _TILES_PER_SHEET]
-        pictures = [tile(_pixels(folder / o.item.file), side) for o in part]
-        tiles = [Tile(o.item.look[:60], None, o.item.words) for o in part]
+        pictures = [_tile(group[0], folder) for group in part]
+        tiles = [Tile(group[0].item.look[:60], None, _note(group)) for group in part]
         number = f" {page + 1}" if len(shown) > _TILES_PER_SHEET else ""
         path = folder / f"sheet{number.strip() and '_' + number.strip()}.png"
         write_png(path, compose(pictures, tiles, _COLUMNS, (title + number)[:80]))
@@ -98,16 +128,35 @@ def write_sheets(outputs: Sequence[Output], folder: Path, title: str) -> list[Pa
     return written
 
 
-def tile(linear: np.ndarray, side: int) -> np.ndarray:
-    """A linear picture (h, w, 3) as sRGB (side, side, 3) uint8: its middle square, averaged down or repeated up."""
-    height, width = linear.shape[:2]
-    least = min(height, width)
-    top, left = (height - least) // 2, (width - least) // 2
-    square = np.nan_to_num(linear[top:top + least, left:left + least], posinf=1.0, neginf=0.0)
-    edges = np.linspace(0, least, side + 1)
-    low, high = edges[:-1].astype(int), np.maximum(np.ceil(edges[1:]).astype(int), edges[:-1].astype(int) + 1)
-    sums = np.pad(square.astype(np.float64).cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0), (0, 0)))
-    total = sums[high][:, high] - sums[low][:, high] - sums[high][:, low] + sums[low][:, low]
-    mean = total / ((high - low)[:, None] * (high - low))[..., None]
-    encoded = np.where(mean <= 0.0031308, 12.92 * mean, 1.055 * np.maximum(mean, 1e-9) ** (1 / 2.4) - 0.055)
-    return (encoded.clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
+def _note(group: Sequence[Output]) -> str:
+    """What is shown of the frames of one look."""
+    item = group[0].item
+    return item.words + (f", frame {item.frame}, first of {len(group)}" if len(group) > 1 else "")
+
+
+def _tile(output: Output, folder: Path) -> np.ndarray:
+    """The whole picture in a cell, as its scene's view transform shows it; uint8."""
+    from ..rendering.sheet import PAGE
+    from ..rendering.view import displayed
+
+    picture = displayed(fitted(_pixels(folder / output.item.file), _TILE), json.loads(output.texts.get("lamina:view", "{}")))
+    height, width = picture.shape[:2]
+    top, left = (_TILE - height) // 2, (_TILE - width) // 2
+    cell = np.tile(np.round(255.0 * PAGE).astype(np.uint8), (_TILE, _TILE, 1))
+    cell[top:top + height, left:left + width] = picture
+    return cell
+
+
+def fitted(linear: np.ndarray, side: int) -> np.ndarray:
+    """A linear picture (h, w, 3) whose longer side is `side` pixels, averaged down or repeated up."""
+    picture = np.nan_to_num(linear.astype(np.float64), posinf=1.0, neginf=0.0)
+    longer = max(picture.shape[:2])
+    for axis in (0, 1):
+        size = picture.shape[axis]
+        edges = np.linspace(0, size, max(1, round(size * side / longer)) + 1)
+        low = edges[:-1].astype(int)
+        high = np.maximum(np.ceil(edges[1:]).astype(int), low + 1)
+        sums = np.insert(picture.cumsum(axis=axis), 0, 0.0, axis=axis)
+        count = (high - low).reshape((-1, 1, 1) if axis == 0 else (1, -1, 1))
+        picture = (sums.take(high, axis) - sums.take(low, axis)) / count
+    return picture

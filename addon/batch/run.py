@@ -18,13 +18,21 @@ WORK = ".work"
 _POLL_SECONDS = 0.2
 
 
-def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float | None, report: Callable[[str], None]) -> list[Output]:
+def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float | None, report: Callable[[str], None],
+              replace: bool = False) -> list[Output]:
     """Render what is not there yet, each within `limit` seconds; returns one output per item, failed ones with their problem.
 
-    Raises LaminaError when no worker can be started, KeyboardInterrupt when cancelled; workers are gone then.
+    A scene that fails is tried once. Raises LaminaError when every scene does, when no worker can be started, and before anything is rendered when whole pictures of other inputs
+    have the names of some, unless `replace`; KeyboardInterrupt when cancelled; workers are gone then.
     """
+    from .task import OTHER_INPUTS
+
     outputs = {item.id: verified(item, folder) for item in items}
     left = [item for item in items if outputs[item.id].problem]
+    others = [output.item.file for output in outputs.values() if output.problem == OTHER_INPUTS]
+    if others and not replace:
+        raise LaminaError(f"{folder}: {len(others)} pictures of other inputs (another job, or this one as it was) have the names of this job's, "
+                          f"such as {others[0]}; choose another folder, or give --replace to render them anew")
     report(f"{len(items)} pictures, {len(items) - len(left)} of them are there and whole")
     if not left:
         return list(outputs.values())
@@ -35,6 +43,8 @@ def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float 
         _render(left, outputs, folder, work, max(1, min(processes, len(left))), limit, report)
     finally:
         shutil.rmtree(work, ignore_errors=True)
+    if all(output.scene_failed for output in outputs.values()):
+        raise LaminaError("; ".join(dict.fromkeys(output.problem for output in outputs.values())))
     return list(outputs.values())
 
 
@@ -58,7 +68,7 @@ class _Left:
 
     @staticmethod
     def _key(item: Item) -> tuple:
-        return item.blend, item.stack.to_json(), item.tier, item.backend
+        return item.blend, item.scene.object, item.stack.to_json(), item.tier, item.backend
 
     def take(self, last: Item | None) -> Item | None:
         """An item for the process whose last one was `last`; None when none is left."""
@@ -72,6 +82,13 @@ class _Left:
             if not self._groups[key]:
                 del self._groups[key]
             return item
+
+    def take_scene(self, item: Item) -> list[Item]:
+        """All that wait of an item's scene."""
+        with self._lock:
+            taken = [self._groups.pop(key) for key in list(self._groups) if key[:2] == self._key(item)[:2]]
+            self._fresh = [key for key in self._fresh if key in self._groups]
+        return [other for group in taken for other in reversed(group)]
 
     def clear(self) -> None:
         with self._lock:
@@ -90,17 +107,18 @@ def _render(waiting: Sequence[Item], outputs: dict, folder: Path, work: Path, pr
         finished = 0
         while finished < total:
             try:
-                item, error = done.get(timeout=_POLL_SECONDS)
+                answered, error, is_scene = done.get(timeout=_POLL_SECONDS)
             except queue.Empty:
                 if not any(hand.is_alive() for hand in hands):
                     raise LaminaError(f"no worker is left: {hands[0].problem}") from None
                 continue
-            finished += 1
-            output = verified(item, folder)
-            outputs[item.id] = Output(item, error, {}) if error else output
+            finished += len(answered)
+            for item in answered:
+                outputs[item.id] = Output(item, error, {}, is_scene) if error else verified(item, folder)
+            problem = outputs[answered[0].id].problem
+            name = answered[0].id if len(answered) == 1 else f"{len(answered)} pictures of scene {answered[0].scene.name}"
             seconds = (time.monotonic() - started) / finished * (total - finished)
-            state = f"failed: {error}" if error else "failed: " + output.problem if output.problem else "done"
-            report(f"{finished}/{total}, {100 * finished // total} %, {_time_left(seconds)}: {item.id} {state}")
+            report(f"{finished}/{total}, {100 * finished // total} %, {_time_left(seconds)}: {name} {f'failed: {problem}' if problem else 'done'}")
     finally:
         left.clear()
         for hand in hands:
@@ -137,11 +155,11 @@ class _Hand(threading.Thread):
             if (item := self._left.take(item)) is None:
                 break
             try:
-                error = self._worker.render(item, self._limit)
+                error, is_scene = self._worker.render(item, self._limit)
             except LaminaError as why:  # the process is gone
                 self._drop()
-                error = str(why)
-            self._done.put((item, error))
+                error, is_scene = str(why), False
+            self._done.put(([item, *(self._left.take_scene(item) if is_scene else ())], error, is_scene))
         self._drop()
 
     def _drop(self) -> None:

@@ -12,8 +12,12 @@ from ..nodes.material import apply_stack, make_renderable, refresh
 from ..nodes.script_node import drop_text
 from ..rendering.studio import build_ball_scene
 from .estimate import estimate
-from .items import BALL_SAMPLES, BALL_SIZE, Item
+from .items import BALL_SAMPLES, Item
 from .task import WITH_CAMERA, render_item
+
+
+class SceneError(LaminaError):
+    """What is wrong with a scene or its object, and so with every item that names them."""
 
 
 class Stage:
@@ -36,10 +40,11 @@ class Stage:
 
     def show(self, item: Item) -> None:
         """Make the item's scene and material the present ones. Raises LaminaError."""
-        if self._scene_key != item.blend:
+        key = (item.blend, item.scene.object)
+        if self._scene_key != key:
             self._scene_key = self._material_key = None
             self._open(item)
-            self._scene_key = item.blend
+            self._scene_key = key
         key = (item.stack.to_json(), item.tier, item.backend)
         if self._material_key != key:
             self._material_key = None
@@ -56,7 +61,7 @@ class Stage:
         if not item.blend:
             if bpy.data.filepath:
                 bpy.ops.wm.read_homefile(use_empty=True)
-            studio = build_ball_scene(None, BALL_SIZE[0], BALL_SAMPLES)
+            studio = build_ball_scene(None, item.size, BALL_SAMPLES)
             studio.scene[WITH_CAMERA] = "Backdrop\nHalo"
             self.scene, self.target = studio.scene, studio.ball
         else:
@@ -88,20 +93,20 @@ def own_texts(item: Item) -> dict[str, str]:
 
 
 def open_scene(item: Item):
-    """The active scene of an item's .blend file and the item's object in it. Raises LaminaError."""
+    """The active scene of an item's .blend file and the item's object in it. Raises SceneError."""
     try:
         bpy.ops.wm.open_mainfile(filepath=item.blend, load_ui=False)
     except RuntimeError as error:
-        raise LaminaError(f"{item.scene.blend}: Blender cannot open it: {' '.join(str(error).split())}") from None
+        raise SceneError(f"{item.scene.blend}: Blender cannot open it: {' '.join(str(error).split())}") from None
     scene = bpy.context.scene
     target = scene.objects.get(item.scene.object)
     if target is None or not hasattr(target.data, "materials"):
         choices = sorted(o.name for o in scene.objects if hasattr(o.data, "materials"))
-        raise LaminaError(f"{item.scene.blend}: no object {item.scene.object!r} that takes a material; choose {', '.join(choices) or 'none'}")
+        raise SceneError(f"{item.scene.blend}: no object {item.scene.object!r} that takes a material; choose {', '.join(choices) or 'none'}")
     if scene.camera is None:
-        raise LaminaError(f"{item.scene.blend}: the scene {scene.name} has no camera")
+        raise SceneError(f"{item.scene.blend}: the scene {scene.name} has no camera")
     if scene.render.engine != "CYCLES":
-        raise LaminaError(f"{item.scene.blend}: the scene {scene.name} renders with {scene.render.engine}; choose Cycles in it")
+        raise SceneError(f"{item.scene.blend}: the scene {scene.name} renders with {scene.render.engine}; choose Cycles in it")
     return scene, target
 
 

@@ -21,6 +21,7 @@ import bpy
 from mathutils import Matrix
 
 WITH_CAMERA = "lamina_with_camera"
+OTHER_INPUTS = "is of other inputs"
 
 if __package__:
     from ..rendering import oiio
@@ -54,8 +55,16 @@ def render_item(scene: bpy.types.Scene, target: bpy.types.Object, item: dict, te
         "lamina:samples": str(scene.cycles.samples),
         "lamina:seed": str(item["seed"]),
         "lamina:seconds": f"{time.monotonic() - started:.2f}",
+        "lamina:view": json.dumps(view_of(scene)),
     }
     _write(folder / item["file"], channels, texts)
+
+
+def view_of(scene) -> dict:
+    """How the scene shows linear light, which an EXR does not hold: for contact sheets."""
+    view = scene.view_settings
+    return {"display_device": scene.display_settings.display_device, "view_transform": view.view_transform, "look": view.look,
+            "exposure": view.exposure, "gamma": view.gamma}
 
 
 def pixel_hash(channels: dict) -> str:
@@ -159,8 +168,11 @@ def _farm(arguments: list[str]) -> int:
     for i, item in enumerate(wanted):
         print(f"openjd_status: {item['id']}", flush=True)
         try:
-            if is_there(options.output / item["file"], item["inputs"]):
+            what, _ = problem(options.output / item["file"], item["inputs"])
+            if not what:
                 print(f"{item['id']}: is there already", flush=True)
+            elif what == OTHER_INPUTS:
+                raise RuntimeError(f"{item['file']} is there already and {what}; choose another folder, or delete it")
             else:
                 with _within(listed["time_limit"], item["id"]):
                     scene, target = _shown(item, options.items.parent)
@@ -210,11 +222,6 @@ def _shown(item: dict, folder: Path):
     return scene, target
 
 
-def is_there(path: Path, inputs: str) -> bool:
-    """Whether a file is a whole picture of these very inputs."""
-    return not problem(path, inputs)[0]
-
-
 def problem(path: Path, inputs: str) -> tuple[str, dict[str, str]]:
     """What is wrong with an output, empty if nothing, and the texts in its header."""
     try:
@@ -224,7 +231,7 @@ def problem(path: Path, inputs: str) -> tuple[str, dict[str, str]]:
     except (OSError, ValueError, MemoryError) as error:
         return f"cannot be read: {' '.join(str(error).split())}", {}
     if texts.get("lamina:inputs") != inputs:
-        return "is of other inputs", texts
+        return OTHER_INPUTS, texts
     if not all(name in channels for name in "RGBA") or pixel_hash(channels) != texts.get("lamina:pixels"):
         return "has other pixels than were written", texts
     return "", texts

@@ -2,7 +2,7 @@
 """A process that renders items for a batch, and the batch's end of it.
 
 Lines of JSON go both ways: in come items as `Item.to_dict` gives them, out goes {"ready": true} and then, for each
-item, {"id": ...} with "error" if it failed. At the end of the input it leaves at once.
+item, {"id": ...} with "error" if it failed, and with "scene" if so will all items of its scene. At the end of the input it leaves at once.
 """
 
 import json
@@ -58,8 +58,8 @@ class Worker:
         """Raises LaminaError when the process ends instead."""
         self._await("did not start")
 
-    def render(self, item: Item, limit: float | None) -> str:
-        """Render an item; returns why it failed, or an empty text.
+    def render(self, item: Item, limit: float | None) -> tuple[str, bool]:
+        """Render an item; returns why it failed, or an empty text, and whether all items of its scene will.
 
         Raises LaminaError when the process ends instead, which it does when it has not answered after `limit` seconds.
         """
@@ -74,7 +74,8 @@ class Worker:
         except OSError:
             pass  # it ended; the answer says why
         try:
-            return self._await("ended").get("error", "")
+            answer = self._await("ended")
+            return answer.get("error", ""), "scene" in answer
         except LaminaError:
             if limit and time.monotonic() - started >= limit:
                 raise LaminaError(f"took longer than the job's time_limit of {limit:g} s") from None
@@ -103,7 +104,7 @@ class Worker:
 def serve(folder: Path, threads: int) -> None:
     """Be a worker."""
     from ..cli.session import blender
-    from .stage import Stage
+    from .stage import SceneError, Stage
 
     channel = os.fdopen(os.dup(1), "w", encoding="utf-8")
     items: queue.SimpleQueue = queue.SimpleQueue()
@@ -127,6 +128,6 @@ def serve(folder: Path, threads: int) -> None:
                 stage.render(item, folder)
                 answer({"id": item.id})
             except LaminaError as error:
-                answer({"id": item.id, "error": " ".join(str(error).split())})
+                answer({"id": item.id, "error": " ".join(str(error).split())} | ({"scene": True} if isinstance(error, SceneError) else {}))
             except MemoryError:
                 answer({"id": item.id, "error": "out of memory"})

@@ -33,14 +33,14 @@ def batch(options) -> int | None:
     report = say("batch")
     with blender(report):
         from ..batch.lock import sole_owner
-        from ..batch.outputs import write_sheets, write_table
+        from ..batch.outputs import missed, write_sheets, write_table
         from ..batch.run import run_items
         from ..rendering.images import require_pictures
 
         require_pictures()
         backend_here(job.backend)
         with sole_owner(folder):
-            outputs = run_items(items, folder, options.processes or _processes(), job.time_limit, report)
+            outputs = run_items(items, folder, options.processes or _processes(), job.time_limit, report, options.replace)
             try:
                 report(f"wrote {write_table(outputs, folder)}")
                 for sheet in write_sheets(outputs, folder, job.name) if not options.no_sheet else ():
@@ -51,8 +51,14 @@ def batch(options) -> int | None:
                 written = False
     failed = [output for output in outputs if output.problem]
     report(f"{len(outputs) - len(failed)} of {len(outputs)} pictures are done")
+    if told := missed(outputs):
+        report(told)
+    groups: dict[tuple, list[str]] = {}
     for output in failed:
-        report(f"failed: {output.item.id}: {output.problem}")
+        key = (output.item.scene.name if output.scene_failed else output.item.id, output.problem)
+        groups.setdefault(key, []).append(output.item.id)
+    for (name, problem), ids in groups.items():
+        report(f"failed: {ids[0] if len(ids) == 1 else f'{len(ids)} pictures of scene {name}'}: {problem}")
     return FAILED if failed or not written else None
 
 

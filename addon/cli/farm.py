@@ -2,6 +2,12 @@
 """`lamina farm`: a job as a folder that render farms run without Lamina."""
 
 import json
+import os
+import shlex
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from ...reference_py.atomic import output_folder, write_text
@@ -20,16 +26,42 @@ def farm(options) -> None:
     job = Job.load(options.job)
     items = expand(job)
     folder = Path(options.output)
-    if folder.is_dir() and any(folder.iterdir()):
-        raise LaminaError(f"{folder}: this folder is not empty; choose a new one")
-    output_folder(folder)
     report = say("farm")
-    with blender(report):
+    with _whole_folder(folder) as made, blender(report):
         from ..farm.bundle import write_files
 
         backend_here(job.backend)
-        write_files(items, job.time_limit, folder / FILES, report)
-    write_text(folder / "lamina_flamenco.js", job_type(job.name, len(items), options.chunk))
-    write_text(folder / "template.json", json.dumps(template(job.name, len(items), options.chunk), indent=2) + "\n")
+        write_files(items, job.time_limit, made / FILES, report)
+        write_text(made / "lamina_flamenco.js", job_type(job.name, len(items), options.chunk))
+        write_text(made / "template.json", json.dumps(template(job.name, len(items), options.chunk), indent=2) + "\n")
     report(f"wrote {len(items)} pictures to render into {folder}")
-    report(f"here: openjd run {folder}/template.json --step Render -p Output=FOLDER; then lamina batch {options.job} -o FOLDER verifies them")
+    template_file, job_file = shlex.quote(str(folder.resolve() / "template.json")), shlex.quote(str(Path(options.job).resolve()))
+    report(f"here: openjd run {template_file} --step Render -p Blender=blender -p Output=/abs/FOLDER; "
+           f"then lamina batch {job_file} -o /abs/FOLDER verifies them")
+
+
+@contextmanager
+def _whole_folder(folder: Path) -> Iterator[Path]:
+    """Yields a temporary folder beside `folder`, which takes its place in the end. Raises LaminaError when that is not empty.
+
+    Beside and not in it, so that what a .blend links to by a relative path stays where the file says.
+    """
+    try:
+        if folder.is_dir() and any(folder.iterdir()):
+            raise LaminaError(f"{folder}: this folder is not empty; choose a new one")
+    except OSError as error:
+        raise LaminaError(f"{folder}: cannot read this folder: {error.strerror}") from None
+    parent = output_folder(folder.absolute().parent)
+    made = Path(tempfile.mkdtemp(prefix=".lamina-farm-", dir=parent))
+    try:
+        umask = os.umask(0)
+        os.umask(umask)
+        made.chmod(0o777 & ~umask)  # mkdtemp makes folders private
+        yield made
+        if folder.is_dir():
+            folder.rmdir()  # Windows renames to no folder that is there
+        made.rename(folder)
+    except OSError as error:
+        raise LaminaError(f"{folder}: cannot make this folder: {error.strerror or error}") from None
+    finally:
+        shutil.rmtree(made, ignore_errors=True)

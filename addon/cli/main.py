@@ -121,6 +121,7 @@ def build_parser() -> argparse.ArgumentParser:
     batch.add_argument("job", metavar="JOB.json", nargs="?", help="what to render")
     batch.add_argument("-o", "--output", metavar="FOLDER", help="folder for pictures, table and contact sheets (default: named like the job)")
     batch.add_argument("--processes", type=_between(1, 256), metavar="N", help="Blenders at work at the same time (default: one for each four cores)")
+    batch.add_argument("--replace", action="store_true", help="render anew what is there of other inputs, such as of this job before it was changed (default: refuse)")
     batch.add_argument("--no-sheet", action="store_true", help="write no contact sheets")
     batch.add_argument("--keys", action="store_true", help="list every key of a job file, and leave")
     batch.add_argument("--worker", action="store_true", help=argparse.SUPPRESS)

@@ -35,11 +35,12 @@ def write_files(items: Sequence[Item], limit: float | None, folder: Path, report
     bake_ahead([Wanted(item.stack, item.tier) for item in items], report)
     stage, rows = Stage(), []
     scene_file = material_file = ""
-    blend = material = None
+    shown = material = None
     for i, item in enumerate(items):
         stage.show(item)
-        if blend != item.blend:
-            blend, scene_file = item.blend, f"scenes/{_digest(item.blend or 'ball')}.blend"
+        if shown != (item.blend, item.scene.object):
+            shown = (item.blend, item.scene.object)
+            scene_file = f"scenes/{_digest(json.dumps(shown))}.blend"
             save_copy(folder / scene_file)
         if material != stage.material:
             material = stage.material

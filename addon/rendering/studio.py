@@ -29,11 +29,11 @@ class Studio(NamedTuple):
         bpy.data.batch_remove(self.owned)
 
 
-def build_ball_scene(material: bpy.types.Material | None = None, tile_px: int = 320, samples: int = 24, *,
-                     name: str = "Lamina Studio") -> Studio:
+def build_ball_scene(material: bpy.types.Material | None = None, tile_px: int | tuple[int, int] = 320, samples: int = 24,
+                     *, name: str = "Lamina Studio") -> Studio:
     """New scene with one ball (radius 1 m) of `material`, camera, lights and render settings, ready to render.
 
-    The window's scene is left alone. The scene stays until `Studio.remove`, or is saved with the file.
+    `tile_px` is the width and height in pixels, or both; the ball is whole in a picture of any shape. The window's scene is left alone. The scene stays until `Studio.remove`, or is saved with the file.
     Raises LaminaError for samples or sizes below 1.
     """
     scene = bpy.data.scenes.new(name)
@@ -61,7 +61,9 @@ def _aim(item: bpy.types.Object, location: tuple[float, float, float], target: V
 
 def _camera(scene: bpy.types.Scene) -> None:
     data = bpy.data.cameras.new("Camera")
-    data.lens, data.sensor_width = 100.0, 36.0
+    data.lens, data.sensor_width, data.sensor_height = 100.0, 36.0, 36.0
+    # the smaller side frames the ball
+    data.sensor_fit = "HORIZONTAL" if scene.render.resolution_x <= scene.render.resolution_y else "VERTICAL"
     scene.camera = add_object(scene, "Camera", data)
     _aim(scene.camera, (0.0, -7.9, 2.55), Vector((0.0, 0.0, 0.93)))
 

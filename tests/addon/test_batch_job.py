@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import lamina
+from lamina.addon.batch.estimate import estimate
 from lamina.addon.batch.items import Item, expand
 from lamina.addon.batch.job import Job
 from lamina.reference_py import presets
@@ -52,6 +53,12 @@ def test_coverage_and_blends_are_inputs_too(tmp_path):
     first = hashes()
     (tmp_path / "s.blend").write_bytes(b"two")
     assert len({*first, *hashes()}) == 4
+
+
+def test_every_tier_says_what_it_chose_and_how_wrong_that_is():
+    for tier, chosen in (("baked", "baked"), ("analytic", "analytic"), ("weidlich_wilkie", "weidlich_wilkie")):
+        told = estimate(presets.load("polished_chrome"), tier)
+        assert told["lamina:chosen"] == chosen and told["lamina:error"].startswith("albedo 0.")
 
 
 def test_items_travel_to_another_process(tmp_path):
@@ -100,6 +107,7 @@ BAD = [
     ({"frames": "10-1"}, "has no frames"),
     ({"frames": "1-999999"}, "more than 100000"),
     ({"frames": [1.5]}, "1.5 is no frame"),
+    ({"frames": "1-100000000"}, "'1-100000000' is no frame; write numbers from -999999 to 999999 and ranges"),
     ({"size": 1}, "size is 1; choose a whole number from 2"),
     ({"samples": 0}, "samples is 0"),
     ({"time_limit": 0}, "time_limit is 0; choose seconds, more than 0"),
@@ -127,7 +135,7 @@ def test_bad_jobs_are_one_line(tmp_path, keys, words):
     (home / "newer.json").write_text('{"schema_version": 99, "base": {"kind": "lambert"}}')
     with pytest.raises(LaminaError, match=words) as raised:
         expand(job(home, **keys))
-    assert "\n" not in str(raised.value) and len(str(raised.value)) < 1000
+    assert "\n" not in str(raised.value) and len(str(raised.value)) < 1000 and "is no name of a file: /" not in str(raised.value)
 
 
 @pytest.mark.parametrize("text, words", [

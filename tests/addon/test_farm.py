@@ -72,6 +72,13 @@ def test_a_failed_picture_fails_its_task_and_no_other(bundle, blender_program, t
                           "--range", "0-1", "--output", str(tmp_path / "out")], capture_output=True, text=True, timeout=300)  # fmt: skip
     assert ran.returncode == 1 and f"lamina: failed: {items['items'][0]['id']}" in ran.stdout
     assert [f.name for f in (tmp_path / "out").iterdir()] == [items["items"][1]["file"]]
+    before = (tmp_path / "out" / items["items"][1]["file"]).read_bytes()
+    items["items"][1]["inputs"] = "another job's"
+    (tmp_path / "files" / "items.json").write_text(json.dumps(items))
+    ran = subprocess.run([blender_program, "-b", "--python", str(tmp_path / "files" / "render_items.py"), "--", "--items", str(tmp_path / "files" / "items.json"),
+                          "--range", "1", "--output", str(tmp_path / "out")], capture_output=True, text=True, timeout=300)  # fmt: skip
+    assert ran.returncode == 1 and "is of other inputs; choose another folder" in ran.stdout
+    assert (tmp_path / "out" / items["items"][1]["file"]).read_bytes() == before
 
 
 def test_a_picture_that_takes_too_long_ends_its_task(bundle, blender_program, tmp_path):
@@ -112,3 +119,19 @@ def test_bad_input_leaves_nothing(bundle, tmp_path):
     (tmp_path / "job.json").write_text("{}")
     lamina("farm", tmp_path / "job.json", "-o", tmp_path / "new", code=2)
     assert not (tmp_path / "new").exists()
+
+
+def test_what_fails_half_way_leaves_nothing_and_can_be_tried_again(tmp_path):
+    """A .blend that breaks the farm after the first material; baked stock nodes; a folder that was there, empty."""
+    (tmp_path / "broken.blend").write_bytes(b"BLENDER")
+    (tmp_path / "out").mkdir()
+    job = {"stacks": ["polished_chrome"], "views": [0, 90], "size": 16, "samples": 2, "tiers": ["baked"], "backend": "nodes"}
+    for keys, code in (({"scenes": ["ball", {"blend": "broken.blend", "object": "Cup"}]}, 2), ({}, 0)):
+        (tmp_path / "job.json").write_text(json.dumps(job | keys))
+        _, said = lamina("farm", tmp_path / "job.json", "-o", tmp_path / "out", code=code)
+        if code:
+            assert "broken.blend: Blender cannot open it" in said.splitlines()[-1]
+            assert not list((tmp_path / "out").iterdir()) and len(list(tmp_path.iterdir())) == 3
+    assert f"openjd run {tmp_path}/out/template.json --step Render -p Blender=blender -p Output=" in said and f"lamina batch {tmp_path}/job.json -o" in said
+    items = json.loads((tmp_path / "out" / "files" / "items.json").read_text())["items"]
+    assert [item["texts"]["lamina:chosen"] for item in items] == ["baked", "baked"] and len(list(tmp_path.iterdir())) == 3

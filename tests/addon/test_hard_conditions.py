@@ -94,7 +94,9 @@ def test_a_read_only_folder_is_named_before_work_starts(mounted, tmp_path):
     job = tmp_path / "job.json"
     job.write_text('{"stacks": ["clean_copper"]}')
     subprocess.run(["mount", "-o", "remount,ro", disk], check=True)
-    for command in (["batch", job, "-o", disk], ["batch", job, "-o", disk / "new"], ["farm", job, "-o", disk / "new"],
+    _, said = lamina("batch", job, "-o", disk, code=2)
+    assert f"{disk}: cannot write into this folder: Read-only" in said
+    for command in (["batch", job, "-o", disk / "new"], ["farm", job, "-o", disk / "new"],
                     ["render", "clean_copper", "-o", disk / "a.png"]):  # fmt: skip
         _, said = lamina(*command, code=2)
         assert len(said.splitlines()) == 1 and str(disk) in said and "Read-only file system" in said

@@ -168,6 +168,20 @@ def test_measuring_leaves_nothing_behind():
     assert census() == before
 
 
+@pytest.mark.parametrize("size", [16, (64, 16), (16, 64), (48, 32)])
+def test_the_ball_is_whole_and_as_large_in_pictures_of_any_shape(size):
+    from bpy_extras.object_utils import world_to_camera_view
+
+    built = studio.build_ball_scene(stock("ShaderNodeBsdfDiffuse"), size, 1)
+    built.scene.view_layers[0].update()
+    wide, high = built.scene.render.resolution_x, built.scene.render.resolution_y
+    at = np.array([world_to_camera_view(built.scene, built.scene.camera, built.ball.matrix_world @ v.co)[:2] for v in built.ball.data.vertices])
+    built.remove()
+    assert at.min() > 0.0 and at.max() < 1.0
+    extent = np.ptp(at, axis=0) * (wide, high) / min(wide, high)
+    assert 0.6 < extent.min() and extent.max() < 0.95
+
+
 @pytest.mark.parametrize("call, words", [
     (lambda m: measure.render_sun_sphere(m, 200.0), "sun_theta_deg 200"),
     (lambda m: measure.render_sun_sphere(m, 0.0, window=(3.0, 0.0, 0.1)), "window"),

@@ -59,7 +59,7 @@ def main() -> int:
             table.append((start, f"{time.monotonic() - began:.1f}", "killed" if how < 0 else f"code {how}", there))
             print("  ".join(f"{v!s:>14}" for v in table[-1]), flush=True)
         same = rows(killed) == wanted
-        left = sorted(f.name for f in killed.iterdir() if f.suffix not in (".exr", ".csv", ".png") and f.name != ".lamina-batch")
+        left = sorted(f.name for f in killed.iterdir() if f.suffix not in (".exr", ".csv", ".png"))
         left += [f.name for f in killed.glob(".*.exr")]
     verdict = f"{len(wanted)} pictures, {'all equal' if same else 'NOT equal'} to the undisturbed run's; left over: {left or 'nothing'}"
     print(verdict)
