@@ -16,7 +16,7 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.schema import FLOAT, SCHEMA, Parameter
 from ..background import bakes
 from ..network.inputs import BASE, layer_owner
-from ..network.stock_nodes import is_untouched as group_is_untouched
+from ..network.node_groups import is_untouched as group_is_untouched
 from ..nodes import material as materials
 from ..nodes.backend import NODES, OSL
 from ..nodes.elements import kind_of, node_of

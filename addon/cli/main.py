@@ -65,7 +65,7 @@ def build_parser() -> argparse.ArgumentParser:
     evaluate.add_argument("--wo", required=True, metavar="THETA,PHI", help="direction to the viewer, degrees")
     evaluate.add_argument("--wi", required=True, nargs="+", metavar="THETA,PHI", help="directions to the light, degrees")
     for command in (albedo, evaluate):
-        command.add_argument("--model", default="weidlich_wilkie", help="see `lamina models` (default: %(default)s)")
+        command.add_argument("--model", default="adding", help="see `lamina models` (default: %(default)s, the truth)")
         command.add_argument("--surface", choices=("single", "multiple"), help="surfaces of the truths: one scattering event or lossless")
         command.add_argument("--option", action="append", default=[], metavar="NAME=VALUE", help="an option of the model; repeatable")
 

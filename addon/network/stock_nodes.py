@@ -1,14 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A network in tables as a node group of Blender's own nodes: for Blenders and devices without OSL, and for EEVEE.
+"""A network in tables as Blender's own nodes: for Blenders and devices without OSL, and for EEVEE.
 
 Tables are Color Ramps. Cycles samples a ramp at 256 even steps and is linear between; every knot is put exactly on such
 a place, so a ramp is the table itself, up to float32. A ramp holds three columns: a weight, or a lobe's shape.
 """
-
-import hashlib
-import json
-from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
 
 import bpy
 import numpy as np
@@ -23,7 +18,6 @@ from ...reference_py.stack import Stack
 from .inputs import TANGENT, TANGENT_INPUT, ShaderInput, shader_inputs
 from .node_builder import Builder
 
-GROUP_KEY = "lamina_network"
 _RAMP_PLACES = 256
 # Places of a ramp from one knot to the next, the most that fit.
 _STEP = _RAMP_PLACES // (KNOTS - 1)
@@ -40,57 +34,6 @@ _SLIGHT_ANISOTROPY, _NARROW_DIELECTRIC_ALPHA = 2e-6, 0.06
 _NEARLY_ISOTROPIC = 1e-3
 # Any direction, added to the tangent: without it the tangent would vanish at the very normal, and Cycles divide by 0.
 _SOME_DIRECTION = (5.7e-7, 3.1e-7, 7.6e-7)
-
-
-def network_group(network: TableNetwork | PatchNetwork) -> bpy.types.NodeTree:
-    """The node group of a network that `tabulate` made: one output "BSDF", and `group_inputs`.
-
-    Networks of equal tables share one group of this file. A group that somebody edited is left alone.
-    """
-    digest = _digest(network)
-    if tree := _group_with(_built.get(digest)):
-        return tree
-    tree = bpy.data.node_groups.new("Lamina Network", "ShaderNodeTree")
-    try:
-        _build(tree, network)
-    except Exception:
-        bpy.data.node_groups.remove(tree)
-        raise
-    content = _content(tree)
-    if len(_built) >= _MOST_BUILT:
-        _built.pop(next(iter(_built)))
-    _built[digest] = content
-    if other := _group_with(content):
-        bpy.data.node_groups.remove(tree)
-        return other
-    tree.name, tree[GROUP_KEY] = f"Lamina Network {content}", content
-    return tree
-
-
-# What the groups of networks were, by a digest of the network: the many nodes of one that is there need not be built again.
-_MOST_BUILT = 256
-_built: dict[str, str] = {}
-
-
-def _group_with(content: str | None) -> bpy.types.NodeTree | None:
-    """This file's group of a content, as long as nobody edited it."""
-    own = (group for group in bpy.data.node_groups if content and group.get(GROUP_KEY) == content)
-    return next((group for group in own if is_untouched(group)), None)
-
-
-def _digest(network: TableNetwork | PatchNetwork) -> str:
-    def told(value):
-        if isinstance(value, np.ndarray):
-            return value.tolist()
-        if isinstance(value, PatchNetwork):
-            return told((value.stack, value.parts))
-        if is_dataclass(value):
-            return [type(value).__name__, *(told(getattr(value, field.name)) for field in fields(value))]
-        if isinstance(value, Mapping):
-            return [[name, told(value[name])] for name in sorted(value)]
-        return [told(v) for v in value] if isinstance(value, (list, tuple)) else value
-
-    return hashlib.sha256(json.dumps(told(network)).encode()).hexdigest()
 
 
 def group_inputs(network: TableNetwork | PatchNetwork) -> tuple[ShaderInput, ...]:
@@ -114,38 +57,8 @@ def closure_count(network: TableNetwork | PatchNetwork) -> int:
     return network.lobe_count if isinstance(network, TableNetwork) else sum(part.lobe_count for _, part in network.parts)
 
 
-def drop_group(tree: bpy.types.NodeTree | None) -> None:
-    """Remove a network's group that nothing uses any more. A group edited by hand stays."""
-    if tree is not None and GROUP_KEY in tree and tree.users == 0 and is_untouched(tree):
-        bpy.data.node_groups.remove(tree)
-
-
-def is_untouched(tree: bpy.types.NodeTree) -> bool:
-    """Whether a network's group still is what its hash was taken of."""
-    return tree.library is None and tree.get(GROUP_KEY) == _content(tree)
-
-
-def _content(tree) -> str:
-    """A hash of what a group computes."""
-    nodes = []
-    for node in tree.nodes:
-        settings = [getattr(node, name, None) for name in ("operation", "distribution", "fresnel_type")]
-        values = [_plain(s.default_value) for s in node.inputs if not s.is_linked and hasattr(s, "default_value")]
-        ramp = node.color_ramp if hasattr(node, "color_ramp") else None
-        stops = [ramp.interpolation, [(e.position, *e.color) for e in ramp.elements]] if ramp else []
-        nodes.append([node.bl_idname, node.mute, settings, values, stops])
-    order = {node.name: index for index, node in enumerate(tree.nodes)}
-    links = sorted(
-        [order[k.from_node.name], k.from_socket.identifier, order[k.to_node.name], k.to_socket.identifier] for k in tree.links
-    )
-    return hashlib.sha256(json.dumps([nodes, links]).encode()).hexdigest()[:12]
-
-
-def _plain(value):
-    return list(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
-
-
-def _build(tree, network: TableNetwork | PatchNetwork) -> None:
+def build_group(tree: bpy.types.NodeTree, network: TableNetwork | PatchNetwork) -> None:
+    """Fill an empty node group with what a network that `tabulate` made does: one output "BSDF", and `group_inputs`."""
     build = Builder(tree)
     inputs = group_inputs(network)
     for given in inputs:

@@ -10,7 +10,8 @@ import bpy
 from ...reference_py.network import HOLD_VALUES, PROVISIONAL_TIER, make_network
 from ...reference_py.network.tabulate import tabulate
 from ..network.inputs import BASE, layer_owner
-from ..network.stock_nodes import HAS_DIELECTRIC, drop_group, group_inputs, network_group
+from ..network.node_groups import drop_group, network_group
+from ..network.stock_nodes import HAS_DIELECTRIC, group_inputs
 from .backend import OSL
 from .elements import node_of
 from .material import wanted_network

@@ -9,8 +9,9 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.network.mixture import PatchNetwork
 from ...reference_py.network.table import TableNetwork
 from ..network.inputs import TANGENT, ShaderInput
+from ..network.node_groups import drop_group, network_group
 from ..network.osl import Shader
-from ..network.stock_nodes import drop_group, group_inputs, network_group
+from ..network.stock_nodes import group_inputs
 from .backend import NODES, OSL
 from .script_node import drop_text, holds, set_script
 

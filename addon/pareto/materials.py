@@ -11,8 +11,8 @@ from ...reference_py.network.table import TableNetwork
 from ...reference_py.optics.diffuse import fujii_roughness
 from ...reference_py.optics.material import conductor_index, interfaces, n_above_base
 from ...reference_py.stack import Stack
+from ..network.node_groups import network_group
 from ..network.osl import Shader, generate
-from ..network.stock_nodes import network_group
 from ..nodes.script_node import set_script
 from ..rendering.settings import node_tree
 

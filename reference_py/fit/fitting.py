@@ -31,7 +31,7 @@ _DIRECT_STEPS, _CORRECTED_STEPS = 60, 8
 # Trust region of the first corrected step, in coordinates, and the least move that counts.
 _RADIUS, _STILL, _LEAST_RADIUS = 0.25, 2e-5, 1e-3
 # A step that gains less than this part of the error is idle; so many in a row are enough.
-_SETTLED, _PATIENCE = 1e-2, 2
+_IDLE, _PATIENCE = 1e-2, 2
 # Where loose coordinates are held for another beginning.
 _ELSEWHERE = (1.0, 0.5)
 # Good enough, as a residual: an order below the accuracy of `adding`.
@@ -129,13 +129,13 @@ def refined(
         if after < before:
             at, value, base = solved.x, new, new_base
             radius = min(2.0 * radius, 0.5)
-            idle = 0 if before - after > _SETTLED * before else idle + 1
+            idle = 0 if before - after > _IDLE * before else idle + 1
             if after < _EXACT:
                 break
         else:
             radius = 0.4 * float(np.max(np.abs(moved)))
             # a step too far is no sign of the end; one that changes nothing is
-            idle += after - before < _SETTLED * before
+            idle += after - before < _IDLE * before
         if idle == _PATIENCE or radius < _LEAST_RADIUS:
             break
         if progress is not None:

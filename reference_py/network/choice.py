@@ -151,7 +151,7 @@ def choose(
     else:
         best = min(candidate.seen for candidate, _ in tried)
         chosen, network = min((t for t in tried if t[0].seen <= best * (1.0 + _AS_CLOSE)), key=lambda t: t[0].cost)
-        reason = f"the closest of {len(tried)}; none reaches {100.0 * tolerance:g} %"
+        reason = f"the cheapest of those about as close as the closest; none of {len(tried)} reaches {100.0 * tolerance:g} %"
     if live and axes is None:
         reason += f"; a bake cannot follow {described(live)}"
     return Choice(chosen, network, tuple(candidate for candidate, _ in tried), reason)

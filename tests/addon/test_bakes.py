@@ -9,7 +9,8 @@ import pytest
 pytest.importorskip("bpy")
 
 from lamina.addon.background import ahead, bakes  # noqa: E402
-from lamina.addon.network.stock_nodes import HAS_DIELECTRIC, network_group  # noqa: E402
+from lamina.addon.network.node_groups import network_group  # noqa: E402
+from lamina.addon.network.stock_nodes import HAS_DIELECTRIC  # noqa: E402
 from lamina.addon.nodes import elements, material  # noqa: E402
 from lamina.addon.nodes.live_values import live_values  # noqa: E402
 from lamina.reference_py.network import memory  # noqa: E402

@@ -8,7 +8,8 @@ pytest.importorskip("bpy")
 
 from lamina.addon.nodes import layers  # noqa: E402
 from lamina.addon.nodes import material as materials  # noqa: E402
-from lamina.addon.network.stock_nodes import HAS_DIELECTRIC, network_group  # noqa: E402
+from lamina.addon.network.node_groups import network_group  # noqa: E402
+from lamina.addon.network.stock_nodes import HAS_DIELECTRIC  # noqa: E402
 from lamina.addon.rendering import environment, settings  # noqa: E402
 from lamina.addon.nodes.shader_node import backend_of  # noqa: E402
 from lamina.reference_py import presets  # noqa: E402

@@ -371,3 +371,14 @@ def test_a_wide_lobe_has_no_stripes_in_azimuth():
     wo = np.broadcast_to(spherical(np.radians(20.0), 0.0), wi.shape)
     f = Adding(presets.load("metallic_car_paint")).f(wo, wi)[:, 1]
     assert np.all(np.abs(np.diff(f, 2)) < 1e-3 * f[1:-1])
+
+
+@pytest.mark.parametrize("roughness", [0.285, 0.3, 0.35])
+def test_light_that_no_second_facet_meets_has_no_shape(roughness):
+    """At these angles a second event of a Beckmann surface has less than 1e-5 of the light, which is less than is solved for."""
+    metal = stack({"kind": "conductor", "metal": "copper", "distribution": "beckmann", "roughness": roughness})
+    wi = spherical(np.radians(np.arange(0.0, 46.0, 3.0)), np.pi)
+    wo = np.broadcast_to(spherical(np.radians(30.0), 0.0), wi.shape)
+    np.testing.assert_allclose(Adding(metal).f(wo, wi), make_model("weidlich_wilkie", metal).f(wo, wi), rtol=1e-3, atol=1e-3)
+    grazing = np.cos(np.radians([20.0, 45.0, 80.0]))
+    assert np.all(np.abs(Microsurface(roughness**2, "beckmann", index=(0.2, 3.0)).shares(grazing, 64)) <= 1.0)
