@@ -4,7 +4,7 @@
 The default compresses as log(x / mean + 0.1): read as a relative error of what is above a tenth of the mean measured
 f cos. Chosen by `lamina chart fit` (fit_metric.csv), random stacks of one layer: by noise of 5 % of f, the median L1 error
 that it leaves is like that with a floor of 0.01, a third below the cube root's and 2.5 times below that of no compression,
-and parameters come six times closer than without any. By additive noise of 2 % of the mean, a floor of 0.01 loses dark
+and parameters come nine times closer than without any. By additive noise of 2 % of the mean, a floor of 0.01 loses dark
 stacks altogether (67 % off), this one is 4 % off at worst; none at all does best there (2 %), but gonioreflectometers err
 in proportion.
 """
