@@ -48,7 +48,7 @@ def build() -> bpy.types.Scene:
     camera = scene.camera
     camera.location = (0.0, -7.4, 3.2)
     camera.rotation_euler = (Vector((0.0, -0.1, 0.45)) - camera.location).to_track_quat("-Z", "Y").to_euler()
-    camera.data.lens = 52.0
+    camera.data.lens, camera.data.sensor_fit = 52.0, "AUTO"
     scene.cycles.shading_system = True
     return scene
 

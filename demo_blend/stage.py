@@ -36,7 +36,7 @@ def look(scene: bpy.types.Scene, camera: tuple[float, float, float], target: tup
     """Point the scene's camera."""
     scene.camera.location = camera
     scene.camera.rotation_euler = (Vector(target) - Vector(camera)).to_track_quat("-Z", "Y").to_euler()
-    scene.camera.data.lens = lens
+    scene.camera.data.lens, scene.camera.data.sensor_fit = lens, "AUTO"
 
 
 def put(scene: bpy.types.Scene, name: str, mesh: bpy.types.Mesh, materials: bpy.types.Material | list[bpy.types.Material],

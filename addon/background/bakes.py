@@ -98,6 +98,7 @@ def _follow(material: bpy.types.Material) -> bool:
     _state.resting[material.name_full] = wanted.key
     if wanted.is_known():
         materials.refresh(material)
+        follow_preview(material)
         return False
     if given_up(material):
         return False

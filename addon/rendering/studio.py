@@ -33,7 +33,8 @@ def build_ball_scene(material: bpy.types.Material | None = None, tile_px: int | 
                      *, name: str = "Lamina Studio") -> Studio:
     """New scene with one ball (radius 1 m) of `material`, camera, lights and render settings, ready to render.
 
-    `tile_px` is the width and height in pixels, or both; the ball is whole in a picture of any shape. The window's scene is left alone. The scene stays until `Studio.remove`, or is saved with the file.
+    `tile_px` is the width and height in pixels, or both; the ball is whole in a picture of any shape. The window's scene is left
+    alone. The scene stays until `Studio.remove`, or is saved with the file.
     Raises LaminaError for samples or sizes below 1.
     """
     scene = bpy.data.scenes.new(name)

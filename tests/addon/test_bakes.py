@@ -75,11 +75,11 @@ def test_eevee_shows_the_same_network_in_stock_nodes(window):
     rest(owner)
     preview = shown_by(owner, "EEVEE")
     assert preview.bl_idname == "ShaderNodeGroup" and shown_by(owner, "CYCLES").name == owner.lamina.shader_node
-    tables = preview.node_tree
-    assert tables == network_group(tabulate(material.wanted_network(owner).make().resolved, HAS_DIELECTRIC))
+    tables = preview.node_tree.name  # a removed group's place may be the next one's
+    assert preview.node_tree == network_group(tabulate(material.wanted_network(owner).make().resolved, HAS_DIELECTRIC))
     elements.node_of(owner.lamina.base).inputs["Color"].default_value = (0.1, 0.1, 0.1, 1.0)
     rest(owner)
-    assert shown_by(owner, "EEVEE").node_tree != tables
+    assert shown_by(owner, "EEVEE").node_tree.name != tables
     owner.lamina.tier = "weidlich_wilkie"
     rest(owner)
     assert shown_by(owner, "EEVEE") == shown_by(owner, "CYCLES")

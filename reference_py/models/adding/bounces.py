@@ -26,8 +26,8 @@ DIRECTIONS, HEIGHTS = 20, 10
 _STEPS = 12
 # A leftover below this is rounding.
 _NOTHING = 1e-12
-# What the collocation is good to, as a part of the light; a leftover below it has no shape that is known.
-_ACCURACY = 3e-4
+# What the collocation of a conductor is good to, as a part of the light; a leftover below it has no shape that is known.
+_ACCURACY = 1e-4
 
 
 @dataclass(frozen=True)
@@ -79,13 +79,15 @@ class Microsurface:
         left = np.einsum("ih,ih->i", descent, scatter.leftover())
         again = np.moveaxis(again.reshape(detail.azimuths, len(cos_theta), -1, detail.moments), 2, 0)
         again = again[::-1] if side else again
-        # No moment exceeds the energy, which is positive and at most the leftover: where there is hardly any, as under
-        # narrow Beckmann surfaces, the collocation's error says otherwise, and shape fades into a diffuse one.
+        # No moment exceeds the energy, which is positive and at most the leftover: where there is hardly any, as on
+        # narrow Beckmann surfaces, the collocation's error says otherwise.
         energy = np.maximum(again[:, 0, :, 0], 0.0)
-        shape = np.clip(again / np.maximum(energy, _ACCURACY)[:, None, :, None], -1.0, 1.0)
-        shape[:, 0, :, 0] = 1.0
+        least = _ACCURACY
         if self.etas:
             left = energy.sum(axis=0)  # equal up to the collocation's error, which this takes out
+            least = _NOTHING
+        shape = np.clip(again / np.maximum(energy, least)[:, None, :, None], -1.0, 1.0)
+        shape[:, 0, :, 0] = 1.0
         share = np.where(left > _NOTHING, np.minimum(energy / np.maximum(left, _NOTHING), 1.0), 0.0)
         return shape * share[:, None, :, None]
 
