@@ -2,7 +2,10 @@
 """How well data determine parameters: standard errors, and the names of those that are not determined.
 
 The Jacobian tells how far values may move in a straight line. Valleys are curved, so each value that may move far is also
-held elsewhere while the others are fitted again, on the stand-in with what it lacks (a profile likelihood).
+held elsewhere while the others are fitted again, on the stand-in with what it lacks (a profile likelihood). There may also be
+several valleys: what fits from other starts disagree on, though they are as good as far as the stand-in can tell, is not
+determined either. Of 97 values of 22 fits of `lamina chart fit` that were called determined, 19 were off by more than 3 %
+(with noise 5 %); that last rule leaves one of them, and 50 of the 78 others.
 """
 
 from dataclasses import dataclass
@@ -10,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .elsewhere import COHERENT_ERROR, MOST_ALIKE, held, loose, straight
-from .fitting import Fit
+from .fitting import Fit, rough_fits
 from .forward import MODEL_ERROR, stand_in
 from .measurement import half_angles
 from .metric import rms
@@ -20,6 +23,8 @@ _OF_VALUE = 0.05
 _AT_BOUND, _MOST_PAIRS = 1e-4, 1500
 # Where loose coordinates are held.
 _PLACES = (0.1, 0.5, 0.9, 1.0)
+# Starts of other fits.
+_STARTS = 8
 
 
 @dataclass(frozen=True)
@@ -66,6 +71,7 @@ def certainty(fit: Fit) -> list[Value]:
     curved = np.repeat([g.is_color for g in p.groups], [len(g.index) for g in p.groups])
     spread = np.minimum(p.slopes(fit.x) * error + np.where(curved, widths * np.square(error), 0.0), widths)
     bound = (fit.x <= _AT_BOUND) | (fit.x >= 1.0 - _AT_BOUND)
+    spread = np.maximum(spread, _disagreement(fit))
     known = spread <= _OF_VALUE * np.abs(values)
     return [Value(*row) for row in zip(p.names, values.tolist(), spread.tolist(), known.tolist(), bound.tolist())]
 
@@ -81,3 +87,11 @@ def _reach(fit: Fit, error: np.ndarray) -> np.ndarray:
             if rms(found.residual) <= np.hypot(fit.error, MODEL_ERROR):
                 reach = np.maximum(reach, np.abs(found.x - fit.x))
     return reach
+
+
+def _disagreement(fit: Fit) -> np.ndarray:
+    """(p,) how far values of fits from several starts lie apart, of those that are as good as far as the stand-in can tell."""
+    found = rough_fits(fit.metric, fit.structure, fit.model, _STARTS, np.random.default_rng(0))
+    as_good = np.hypot(rms(found[0].residual), max(rms(fit.lack), MODEL_ERROR))
+    near = [other.x for other in found if rms(other.residual) <= as_good]
+    return np.ptp([fit.parameters.values(x) for x in near], axis=0)

@@ -8,7 +8,7 @@ Simultaneous Equations"). So the truth is evaluated about once per step.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -32,12 +32,19 @@ _DIRECT_STEPS, _CORRECTED_STEPS = 60, 8
 _RADIUS, _STILL, _LEAST_RADIUS = 0.25, 2e-5, 1e-3
 # A step that gains less than this part of the error is idle; so many in a row are enough.
 _IDLE, _PATIENCE = 1e-2, 2
-# Where loose coordinates are held for another beginning.
-_ELSEWHERE = (1.0, 0.5)
+# Further beginnings: where loose coordinates are held, or None for where the fit ended, as its derivatives have changed.
+_BEGINNINGS = (None, 1.0, None)
+# A fit within this is begun again elsewhere, as there may be a better one; noise and what no stack explains are more.
+_NEAR = 2.0 * MODEL_ERROR
 # Good enough, as a residual: an order below the accuracy of `adding`.
 _EXACT = 3e-4
 
 Progress = Callable[[float], None]
+
+
+def share_of(progress: Progress | None, begin: float, end: float) -> Progress | None:
+    """What a part of the work, between two shares of the whole, tells its progress to."""
+    return None if progress is None else lambda share: progress(begin + (end - begin) * share)
 
 
 @dataclass(frozen=True)
@@ -53,6 +60,8 @@ class Fit:
     evaluations: int
     lack: np.ndarray
     """What the stand-in lacks here, (m,)."""
+    options: Mapping = field(default_factory=dict)
+    """Those of the model, such as `QUICK`; none are its own settings."""
 
     @property
     def error(self) -> float:
@@ -142,7 +151,7 @@ def refined(
             progress((step + 1) / steps)
     # without the model's own derivatives those of the stand-in: updates of one rank say nothing of directions not taken
     jacobian = coarse.jacobian(at) if slopes is None else coarse.jacobian(at) + lacks
-    return Fit(model, parameters, metric, at, value - target, jacobian, evaluations, value - base)
+    return Fit(model, parameters, metric, at, value - target, jacobian, evaluations, value - base, options)
 
 
 def settled(
@@ -151,24 +160,26 @@ def settled(
     """The fit continued with the model's own derivatives, which are then those of the result.
 
     They cost as much as a third of their number of evaluations, since tints and colors share what their surfaces do. A
-    fit that explains the data, but not to the last, is begun again elsewhere, as there may be a better one.
+    fit that explains the data, but not to the last, is begun again, there and elsewhere, as there may be a better one.
     """
     coarse, is_other = stand_in(fit.model, fit.parameters, fit.metric)
     if not is_other:
         return fit
     quick = Forward(fit.model, tuple({**QUICK.get(fit.model, {}), **options}.items()), fit.parameters, fit.metric)
 
-    def continued(x: np.ndarray) -> Fit:
-        more = refined(fit.metric, fit.structure, fit.model, x, steps, progress, options, quick.jacobian(x))
+    def continued(x: np.ndarray, turn: int) -> Fit:
+        part = share_of(progress, turn / (1 + len(_BEGINNINGS)), (turn + 1) / (1 + len(_BEGINNINGS)))
+        more = refined(fit.metric, fit.structure, fit.model, x, steps, part, options, quick.jacobian(x))
         return replace(more, evaluations=more.evaluations + len(fit.parameters.groups) + 1)
 
-    best = continued(fit.x)
+    best = continued(fit.x, 0)
     evaluations = fit.evaluations + best.evaluations
-    for place in _ELSEWHERE:
-        which = loose(straight(best.jacobian))
-        if not 2.0 * _EXACT < best.error < MODEL_ERROR or not len(which):
+    for turn, place in enumerate(_BEGINNINGS, start=1):
+        if not 2.0 * _EXACT < best.error < _NEAR:
             break
-        other = continued(held(coarse, best.residual, best.x, which, place).x)
+        which = loose(straight(best.jacobian))
+        x = best.x if place is None else held(coarse, best.residual, best.x, which, place).x
+        other = continued(x, turn)
         evaluations += other.evaluations
         best = min(best, other, key=lambda f: f.error)
     return replace(best, evaluations=evaluations)
@@ -195,4 +206,5 @@ def fit_structure(
     require_fittable(model)
     metric = subsampled(measurement, samples, seed)
     rough = rough_fits(metric, structure, model, starts, np.random.default_rng(seed))
-    return settled(refined(metric, structure, model, rough[0].x, _FIRST_STEPS, progress, options), progress, options)
+    first = refined(metric, structure, model, rough[0].x, _FIRST_STEPS, share_of(progress, 0.0, 0.5), options)
+    return settled(first, share_of(progress, 0.5, 1.0), options)

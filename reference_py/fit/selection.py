@@ -5,7 +5,7 @@ Structures are judged by the Bayesian information criterion (Schwarz 1978, "Esti
 n log(error^2) + p log(n). n counts pairs of directions as far as their residuals are independent, since what no stack can
 say would ask for ever more layers otherwise. No error counts as less than `MODEL_ERROR`: below the model's own accuracy
 there is nothing to explain. Layers are added as long as the criterion falls; the first that it does not ask for is fitted
-too, to say what it gains.
+too, to say what it gains. All that is at the model's quick settings, unless what those lack could pass for a layer.
 """
 
 from collections.abc import Callable
@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import LaminaError
 from ..schema import DIELECTRIC
 from .certainty import independent_pairs
-from .fitting import SAMPLES, Fit, Progress, corrected, refined, rough_fits, settled, subsampled
+from .fitting import SAMPLES, Fit, Progress, corrected, refined, rough_fits, settled, share_of, subsampled
 from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, require_fittable, stand_in
 from .measurement import Measurement
 from .metric import Metric
@@ -27,8 +27,10 @@ DISTRIBUTIONS = DIELECTRIC.parameter("distribution").choices
 MOST_LAYERS, LEAST_SAMPLES = 8, 50
 _AUTO_LAYERS = 3
 _LOOK_STEPS, _STARTS, _MORE_STARTS = 1, 3, 2
-# Steps at the model's own settings before counts of layers are compared; the chosen one goes on for as many.
-_COMPARED_STEPS = 2
+# Further steps of the best base before counts of layers are compared, and the most of the chosen fit.
+_COMPARED_STEPS, _LAST_STEPS = 2, 4
+# What quick settings lack is at most about half of the first, and cannot pass for a gain as large as the second (a part of the error).
+_CLEAR_ERROR, _CLEAR_GAIN = 0.05, 0.2
 # Bases whose squared rough error is so many times the best's so far are not looked at more closely.
 _FAR = 6.0
 # Bases whose error is so many times the best's are not looked at under more layers.
@@ -87,20 +89,28 @@ def select(
     for count in range(last + 1):
         found = search.look(count, bases)
         bases = search.promising(count, found, bases)
-        quick = min(found.values(), key=lambda fit: criterion(fit, tried[-1] if tried else None))
-        # counts of layers are compared by the model itself, as what its quick settings lack could pass for a layer
-        tried.append(search.refined(quick) if layers in (AUTO, count) else quick)
-        done((count + 1) / (last + 2))
+        best = min(found.values(), key=lambda fit: criterion(fit, tried[-1] if tried else None))
+        tried.append(search.closer(best) if layers in (AUTO, count) else best)
+        if layers == AUTO and count and not _is_clear(*tried[-2:]):
+            tried[-2:] = [search.at_own_settings(fit) for fit in tried[-2:]]
+        begun = (count + 1) / (last + 2)
+        done(begun)
         say(f"{tried[-1].structure.name}: error {100.0 * tried[-1].error:.2g} %")
         if layers == AUTO and count and not supported(tried[-1], tried[-2]):
             break
     chosen = tried[-1]
     if layers == AUTO and len(tried) > 1 and not supported(tried[-1], tried[-2]):
         chosen = tried[-2]
-    best = settled(search.with_best_surfaces(chosen), steps=_COMPARED_STEPS)
+    best = settled(search.with_best_surfaces(chosen), share_of(progress, begun, 1.0), steps=_LAST_STEPS)
     done(1.0)
     tried = [best if fit is chosen else fit for fit in tried]
     return Selection(best, tuple(tried), _reason(best, tried, layers))
+
+
+def _is_clear(fewer: Fit, more: Fit) -> bool:
+    """Whether quick settings tell if the data support more layers."""
+    small = more.error > (1.0 - _CLEAR_GAIN) * fewer.error
+    return fewer.error > _CLEAR_ERROR and not (small and supported(more, fewer))
 
 
 @dataclass
@@ -115,32 +125,38 @@ class _Search:
         self._by_base: dict[str, Fit] = {}
 
     def look(self, count: int, bases: tuple[str, ...]) -> dict[str, Fit]:
-        """Quick fits by base, under `count` layers."""
-        before, self._by_base, rough = self._by_base, {}, {}
+        """Quick fits by base, under `count` layers, of those that the stand-in brings near the data."""
+        before, rough = self._by_base, {}
         for base in bases:
             known = []
             if base in before:
                 old = before[base]
                 known += [(old.parameters, old.x, 0), (old.parameters, old.x, 1)]
-            if base == "oren_nayar" and "lambert" in self._by_base:
-                known.append((self._by_base["lambert"].parameters, self._by_base["lambert"].x, 0))
+            if base == "oren_nayar" and "lambert" in rough:
+                _, structure, x = rough["lambert"]
+                known.append((Parameters(structure, self.metric.measurement.channels), x, 0))
             options = []
             for distributions in _surfaces(count, base, before.get(base)):
                 structure = Structure(count, base, distributions)
                 found = rough_fits(self.metric, structure, self.model, _STARTS if not known else _MORE_STARTS, self.rng, known)[0]
                 options.append((found.cost, structure, found.x))
             rough[base] = min(options, key=lambda option: option[0])
-            least = min(option[0] for option in rough.values())
-            if rough[base][0] <= _FAR * least or len(bases) == 1:
-                _, structure, x = rough[base]
-                self._by_base[base] = refined(self.metric, structure, self.model, x, _LOOK_STEPS, options=QUICK.get(self.model, {}))
+        least = min(cost for cost, _, _ in rough.values())
+        self._by_base = {base: self._quick(structure, x, _LOOK_STEPS)
+                         for base, (cost, structure, x) in rough.items() if cost <= _FAR * least}
         return self._by_base
 
-    def refined(self, fit: Fit) -> Fit:
-        """A quick fit at the model's own settings; more layers begin from it."""
-        fit = refined(self.metric, fit.structure, self.model, fit.x, _COMPARED_STEPS)
-        self._by_base[fit.structure.base] = fit
+    def _quick(self, structure: Structure, x: np.ndarray, steps: int) -> Fit:
+        return refined(self.metric, structure, self.model, x, steps, options=QUICK.get(self.model, {}))
+
+    def closer(self, fit: Fit) -> Fit:
+        """A quick fit continued; more layers begin from it."""
+        self._by_base[fit.structure.base] = fit = self._quick(fit.structure, fit.x, _COMPARED_STEPS)
         return fit
+
+    def at_own_settings(self, fit: Fit) -> Fit:
+        """The fit continued at the model's own settings, if it is not one already."""
+        return refined(self.metric, fit.structure, self.model, fit.x, _COMPARED_STEPS) if fit.options else fit
 
     @staticmethod
     def promising(count: int, found: dict[str, Fit], bases: tuple[str, ...]) -> tuple[str, ...]:
@@ -161,7 +177,7 @@ class _Search:
             target = self.metric.compressed(self.metric.measurement.f).ravel()
             guess = corrected(coarse, fit.lack, np.zeros(fit.jacobian.shape), fit.x, 0.3, target)
             if guess.cost < _BETTER * float(fit.residual @ fit.residual):
-                trial = refined(self.metric, structure, self.model, guess.x, _COMPARED_STEPS)
+                trial = refined(self.metric, structure, self.model, guess.x, _COMPARED_STEPS, options=fit.options)
                 fit = min(fit, trial, key=lambda f: f.error)
         return fit
 

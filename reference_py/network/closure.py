@@ -32,8 +32,10 @@ def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np
         return weight * oren_nayar(wi, wo, np.array(lobe.color), lobe.sigma_deg)
     if is_mirror(lobe):
         return np.zeros(wi.shape)
-    value, cos_ih = unit_glossy(lobe.distribution, lobe.alpha_x, lobe.alpha_y, lobe.tilt, wo, wi, lobe.frame)
-    return weight * value[..., None] * fresnel(lobe, cos_ih)
+    sharp = is_specular(np.sqrt(lobe.alpha_x * lobe.alpha_y))  # at some views only: a mirror there
+    alpha_x, alpha_y = np.where(sharp, 1.0, lobe.alpha_x), np.where(sharp, 1.0, lobe.alpha_y)
+    value, cos_ih = unit_glossy(lobe.distribution, alpha_x, alpha_y, lobe.tilt, wo, wi, lobe.frame)
+    return weight * np.where(sharp, 0.0, value)[..., None] * fresnel(lobe, cos_ih)
 
 
 def is_mirror(lobe: GlossyLobe) -> bool:

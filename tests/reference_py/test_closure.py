@@ -48,3 +48,12 @@ def _integral(lobe, theta):
     wi = np.where(seen[..., None], wi, np.array([0.0, 0.0, 1.0]))
     f = lobe_f(lobe, np.broadcast_to(wo, wi.shape), wi)[..., 1]
     return float(np.sum(np.where(seen, f * wi[..., 2] * measure, 0.0)))
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_lobe_is_a_mirror_where_its_width_is_none():
+    wo, wi = spherical(np.radians([20.0, 50.0, 50.0]), 0.0), spherical(np.radians([20.0, 50.0, 50.0]), np.pi)
+    alpha = np.array([0.0, 0.0, 0.3])
+    lobe = GlossyLobe("ggx", np.ones((3, 3)), alpha, alpha, np.zeros(3), None)
+    f = lobe_f(lobe, wo, wi)
+    assert np.all(f[:2] == 0.0) and np.all(f[2] > 0.0)

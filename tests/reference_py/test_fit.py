@@ -13,7 +13,7 @@ from lamina.reference_py.fit import fit_structure, select
 from lamina.reference_py.fit.bound import least_error
 from lamina.reference_py.fit.certainty import certainty, independent_pairs
 from lamina.reference_py.fit.dense import evaluate_all
-from lamina.reference_py.fit.fitting import subsampled
+from lamina.reference_py.fit.fitting import refined, rough_fits, subsampled
 from lamina.reference_py.fit.measurement import checked, spread_pairs
 from lamina.reference_py.fit.metric import Metric, shape_error
 from lamina.reference_py.fit.outcome import outcome
@@ -21,7 +21,7 @@ from lamina.reference_py.fit.parameters import Parameters, Structure
 from lamina.reference_py.fit.peers import PEER_MODELS, fit_peer
 from lamina.reference_py.fit.readers.sampled import sample_model
 from lamina.reference_py.fit.solve import least_squares
-from lamina.reference_py.fit.study import random_stack, random_structure, recovery
+from lamina.reference_py.fit.study import SETTINGS, data_of, random_stack, random_structure, recovery
 from lamina.reference_py.models import make_model
 from lamina.reference_py.stack import Stack
 
@@ -126,6 +126,31 @@ def test_what_data_say_nothing_of_stays_usual():
     assert fit.error < 1e-3
     assert fit.stack.base["edge_color"] == pytest.approx((0.65,) * 3, abs=0.1)
     assert not any(v.determined for v in certainty(fit) if "edge_color" in v.name)
+
+
+def test_what_good_fits_disagree_on_is_not_called_determined():
+    # a metal below two layers has several valleys; this fit lies in a wrong one, where the derivatives alone claim its inner index
+    structure = random_structure(2, 1)
+    stack = random_stack(structure, np.random.default_rng(201))
+    data, _ = data_of(stack, "adding", 0.05, np.random.default_rng(1))
+    metric = subsampled(data, 150)
+    x = rough_fits(metric, structure, "adding", 2, np.random.default_rng(1))[0].x
+    fit = refined(metric, structure, "adding", x, 1, options=SETTINGS["adding"])
+    truth = fit.parameters.values(fit.parameters.coordinates(stack))
+    values = certainty(fit)
+    off = {v.name: abs(v.value / t - 1.0) for v, t in zip(values, truth)}
+    known = {v.name for v in values if v.determined}
+    assert fit.error < 0.06 and max(off.values()) > 0.3
+    assert "roughness of layer 0" in known and all(off[name] < 0.05 for name in known)
+
+
+def test_the_bar_goes_on_to_the_end():
+    metal = replace(COATED, layers=(), base=Stack.from_dict({"layers": [], "base": {"kind": "conductor", "metal": "gold", "roughness": 0.5}}).base)
+    shares: list[float] = []
+    select(sample_model("adding", metal, pairs=60, noise=0.05), 0, "conductor", "adding", 60, progress=shares.append)
+    assert shares == sorted(shares) and shares[-1] == 1.0
+    # the last part is the longest: the model's own settings
+    assert any(0.5 < share < 1.0 for share in shares)
 
 
 def test_no_stack_comes_closer_than_the_best_sum_of_lobes():

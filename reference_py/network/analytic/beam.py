@@ -88,7 +88,7 @@ def refracted(p, variance, crossing: Crossing):
     if alpha > 0.0:
         p = np.minimum(p, MOST_SHARE * n2)
     room = np.maximum(MOST_SHARE * n2 - p, 1e-3)
-    p = np.where(lean > 0.0, p + room * (1.0 - np.exp(-lean / room)), np.maximum(p + lean, 0.0))
+    p = np.where(lean > 0.0, p + room * (1.0 - np.exp(-np.maximum(lean, 0.0) / room)), np.maximum(p + lean, 0.0))
     return np.minimum(p, 0.9999 * n2), variance
 
 
