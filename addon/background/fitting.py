@@ -61,7 +61,7 @@ def _with_uid(collection, uid: int) -> bpy.types.ID | None:
 
 
 def _told(file: str, result: dict) -> str:
-    text = f"{Path(file).name} fitted by {Stack.from_dict(result['stack']).name}, error {100.0 * result['error']:.2g} %"
+    text = f"fitted to {Path(file).name}: {Stack.from_dict(result['stack']).name}, error {100.0 * result['error']:.2g} %"
     if not result["explains"]:
         text += "; no stack that was tried explains it"
     if result["not_determined"]:
@@ -112,12 +112,14 @@ def tick() -> float | None:
         return TICK
     fit, _running = _running, None
     try:
-        told = "; ".join(fit.apply(bpy.context.scene))
+        told = fit.apply(bpy.context.scene)
         bpy.ops.ed.undo_push(message="Fit Measurement")
     except LaminaError as error:
-        told = f"fit failed: {error}"
-    _last[fit.target] = told
-    print(f"Lamina: {told}")
+        told = [f"fit failed: {error}"]
+    # the panel has notes of its own on how the material is made
+    _last[fit.target] = told[0]
+    for sentence in told:
+        print(f"Lamina: {sentence}")
     _redraw()
     return None
 

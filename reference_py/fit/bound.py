@@ -47,8 +47,8 @@ def _lobes(wi: np.ndarray, wo: np.ndarray) -> list[np.ndarray]:
         below_i, below_o = _refracted(wi, ior), _refracted(wo, ior)
         path = 1.0 / below_i[:, 2] + 1.0 / below_o[:, 2]
         lower = [oren_nayar(below_i, below_o, np.ones(1), sigma)[:, 0] for sigma in _SIGMAS_DEG]
-        if ior > 1.0:
-            lower += [_surface(below_i, below_o, *surface, n) for surface in surfaces for n in _LOWER_IORS]
+        # below an index of 1 a tint alone, which fades towards grazing
+        lower += [_surface(below_i, below_o, *surface, n) for surface in surfaces for n in (_LOWER_IORS if ior > 1.0 else _TOP_IORS)]
         lobes += [part * crossed * np.exp(-tau * path) for part in lower for tau in _TAUS]
     return lobes
 
