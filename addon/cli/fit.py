@@ -20,6 +20,7 @@ from ...reference_py.stack import Stack
 from .session import say, tenths
 
 _PICTURES = (".png", ".svg", ".pdf")
+_MOST_ANGLES, _STEEPEST_DEG = 6, 85.0
 
 
 def fit(options) -> None:
@@ -31,6 +32,8 @@ def fit(options) -> None:
         raise LaminaError(f"--report {options.report}: choose a name that ends in {', '.join(_PICTURES)}")
     if options.report:
         _require_matplotlib()
+    if options.theta is not None and not (len(options.theta) <= _MOST_ANGLES and all(0.0 <= angle <= _STEEPEST_DEG for angle in options.theta)):
+        raise LaminaError(f"--theta {' '.join(f'{a:g}' for a in options.theta)}: choose up to {_MOST_ANGLES} angles from 0 to {_STEEPEST_DEG:g} degrees")
     measurement, stack = _measurement(options)
     for sentence in measurement.found:
         report(sentence)
@@ -74,14 +77,14 @@ def _require_matplotlib() -> None:
 
 
 def _draw(options, measurement: Measurement, best, stack: Stack | None) -> None:
-    from ...reference_py.fit.draw import picture
+    from ...reference_py.fit.draw import INCIDENT_DEG, picture
 
     truth = None
     if stack is not None and options.wavelength is None:
         def truth(wi, wo):
             return evaluate(options.sample, {}, stack, wo, wi, 3)
     with replacing(options.report) as temporary:
-        picture(measurement, best, of_fit(best), truth).savefig(temporary)
+        picture(measurement, best, of_fit(best), truth, angles=options.theta or INCIDENT_DEG).savefig(temporary)
 
 
 def _print(told: dict) -> None:

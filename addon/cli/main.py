@@ -110,6 +110,7 @@ def build_parser() -> argparse.ArgumentParser:
     fit.add_argument("--samples", type=_between(50, 20_000), default=500, metavar="N", help="pairs of directions that are fitted (default: %(default)s)")
     fit.add_argument("--seed", type=_between(0, 2**31), default=0, metavar="N", help="of the pairs and the starts (default: %(default)s)")
     fit.add_argument("--report", metavar="PICTURE", help="slices, lobes and residuals, .png (needs matplotlib)")
+    fit.add_argument("--theta", type=float, nargs="+", metavar="DEG", help="incidence angles of the report (default: those of the paper's figure 9)")
     fit.add_argument("--compare", action="store_true", help="fit other models too and print their errors")
     demo = _command(commands, "demo", "demo", "render a contact sheet of the paper's presets, or of all, and print their errors")
     demo.add_argument("--all", action="store_true", help="all presets, which takes a quarter of an hour (default: those of the paper)")

@@ -4,8 +4,11 @@
 Imports matplotlib when called, never on import.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from ..figures.figure9 import INCIDENT_DEG
 from ..figures.plot import new_figure, style
 from ..frame import spherical
 from .compare import Evaluator
@@ -13,8 +16,6 @@ from .fitting import Fit
 from .measurement import Measurement, half_angles
 from .metric import Metric
 
-INCIDENT_DEG = (0.0, 35.0, 65.0)
-"""Those of Weidlich07, figure 9."""
 _VIEW_DEG = np.arange(-85.0, 85.5, 1.0)
 # Measured pairs this near to a slice are drawn on it, the nearest ones first.
 _NEAR_DEG, _MOST_DOTS = 4.0, 250
@@ -25,18 +26,19 @@ _LOBE_CELLS, _LOBE_PAIRS, _LOBE_CHUNK, _LOBE_NEAR = 72, 30_000, 100, 0.25
 
 def picture(
     measurement: Measurement, fit: Fit, evaluator: Evaluator, truth: Evaluator | None = None, title: str = "",
-    curves: dict[str, Evaluator] | None = None,
+    curves: dict[str, Evaluator] | None = None, angles: Sequence[float] = INCIDENT_DEG,
 ):
-    """A matplotlib figure. `truth` draws the data as a curve where it is known everywhere, as of a model; else pairs
+    """A matplotlib figure, with a column for each angle of incidence in degrees. `truth` draws the data as a curve where it is known everywhere, as of a model; else pairs
     near each slice are drawn as dots. `curves` are more models for the slices, by name.
     """
-    figure = new_figure(13.0, 15.5, title or f"{measurement.source}\n{fit.structure.name}, model {fit.model}: error {100 * fit.error:.2g} %")
-    grid = figure.add_gridspec(5, 3, height_ratios=(1.0, 0.75, 0.9, 0.9, 0.9))
-    for column, angle in enumerate(INCIDENT_DEG):
+    figure = new_figure(max(13.0, 4.3 * len(angles)), 15.5, title or f"{measurement.source}\n{fit.structure.name}, model {fit.model}: error {100 * fit.error:.2g} %")
+    grid = figure.add_gridspec(5, len(angles), height_ratios=(1.0, 0.75, 0.9, 0.9, 0.9))
+    for column, angle in enumerate(angles):
         cartesian, polar = figure.add_subplot(grid[0, column]), figure.add_subplot(grid[1, column], projection="polar")
         _slice(cartesian, polar, measurement, angle, evaluator, truth, curves or {}, legend=column == 0)
         _lobes(figure, (figure.add_subplot(grid[2, column]), figure.add_subplot(grid[3, column])), measurement, angle, evaluator, truth)
-    _residual_maps(figure, [grid[4, column] for column in range(3)], measurement, fit, evaluator)
+    last = grid[4, :].subgridspec(1, 3)
+    _residual_maps(figure, [last[column] for column in range(3)], measurement, fit, evaluator)
     return figure
 
 

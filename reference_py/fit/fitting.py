@@ -170,6 +170,8 @@ def settled(
     def continued(x: np.ndarray, turn: int) -> Fit:
         part = share_of(progress, turn / (1 + len(_BEGINNINGS)), (turn + 1) / (1 + len(_BEGINNINGS)))
         more = refined(fit.metric, fit.structure, fit.model, x, steps, part, options, quick.jacobian(x))
+        if part is not None:
+            part(1.0)
         return replace(more, evaluations=more.evaluations + len(fit.parameters.groups) + 1)
 
     best = continued(fit.x, 0)

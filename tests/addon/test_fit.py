@@ -65,6 +65,7 @@ def test_samples_of_a_model_are_fitted_and_compared():
         (["matte.csv", "--model", "position_free"], ["position_free", "adding"]),
         (["matte.csv", "--wavelength", "1000"], ["1000", "780"]),
         (["matte.csv", "--report", "x.doc"], ["x.doc", ".png"]),
+        (["matte.csv", "--report", "x.png", "--theta", "10", "nan"], ["10 nan", "0 to 85"]),
         (["matte.csv", "-o", "no/such/folder.json"], ["no/such"]),
     ],
 )
@@ -95,7 +96,7 @@ def test_ctrl_c_cancels_and_leaves_nothing(tmp_path):
 
 def test_the_report_is_a_picture(matte):
     pytest.importorskip("matplotlib")
-    lamina("fit", matte, "--layers", 0, "--base", "lambert", "--report", "matte.png", cwd=matte.parent)
+    lamina("fit", matte, "--layers", 0, "--base", "lambert", "--report", "matte.png", "--theta", 10, cwd=matte.parent)
     assert (matte.parent / "matte.png").read_bytes()[:4] == b"\x89PNG"
 
 
