@@ -38,6 +38,8 @@ def replacing(path: str | os.PathLike) -> Iterator[Path]:
 
 def require_writable(path: str | os.PathLike) -> None:
     """Raise LaminaError now if `path` could not be written later, before long work starts."""
+    if Path(path).is_dir():
+        raise LaminaError(f"{path}: this is a folder; choose the name of a file")
     _try_folder(Path(path).parent, f"{path}: cannot write into folder {Path(path).parent}")
 
 

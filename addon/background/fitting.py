@@ -14,6 +14,7 @@ from bpy_extras.io_utils import ImportHelper
 from ...reference_py.errors import LaminaError
 from ...reference_py.fit import worker
 from ...reference_py.fit.forward import DEFAULT_MODEL
+from ...reference_py.fit.outcome import percent
 from ...reference_py.fit.parameters import BASES
 from ...reference_py.fit.readers import SUFFIXES
 from ...reference_py.fit.selection import AUTO
@@ -61,9 +62,11 @@ def _with_uid(collection, uid: int) -> bpy.types.ID | None:
 
 
 def _told(file: str, result: dict) -> str:
-    text = f"fitted to {Path(file).name}: {Stack.from_dict(result['stack']).name}, error {100.0 * result['error']:.2g} %"
+    text = f"fitted to {Path(file).name}: {Stack.from_dict(result['stack']).name}, error {percent(result['error'])}"
     if not result["explains"]:
         text += "; no stack that was tried explains it"
+    for warning in result["warnings"]:
+        text += f"; {warning}"
     if result["not_determined"]:
         text += "; not determined by the data: " + ", ".join(result["not_determined"])
     return text
@@ -177,8 +180,10 @@ class LAMINA_OT_fit_measurement(LaminaOperator, ImportHelper, bpy.types.Operator
         if material is not None:
             materials.require_editable(material)
         path = Path(bpy.path.abspath(self.filepath))
-        if path.suffix.lower() not in SUFFIXES or not path.is_file():
+        if path.suffix.lower() not in SUFFIXES:
             raise LaminaError(f"{path.name or 'no file'}: choose a file that ends in {', '.join(SUFFIXES)}")
+        if not path.is_file():
+            raise LaminaError(f"{path}: there is no such file")
         layers = AUTO if self.layers == _AUTO_LAYERS else self.layers
         fit = start(material or context.object, str(path), layers, self.base)
         if not bpy.app.background:

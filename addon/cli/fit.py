@@ -2,6 +2,7 @@
 """`lamina fit`: measured reflectance in, an editable stack out, with its error."""
 
 import json
+import sys
 from dataclasses import asdict
 from pathlib import Path
 
@@ -9,12 +10,14 @@ from ...reference_py import presets
 from ...reference_py.atomic import replacing, require_writable, write_text
 from ...reference_py.errors import LaminaError
 from ...reference_py.fit import read, select
+from ...reference_py.fit.certainty import OF_VALUE
 from ...reference_py.fit.compare import compare, of_fit
 from ...reference_py.fit.forward import evaluate
 from ...reference_py.fit.measurement import Measurement
 from ...reference_py.fit.outcome import outcome
 from ...reference_py.fit.readers import SUFFIXES
 from ...reference_py.fit.readers.sampled import sample_model
+from ...reference_py.fit.selection import require_choices
 from ...reference_py.models import MODELS
 from ...reference_py.stack import Stack
 from .session import say, tenths
@@ -26,10 +29,14 @@ _MOST_ANGLES, _STEEPEST_DEG = 6, 85.0
 def fit(options) -> None:
     """Write the fitted stack, and the picture if asked for; print errors and what the data do not determine."""
     report = say(options.command)
-    for path in filter(None, (options.output, options.report)):
-        require_writable(path)
-    if options.report and Path(options.report).suffix.lower() not in _PICTURES:
-        raise LaminaError(f"--report {options.report}: choose a name that ends in {', '.join(_PICTURES)}")
+    for option, path, suffixes in (("-o", options.output, (".json",)), ("--report", options.report, _PICTURES)):
+        if path and Path(path).suffix.lower() not in suffixes:
+            raise LaminaError(f"{option} {path}: choose a name that ends in {', '.join(suffixes)}")
+        if path and Path(path).exists() and Path(options.file).exists() and Path(path).samefile(options.file):
+            raise LaminaError(f"{option} {path}: this is what is read; choose another name")
+        if path:
+            require_writable(path)
+    require_choices(options.layers, options.base, options.model, options.samples)
     if options.report:
         _require_matplotlib()
     if options.theta is not None and not (len(options.theta) <= _MOST_ANGLES and all(0.0 <= angle <= _STEEPEST_DEG for angle in options.theta)):
@@ -41,19 +48,27 @@ def fit(options) -> None:
         measurement, options.layers, options.base, options.model, options.samples, options.seed, tenths(report), report,
     )  # fmt: skip
     told = outcome(measurement, selection)
-    if options.compare:
-        report("comparing with other models")
-        rows, _ = compare(measurement, selection.best, options.seed)
-        told["comparison"] = [asdict(row) for row in rows]
     if not told["explains"]:
-        report(f"no stack that was tried explains this measurement: the best is {100.0 * told['error']:.0f} % off")
+        report(f"no stack that was tried explains this measurement: the best is {100.0 * told['error']:.0f} % off "
+               "(all that were tried are isotropic, and reflect no more than they receive)")
+    for warning in told["warnings"]:
+        report(f"warning: {warning}")
     if options.output:
         write_text(options.output, selection.best.stack.to_json())
         report(f"wrote {options.output}")
     if options.report:
         _draw(options, measurement, selection.best, stack)
         report(f"wrote {options.report}")
-    print(json.dumps(told)) if options.json else _print(told)
+    if not options.json:
+        _print(told)
+    if options.compare:
+        report("comparing with other models")
+        rows, _ = compare(measurement, selection.best, options.seed)
+        told["comparison"] = [asdict(row) for row in rows]
+        for row in () if options.json else rows:
+            print(f"  {row.name:40} {row.parameters:3d} parameters   error {100.0 * row.error:6.2f} %   L1 {100.0 * row.shape:6.2f} %")
+    if options.json:
+        print(json.dumps(told))
 
 
 def _measurement(options) -> tuple[Measurement, Stack | None]:
@@ -73,7 +88,7 @@ def _require_matplotlib() -> None:
     try:
         import matplotlib  # noqa: F401
     except ImportError:
-        raise LaminaError("--report needs matplotlib: pip install lamina[figures]") from None
+        raise LaminaError(f"--report needs matplotlib, which this Python has not; install it: {sys.executable} -m pip install matplotlib") from None
 
 
 def _draw(options, measurement: Measurement, best, stack: Stack | None) -> None:
@@ -89,16 +104,18 @@ def _draw(options, measurement: Measurement, best, stack: Stack | None) -> None:
 
 def _print(told: dict) -> None:
     stack = Stack.from_dict(told["stack"])
-    print(f"{stack.name}, {len(told['parameters'])} parameters, model {told['model']}")
+    surfaces = [e["distribution"] for e in (*stack.layers, stack.base) if "distribution" in e]
+    named = f" ({', '.join(surfaces)} from the top)" if surfaces else ""
+    print(f"{stack.name}{named}, {len(told['parameters'])} parameters, model {told['model']}")
     print(f"error {100.0 * told['error']:.2f} % over {told['pairs']} pairs of directions (RMS of log f cos), "
           f"{100.0 * told['shape_error']:.2f} % of the reflected light (L1)")
     print("by region: " + ", ".join(f"{name} {100.0 * error:.1f} %" for name, error in told["error_by_region"].items()))
     for row in told["tried"]:
-        print(f"  tried {row['structure']:24} {row['parameters']:3d} parameters   error {100.0 * row['error']:.2f} %")
+        print(f"  tried {row['structure']:24} {row['parameters']:3d} parameters   error {100.0 * row['error']:.2f} % of the {told['fitted_pairs']} fitted pairs")
     print(told["reason"])
     for value in told["parameters"]:
         note = "" if value["determined"] else "   not determined by the data"
         note += "   at its bound" if value["at_bound"] else ""
         print(f"  {value['name']:28} {value['value']:9.4f} +- {value['standard_error']:.4f}{note}")
-    for row in told.get("comparison", ()):
-        print(f"  {row['name']:40} {row['parameters']:3d} parameters   error {100.0 * row['error']:6.2f} %   L1 {100.0 * row['shape']:6.2f} %")
+    if told["not_determined"]:
+        print(f"not determined: may be off by more than {100.0 * OF_VALUE:g} %, as its standard error or fits from other starts say")

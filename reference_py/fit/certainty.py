@@ -19,7 +19,7 @@ from .measurement import half_angles
 from .metric import rms
 
 # A value is not determined when its standard error exceeds this part of it.
-_OF_VALUE = 0.05
+OF_VALUE = 0.05
 _AT_BOUND, _MOST_PAIRS = 1e-4, 1500
 # Where loose coordinates are held.
 _PLACES = (0.1, 0.5, 0.9, 1.0)
@@ -72,7 +72,7 @@ def certainty(fit: Fit) -> list[Value]:
     spread = np.minimum(p.slopes(fit.x) * error + np.where(curved, widths * np.square(error), 0.0), widths)
     bound = (fit.x <= _AT_BOUND) | (fit.x >= 1.0 - _AT_BOUND)
     spread = np.maximum(spread, _disagreement(fit))
-    known = spread <= _OF_VALUE * np.abs(values)
+    known = spread <= OF_VALUE * np.abs(values)
     return [Value(*row) for row in zip(p.names, values.tolist(), spread.tolist(), known.tolist(), bound.tolist())]
 
 

@@ -55,7 +55,8 @@ def _slice(cartesian, polar, measurement, angle, evaluator, truth, curves, legen
             if exact is not None:
                 axis.plot(x, exact[:, c], color=color, linestyle="--", linewidth=1.0, label="data" if c == 0 else None)
             else:
-                axis.plot(dots, measurement.f[near, c], ".", color=color, markersize=3, alpha=0.6, zorder=1, label="data" if c == 0 else None)
+                axis.plot(dots, measurement.f[near, c], ".", color=color, markersize=3, alpha=0.6, zorder=1,
+                          label=f"data within {_NEAR_DEG:g}°" if c == 0 else None)
     for name, other in curves.items():
         cartesian.plot(_VIEW_DEG, other(wi, wo)[:, 0 if single else 1], linewidth=0.9, label=name)
     cartesian.axvline(-angle, color="tab:orange", linewidth=0.8, linestyle=":")
@@ -101,7 +102,7 @@ def _lobes(figure, axes, measurement: Measurement, angle: float, evaluator: Eval
         image = np.full(x.shape, np.nan)
         image[inside] = values
         drawn = axis.imshow(image, origin="lower", extent=(-1, 1, -1, 1), cmap="viridis", vmin=low, vmax=high, interpolation="nearest")
-        axis.set_title(f"{name}: f cos, light at {angle:g}° from the left", fontsize=8)
+        axis.set_title(f"{name}: f cos, light {f'at {angle:g}° from the left' if angle else 'from above'}", fontsize=8)
         axis.plot([-np.sin(np.radians(angle))], [0.0], "x", color="tab:orange", markersize=5)
         axis.set_axis_off()
         figure.colorbar(drawn, ax=axis, shrink=0.8).ax.tick_params(labelsize=6)

@@ -13,6 +13,7 @@ from ..frame import dot, half_vector
 STEEPEST_DEG = 85.0
 # The wavelengths in nm that bound the green channel, for data which have but three.
 _GREEN_NM = (490.0, 590.0)
+VISIBLE_NM = (380.0, 780.0)
 _CELLS = (10, 5, 3)
 
 
@@ -76,14 +77,20 @@ def checked(wi, wo, f, where: str, found: tuple[str, ...] = (), wavelength_nm=No
 
 def _as_color(f, wavelength_nm, only_nm, where) -> tuple[np.ndarray, tuple[str, ...]]:
     if wavelength_nm is None and only_nm is None:
+        if f.shape[1] > 1 and np.all(f == f[:, :1]):
+            return f[:, :1], ("all colors are alike: fitted as grey",)
         return f, ()
     if wavelength_nm is None:
         low, high = _GREEN_NM
-        if not 380.0 <= only_nm <= 780.0:
-            raise LaminaError(f"{where}: wavelength {only_nm:g} nm of RGB data; choose 380 to 780")
+        if not VISIBLE_NM[0] <= only_nm <= VISIBLE_NM[1]:
+            raise LaminaError(f"{where}: wavelength {only_nm:g} nm of RGB data; choose {VISIBLE_NM[0]:g} to {VISIBLE_NM[1]:g}")
         channel = 2 if only_nm < low else 1 if only_nm <= high else 0
         return f[:, channel : channel + 1], (f"the {('red', 'green', 'blue')[channel]} channel stands for {only_nm:g} nm",)
     nm = np.asarray(wavelength_nm, float)
+    if only_nm is None and len(nm) == 1:
+        return f, (f"one wavelength, {nm[0]:g} nm: fitted as grey",)
+    if only_nm is None and (nm[-1] < VISIBLE_NM[0] or nm[0] > VISIBLE_NM[1]):
+        raise LaminaError(f"{where}: wavelengths {nm[0]:g} to {nm[-1]:g} nm have no color; choose one of them with --wavelength")
     if only_nm is None:
         rgb = reflectance_to_rgb(f, nm)
         lost = np.mean(rgb.min(axis=1) < 0.0)

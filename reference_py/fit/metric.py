@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .measurement import Measurement
+from .measurement import STEEPEST_DEG, Measurement
 
 FLOOR = 0.1
 _COMPRESSED = {
@@ -24,7 +24,9 @@ _COMPRESSED = {
 }
 METRICS = tuple(_COMPRESSED)
 # View or light angle, the larger one; edges in degrees.
-BANDS_DEG = (0.0, 30.0, 50.0, 65.0, 75.0, 90.0)
+BANDS_DEG = (0.0, 30.0, 50.0, 65.0, 75.0, STEEPEST_DEG)
+# f (1/sr) below this is dark, whatever else is in the data.
+_DARK = 1e-3
 
 
 @dataclass(frozen=True)
@@ -57,12 +59,22 @@ class Metric:
         """RMS residual per band of the larger of view and light angle, in its highlight, and towards the light."""
         m, residual = self.measurement, self.residual(f)
         steepest = np.degrees(np.arccos(np.clip(np.minimum(m.wi[:, 2], m.wo[:, 2]), 0.0, 1.0)))
-        masks = {f"{a:g}-{b:g} deg": (steepest >= a) & (steepest < b) for a, b in zip(BANDS_DEG, BANDS_DEG[1:])}
+        masks = {f"{a:g}-{b:g} deg": (steepest >= a) & (steepest < b + 1e-6 * (b == STEEPEST_DEG)) for a, b in zip(BANDS_DEG, BANDS_DEG[1:])}
         wh = m.wi + m.wo
         cos_h = wh[:, 2] / np.linalg.norm(wh, axis=1)
         masks["near the mirror direction"] = cos_h > np.cos(np.radians(10.0))
         masks["towards the light"] = np.sum(m.wi * m.wo, axis=1) > np.cos(np.radians(20.0))
         return {name: rms(residual[mask]) for name, mask in masks.items() if mask.any()}
+
+    def hidden(self, f: np.ndarray) -> tuple[float, float]:
+        """What the floor hides beside a bright highlight: the share of values, below it and yet not dark, at which f is off
+        by more than a factor of two, and the median factor there.
+        """
+        m = self.measurement
+        dim = (m.f * self._scale < FLOOR) & (m.f > _DARK)
+        factor = np.exp(np.abs(np.log((np.maximum(f, 0.0) + 0.1 * _DARK) / (m.f + 0.1 * _DARK))))
+        off = dim & (factor > 2.0)
+        return float(np.mean(off)), float(np.median(factor[off])) if off.any() else 1.0
 
 
 def rms(residual: np.ndarray) -> float:

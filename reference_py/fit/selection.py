@@ -63,6 +63,17 @@ def supported(more: Fit, less: Fit) -> bool:
     return criterion(more) < criterion(less, more)
 
 
+def require_choices(layers: int | str, base: str, model: str, samples: int) -> None:
+    """Raise LaminaError for what `select` does not take."""
+    require_fittable(model)
+    if layers != AUTO and not (isinstance(layers, int) and 0 <= layers <= MOST_LAYERS):
+        raise LaminaError(f"layers {layers!r}: choose {AUTO} or 0 to {MOST_LAYERS}")
+    if base not in (AUTO, *BASES):
+        raise LaminaError(f"unknown base {base!r}; choose {AUTO}, {', '.join(BASES)}")
+    if samples < LEAST_SAMPLES:
+        raise LaminaError(f"samples {samples}: choose at least {LEAST_SAMPLES}")
+
+
 def select(
     measurement: Measurement, layers: int | str = AUTO, base: str = AUTO, model: str = DEFAULT_MODEL, samples: int = SAMPLES,
     seed: int = 0, progress: Progress | None = None, report: Report | None = None,
@@ -71,13 +82,7 @@ def select(
 
     `progress` gets the share that is done, `report` sentences. Raises LaminaError on a bad choice.
     """
-    require_fittable(model)
-    if layers != AUTO and not (isinstance(layers, int) and 0 <= layers <= MOST_LAYERS):
-        raise LaminaError(f"layers {layers!r}: choose {AUTO} or 0 to {MOST_LAYERS}")
-    if base not in (AUTO, *BASES):
-        raise LaminaError(f"unknown base {base!r}; choose {AUTO}, {', '.join(BASES)}")
-    if samples < LEAST_SAMPLES:
-        raise LaminaError(f"samples {samples}: choose at least {LEAST_SAMPLES}")
+    require_choices(layers, base, model, samples)
     if len(measurement.f) < LEAST_SAMPLES:
         raise LaminaError(f"{measurement.source}: {len(measurement.f)} pairs of directions are too few to fit; at least {LEAST_SAMPLES}")
     search = _Search(subsampled(measurement, samples, seed), model, np.random.default_rng(seed))

@@ -51,7 +51,11 @@ def least_squares(
         normal = j[:, free].T @ j[:, free]
         scale = np.maximum(np.diagonal(normal), 1e-9 * max(float(np.max(np.diagonal(normal))), 1e-30))
         move = np.zeros(len(x))
-        move[free] = -np.linalg.solve(normal + damping * np.diag(scale), gradient[free])
+        damped = normal + damping * np.diag(scale)
+        try:
+            move[free] = -np.linalg.solve(damped, gradient[free])
+        except np.linalg.LinAlgError:  # values that nothing depends on
+            move[free] = -np.linalg.lstsq(damped, gradient[free], rcond=None)[0]
         trial = np.clip(x + move, low, high)
         moved = trial - x
         new = residual(trial)

@@ -67,15 +67,20 @@ def test_samples_of_a_model_are_fitted_and_compared():
         (["matte.csv", "--report", "x.doc"], ["x.doc", ".png"]),
         (["matte.csv", "--report", "x.png", "--theta", "10", "nan"], ["10 nan", "0 to 85"]),
         (["matte.csv", "-o", "no/such/folder.json"], ["no/such"]),
+        (["matte.csv", "-o", "matte.csv"], ["matte.csv", ".json"]),
+        (["folder.json", "-o", "folder.json", "--sample", "adding"], ["folder.json", "what is read"]),
+        (["matte.csv", "-o", "taken.json"], ["taken.json", "is a folder"]),
     ],
 )
 def test_bad_input_is_one_line_and_writes_nothing(matte, arguments, words, monkeypatch, capsys):
     (matte.parent / "cut.binary").write_bytes(measured.merl_bytes(measured.merl_values())[:5000])
     monkeypatch.chdir(matte.parent)
+    (matte.parent / "folder.json").write_text("{}")
+    (matte.parent / "taken.json").mkdir()
     assert run(["fit", "-o", "out.json", *arguments]) == 2
     err = capsys.readouterr().err
     assert err.splitlines()[-1].startswith("lamina: ") and all(word in err for word in words), err
-    assert sorted(p.name for p in matte.parent.iterdir()) == ["cut.binary", "matte.csv"]
+    assert sorted(p.name for p in matte.parent.iterdir()) == ["cut.binary", "folder.json", "matte.csv", "taken.json"]
 
 
 @pytest.mark.skipif(os.name != "posix", reason="sends a signal")

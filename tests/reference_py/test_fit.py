@@ -181,6 +181,30 @@ def test_a_measurement_that_no_stack_explains():
     assert told["explains"] and Stack.from_dict(told["stack"]).layers
 
 
+def test_what_a_highlight_hides_is_told():
+    wi, wo = spread_pairs(300, np.random.default_rng(0))
+    bright = wi[:, 2] > np.cos(np.radians(35.0))
+    f = np.where(bright, 3000.0, 0.05)[:, None]
+    metric = Metric(checked(wi, wo, f, "hidden"))
+    black = np.where(bright, 3000.0, 0.0)[:, None]
+    assert metric.error(black) < 0.01  # which says nothing of the rest
+    share, factor = metric.hidden(black)
+    assert share == pytest.approx(1.0 - bright.mean()) and factor > 100.0
+    assert metric.hidden(1.3 * f)[0] == 0.0
+
+
+def test_what_no_stack_explains_determines_nothing():
+    wi, wo = spread_pairs(300, np.random.default_rng(0))
+    data = checked(wi, wo, np.where(np.sin(25.0 * wo[:, :1]) > 0.0, 3.0, 0.01) * np.ones(3), "stripes")
+    told = outcome(data, select(data, 0, "lambert", "weidlich_wilkie"))
+    assert not told["explains"] and len(told["not_determined"]) == len(told["parameters"])
+
+
+def test_values_that_nothing_depends_on_do_not_stop_the_solver():
+    found = least_squares(lambda x: np.array([0.0 * x[0], 0.0 * x[1]]) + 1.0, lambda x, r: np.zeros((2, 2)), np.ones(2), np.zeros(2), 2.0 * np.ones(2))
+    assert np.all(np.isfinite(found.x))
+
+
 def test_one_wavelength_gives_a_grey_stack():
     data = sample_model("lafortune", presets.load("blue_wall_paint"), 550.0, pairs=300)
     assert data.channels == 1

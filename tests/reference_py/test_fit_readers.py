@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Readers give back the f that was written, in every format, and one clear line for every broken file."""
 
+import warnings
+
 import numpy as np
 import pytest
 from support import measured
@@ -57,6 +59,8 @@ def test_broken_merl_files_are_named(merl):
     refused(merl(data[:12] + values.transpose(0, 2, 1, 3).tobytes()), "axes are swapped", "theta_d, theta_h, phi_d")
     refused(merl(data[:12] + values.transpose(0, 3, 1, 2).tobytes()), "axes are swapped", "phi_d, theta_h, theta_d")
     refused(merl(measured.merl_bytes(0.0 * values)), "black")
+    with warnings.catch_warnings(action="error"):
+        refused(merl(measured.merl_bytes(np.nan * values)), "not finite")
     refused(merl(b"\x07\0\0\0" * 3 + data[12:]), "sizes [7, 7, 7]")
 
 
@@ -136,6 +140,22 @@ def test_tables_give_back_f(tmp_path):
     assert read(path, 550.0).f[:, 0] == pytest.approx(f[:, 0], rel=1e-6)
     path.write_text(measured.table_text(wi, wo, f))
     assert read(path, 550.0).f[:, 0] == pytest.approx(f[:, 1], rel=1e-6)
+    for delimiter, point in ((";", ","), ("\t", "."), ("\t", ",")):
+        path.write_text(measured.table_text(wi, wo, f).replace(",", delimiter).replace(".", point))
+        assert read(path).f == pytest.approx(f, rel=1e-6)
+
+
+def test_what_has_no_color_has_one_channel(tmp_path):
+    wi, wo = spread_pairs(60, np.random.default_rng(3))
+    f = measured.paint(wi, wo)[:, :1]
+    path = tmp_path / "grey.csv"
+    for values, names in ((f, ("550",)), (f * np.ones(3), ("r", "g", "b"))):
+        path.write_text(measured.table_text(wi, wo, values, names))
+        m = read(path)
+        assert m.channels == 1 and m.f == pytest.approx(f, rel=1e-6) and any("grey" in sentence for sentence in m.found)
+    path.write_text(measured.table_text(wi, wo, f * np.ones(2), ("900", "1000")))
+    refused(path, "900 to 1000", "--wavelength")
+    assert read(path, 950.0).f == pytest.approx(f, rel=1e-6)
 
 
 def test_broken_tables_are_named(tmp_path):
@@ -152,7 +172,8 @@ def test_broken_tables_are_named(tmp_path):
     refused(write(head + "10,0,20,0,1,1,1\n10,0,20,360,1,1,1\n"), "lines 2 and 3", "same angles")
     refused(write(head + "10,0,20,0,1,1,1\n10,0,200,0,1,1,1\n"), "line 3", "theta_o is 200", "0 to 180")
     refused(write(head + "10,0,20,0,1,1\n"), "line 2", "6 cells")
-    refused(write(head + "10,0,20,0,1,1,much\n"), "line 2", "'much'")
+    refused(write(head + "10,0,20,0,1,1,much\n"), "line 2", "b is 'much'")
+    refused(write("theta_i,phi_i,theta_o,phi_o,r,g,b,550\n1,2,3,4,5,6,7,8\n"), "both r, g, b and wavelengths")
     refused(write(head + "0.1,0,0.5,0,1,1,1\n0.3,0,1.2,0,1,1,1\n"), "radians")
     refused(write(head + "100,0,20,0,1,1,1\n"), "below the horizon")
     refused(write(head + "10,0,20,0,0,0,0\n"), "black")

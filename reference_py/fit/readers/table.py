@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Plain tables: theta_i, phi_i, theta_o, phi_o in degrees, then r, g, b or one column per wavelength in nm.
 
-The first line that is no comment (#) names the columns, in any order; values are f in 1/sr, without cosine.
+The first line that is no comment (#) names the columns, in any order; values are f in 1/sr, without cosine. Semicolons and tabs separate too, and then a comma is a decimal one.
 """
 
 import csv
@@ -16,6 +16,8 @@ from ..measurement import Measurement, checked
 
 ANGLES = ("theta_i", "phi_i", "theta_o", "phi_o")
 _RGB = ("r", "g", "b")
+# Looked for in this order: beside the others a comma is a decimal one.
+_DELIMITERS = (";", "\t", ",")
 _MOST_BYTES = 500_000_000
 _WAVELENGTH = re.compile(r"(\d+(?:\.\d+)?)\s*(?:nm)?")
 
@@ -31,9 +33,10 @@ def read(path: Path, wavelength_nm: float | None = None) -> Measurement:
         raise LaminaError(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from None
     if len(lines) < 2:
         raise LaminaError(f"{path}: no rows; a table has a line of column names ({', '.join(ANGLES)}, r, g, b) and numbers below it")
-    names = [name.strip().lower() for name in next(csv.reader([lines[0][1]]))]
+    delimiter = next((d for d in _DELIMITERS if d in lines[0][1]), ",")
+    names = [name.strip().lower() for name in next(csv.reader([lines[0][1]], delimiter=delimiter))]
     columns, nm = _columns(path, names)
-    numbers = _numbers(path, lines[1:], len(names))
+    numbers = _numbers(path, lines[1:], names, delimiter)
     angles = numbers[:, [names.index(a) for a in ANGLES]]
     _check_angles(path, angles, [i for i, _ in lines[1:]])
     theta_i, phi_i, theta_o, phi_o = np.radians(angles).T
@@ -55,7 +58,9 @@ def _columns(path: Path, names: list[str]) -> tuple[list[int], np.ndarray | None
     matches = [(name, _WAVELENGTH.fullmatch(name)) for name in others]
     strange = [name for name, match in matches if match is None and name not in _RGB]
     if strange:
-        raise LaminaError(f"{path}: column {strange[0]!r} is neither r, g, b nor a wavelength in nm")
+        raise LaminaError(f"{path}: column {strange[0]!r} is neither r, g, b nor a wavelength in nm; rename or remove it")
+    if any(match is None for _, match in matches) and any(match is not None for _, match in matches):
+        raise LaminaError(f"{path}: it has both {', '.join(n for n, match in matches if match is None)} and wavelengths; choose one of them")
     if not others or any(match is None for _, match in matches):
         missing = [name for name in _RGB if name not in others]
         raise LaminaError(f"{path}: missing column{'s' * (len(missing) > 1)} {', '.join(missing)}; choose r, g, b or wavelengths in nm")
@@ -66,17 +71,18 @@ def _columns(path: Path, names: list[str]) -> tuple[list[int], np.ndarray | None
     return [p[1] for p in pairs], nm
 
 
-def _numbers(path: Path, lines, width: int) -> np.ndarray:
+def _numbers(path: Path, lines, names: list[str], delimiter: str) -> np.ndarray:
     rows = []
     for number, line in lines:
-        cells = line.split(",")
-        if len(cells) != width:
-            raise LaminaError(f"{path}: line {number} has {len(cells)} cells where {width} are named; truncated?")
+        cells = (line if delimiter == "," else line.replace(",", ".")).split(delimiter)
+        if len(cells) != len(names):
+            raise LaminaError(f"{path}: line {number} has {len(cells)} cells where {len(names)} are named"
+                              + ("; truncated?" if len(cells) < len(names) else ""))
         try:
             rows.append([float(cell) for cell in cells])
         except ValueError:
-            bad = next(cell for cell in cells if not _is_number(cell))
-            raise LaminaError(f"{path}: line {number}: {bad.strip()!r} is not a number") from None
+            name, bad = next(pair for pair in zip(names, cells) if not _is_number(pair[1]))
+            raise LaminaError(f"{path}: line {number}: {name} is {bad.strip()!r}, which is not a number") from None
     return np.array(rows)
 
 
