@@ -15,6 +15,7 @@ import shutil
 import sys
 import tempfile
 import traceback
+import warnings
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -197,6 +198,7 @@ def main() -> int:
     from lamina.addon.rendering.environment import ensure_osl_query_on_path
 
     ensure_osl_query_on_path()
+    warnings.simplefilter("error", RuntimeWarning)  # lines on stderr beside the one that is meant
     total = int(sys.argv[1]) if len(sys.argv) > 1 else COUNT
     part = -(-total // 20)
     memory.keep_in(HOME)

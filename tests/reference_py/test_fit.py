@@ -22,6 +22,7 @@ from lamina.reference_py.fit.peers import PEER_MODELS, fit_peer
 from lamina.reference_py.fit.readers.sampled import sample_model
 from lamina.reference_py.fit.solve import least_squares
 from lamina.reference_py.fit.study import SETTINGS, data_of, random_stack, random_structure, recovery
+from lamina.reference_py.frame import half_vector
 from lamina.reference_py.models import make_model
 from lamina.reference_py.stack import Stack
 
@@ -181,15 +182,29 @@ def test_a_measurement_that_no_stack_explains():
     assert told["explains"] and Stack.from_dict(told["stack"]).layers
 
 
+def test_the_color_below_a_mirror_like_highlight_is_found():
+    paint = Stack.from_dict({"layers": [{"kind": "dielectric", "roughness": 0.08}], "base": {"kind": "lambert", "color": [0.5, 0.2, 0.1]}})
+    glossy = make_model("weidlich_wilkie", paint)
+    wi, wo = spread_pairs(400, np.random.default_rng(1))
+    # most pairs are at the highlight, whose f is hundreds of times the color's
+    kept = (half_vector(wi, wo)[:, 2] > np.cos(np.radians(12.0))) | (np.arange(400) % 6 == 0)
+    wi, wo = wi[kept], wo[kept]
+    found = make_model("weidlich_wilkie", select(checked(wi, wo, glossy.f(wo, wi), "gloss"), model="weidlich_wilkie").best.stack)
+    wi, wo = spread_pairs(300, np.random.default_rng(9))
+    off = half_vector(wi, wo)[:, 2] < np.cos(np.radians(25.0))
+    # .5 % measured; 22 % with a floor of a tenth of the mean
+    assert found.f(wo[off], wi[off]) == pytest.approx(glossy.f(wo[off], wi[off]), rel=0.02)
+
+
 def test_what_a_highlight_hides_is_told():
     wi, wo = spread_pairs(300, np.random.default_rng(0))
     bright = wi[:, 2] > np.cos(np.radians(35.0))
-    f = np.where(bright, 3000.0, 0.05)[:, None]
+    f = np.where(bright, 3000.0, 0.004)[:, None]
     metric = Metric(checked(wi, wo, f, "hidden"))
     black = np.where(bright, 3000.0, 0.0)[:, None]
-    assert metric.error(black) < 0.01  # which says nothing of the rest
+    assert metric.error(black) < 0.02  # which says nothing of the rest
     share, factor = metric.hidden(black)
-    assert share == pytest.approx(1.0 - bright.mean()) and factor > 100.0
+    assert share == pytest.approx(1.0 - bright.mean()) and factor > 20.0
     assert metric.hidden(1.3 * f)[0] == 0.0
 
 

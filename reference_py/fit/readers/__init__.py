@@ -5,6 +5,8 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
 from ...errors import LaminaError
 from ..measurement import Measurement
 from . import merl, rgl, table
@@ -24,6 +26,8 @@ def read(path: str | os.PathLike, wavelength_nm: float | None = None) -> Measure
     if path.suffix.lower() not in _BY_SUFFIX:
         raise LaminaError(f"{path}: unknown kind of measurement {path.suffix!r}; choose .binary (MERL), .bsdf (RGL), .csv or .txt (table)")
     try:
-        return _BY_SUFFIX[path.suffix.lower()](path, wavelength_nm)
+        # a broken file holds any numbers; `checked` counts those that are none
+        with np.errstate(all="ignore"):
+            return _BY_SUFFIX[path.suffix.lower()](path, wavelength_nm)
     except OSError as error:
         raise LaminaError(f"{path}: cannot read the measurement: {error.strerror or error}") from None
