@@ -14,7 +14,7 @@ from bpy_extras.io_utils import ImportHelper
 from ...reference_py.errors import LaminaError
 from ...reference_py.fit import worker
 from ...reference_py.fit.forward import DEFAULT_MODEL
-from ...reference_py.fit.outcome import percent
+from ...reference_py.fit.outcome import lines, percent
 from ...reference_py.fit.parameters import BASES
 from ...reference_py.fit.readers import SUFFIXES
 from ...reference_py.fit.selection import AUTO
@@ -54,22 +54,29 @@ class Fit(Process):
             raise
         if self.is_object:
             owner.active_material = material
-        return [_told(self.file, self.result), *materials.make_renderable(material, scene)]
+        return [_told(self.file, self.result, _noted(self.file, self.result)), *materials.make_renderable(material, scene)]
 
 
 def _with_uid(collection, uid: int) -> bpy.types.ID | None:
     return next((item for item in collection if item.session_uid == uid), None)
 
 
-def _told(file: str, result: dict) -> str:
+def _noted(file: str, result: dict) -> str:
+    """The name of a text in which all is said of the fit."""
+    text = bpy.data.texts.new(f"Fit of {Path(file).name}")
+    text.write("\n".join([file, *result["found"], *result["warnings"], "", *lines(result)]) + "\n")
+    return text.name
+
+
+def _told(file: str, result: dict, noted: str) -> str:
     text = f"fitted to {Path(file).name}: {Stack.from_dict(result['stack']).name}, error {percent(result['error'])}"
     if not result["explains"]:
         text += "; no stack that was tried explains it"
     for warning in result["warnings"]:
         text += f"; {warning}"
     if result["not_determined"]:
-        text += "; not determined by the data: " + ", ".join(result["not_determined"])
-    return text
+        text += f"; the data do not determine {len(result['not_determined'])} of {len(result['parameters'])} values"
+    return f"{text}; more in the text {noted}"
 
 
 # The fit that runs, and by target what the last one told.

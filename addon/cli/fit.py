@@ -10,13 +10,12 @@ from ...reference_py import presets
 from ...reference_py.atomic import replacing, require_writable, write_text
 from ...reference_py.errors import LaminaError
 from ...reference_py.fit import read, select
-from ...reference_py.fit.certainty import OF_VALUE
 from ...reference_py.fit.compare import compare, of_fit
 from ...reference_py.fit.forward import evaluate
 from ...reference_py.fit.measurement import Measurement
-from ...reference_py.fit.outcome import outcome
+from ...reference_py.fit.outcome import lines, outcome
 from ...reference_py.fit.readers import SUFFIXES
-from ...reference_py.fit.readers.sampled import sample_model
+from ...reference_py.fit.readers.sampled import PAIRS, sample_model
 from ...reference_py.fit.selection import require_choices
 from ...reference_py.models import MODELS
 from ...reference_py.stack import Stack
@@ -41,7 +40,7 @@ def fit(options) -> None:
         _require_matplotlib()
     if options.theta is not None and not (len(options.theta) <= _MOST_ANGLES and all(0.0 <= angle <= _STEEPEST_DEG for angle in options.theta)):
         raise LaminaError(f"--theta {' '.join(f'{a:g}' for a in options.theta)}: choose up to {_MOST_ANGLES} angles from 0 to {_STEEPEST_DEG:g} degrees")
-    measurement, stack = _measurement(options)
+    measurement, stack = _measurement(options, report)
     for sentence in measurement.found:
         report(sentence)
     selection = select(
@@ -60,7 +59,7 @@ def fit(options) -> None:
         _draw(options, measurement, selection.best, stack)
         report(f"wrote {options.report}")
     if not options.json:
-        _print(told)
+        print("\n".join(lines(told)))
     if options.compare:
         report("comparing with other models")
         rows, _ = compare(measurement, selection.best, options.seed)
@@ -71,7 +70,7 @@ def fit(options) -> None:
         print(json.dumps(told))
 
 
-def _measurement(options) -> tuple[Measurement, Stack | None]:
+def _measurement(options, report) -> tuple[Measurement, Stack | None]:
     """The data, and the stack that they are samples of."""
     if options.sample is None:
         if Path(options.file).suffix.lower() == ".json" or options.file in presets.names():
@@ -81,6 +80,7 @@ def _measurement(options) -> tuple[Measurement, Stack | None]:
     if options.sample not in MODELS:
         raise LaminaError(f"--sample {options.sample}: unknown model; choose {', '.join(MODELS)}")
     stack = presets.load(options.file)
+    report(f"taking {PAIRS} samples of the model {options.sample}{', which walks: this takes minutes' if MODELS[options.sample].stochastic else ''}")
     return sample_model(options.sample, stack, options.wavelength, seed=options.seed), stack
 
 
@@ -101,21 +101,3 @@ def _draw(options, measurement: Measurement, best, stack: Stack | None) -> None:
     with replacing(options.report) as temporary:
         picture(measurement, best, of_fit(best), truth, angles=options.theta or INCIDENT_DEG).savefig(temporary)
 
-
-def _print(told: dict) -> None:
-    stack = Stack.from_dict(told["stack"])
-    surfaces = [e["distribution"] for e in (*stack.layers, stack.base) if "distribution" in e]
-    named = f" ({', '.join(surfaces)} from the top)" if surfaces else ""
-    print(f"{stack.name}{named}, {len(told['parameters'])} parameters, model {told['model']}")
-    print(f"error {100.0 * told['error']:.2f} % over {told['pairs']} pairs of directions (RMS of log f cos), "
-          f"{100.0 * told['shape_error']:.2f} % of the reflected light (L1)")
-    print("by region: " + ", ".join(f"{name} {100.0 * error:.1f} %" for name, error in told["error_by_region"].items()))
-    for row in told["tried"]:
-        print(f"  tried {row['structure']:24} {row['parameters']:3d} parameters   error {100.0 * row['error']:.2f} % of the {told['fitted_pairs']} fitted pairs")
-    print(told["reason"])
-    for value in told["parameters"]:
-        note = "" if value["determined"] else "   not determined by the data"
-        note += "   at its bound" if value["at_bound"] else ""
-        print(f"  {value['name']:28} {value['value']:9.4f} +- {value['standard_error']:.4f}{note}")
-    if told["not_determined"]:
-        print(f"not determined: may be off by more than {100.0 * OF_VALUE:g} %, as its standard error or fits from other starts say")

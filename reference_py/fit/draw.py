@@ -51,7 +51,8 @@ def _slice(cartesian, polar, measurement, angle, evaluator, truth, curves, legen
     for c in range(measurement.channels):
         color = "black" if single else _COLORS[c]
         for axis, x, dots in ((cartesian, _VIEW_DEG, view), (polar, np.radians(_VIEW_DEG), np.radians(view))):
-            axis.plot(x, fitted[:, c], color="tab:red" if single else color, linewidth=1.6, label="fit" if c == 0 else None)
+            axis.plot(x, fitted[:, c], color="tab:red" if single else color, linewidth=1.6,
+                      label="fit" if single else f"fit, {('red', 'green', 'blue')[c]}")
             if exact is not None:
                 axis.plot(x, exact[:, c], color=color, linestyle="--", linewidth=1.0, label="data" if c == 0 else None)
             else:
@@ -149,7 +150,7 @@ def _residual_maps(figure, places, measurement, fit, evaluator) -> None:
         mean = np.where(count > 0, total / np.maximum(count, 1), np.nan)
         image = axis.imshow(mean.T, origin="lower", extent=(0, 90, 0, 90), cmap="RdBu_r", vmin=-limit, vmax=limit, aspect="auto")
         style(axis, "mean residual (fit above data: red)", f"{x_name} (degrees)", f"{y_name} (degrees)", legend=False)
-        figure.colorbar(image, ax=axis).ax.tick_params(labelsize=6)
+        figure.colorbar(image, ax=axis, label="of log f cos").ax.tick_params(labelsize=6)
     axis = figure.add_subplot(places[2])
     bands = metric.bands(f)
     axis.barh(list(bands), [100.0 * v for v in bands.values()], color="tab:gray")

@@ -5,7 +5,8 @@ from dataclasses import asdict, replace
 
 import numpy as np
 
-from .certainty import certainty
+from ..stack import Stack
+from .certainty import OF_VALUE, certainty
 from .dense import evaluate_all
 from .measurement import Measurement
 from .metric import Metric, shape_error
@@ -50,3 +51,27 @@ def outcome(measurement: Measurement, selection: Selection) -> dict:
         "not_determined": [v.name for v in values if not v.determined],
         "evaluations": int(np.sum([t.evaluations for t in selection.tried])),
     }
+
+
+def lines(told: dict) -> list[str]:
+    """All of an outcome for people."""
+    stack = Stack.from_dict(told["stack"])
+    surfaces = [e["distribution"] for e in (*stack.layers, stack.base) if "distribution" in e]
+    named = f" ({', '.join(surfaces)} from the top)" if surfaces else ""
+    text = [
+        f"{stack.name}{named}, {len(told['parameters'])} parameters, model {told['model']}",
+        f"error {100.0 * told['error']:.2f} % over {told['pairs']} pairs of directions (RMS of log f cos), "
+        f"{100.0 * told['shape_error']:.2f} % of the reflected light (L1)",
+        "by region: " + ", ".join(f"{name} {100.0 * error:.1f} %" for name, error in told["error_by_region"].items()),
+    ]
+    for row in told["tried"]:
+        text.append(f"  tried {row['structure']:24} {row['parameters']:3d} parameters   error {100.0 * row['error']:.2f} % "
+                    f"of the {told['fitted_pairs']} fitted pairs")
+    text.append(told["reason"])
+    for value in told["parameters"]:
+        note = "" if value["determined"] else "   not determined by the data"
+        note += "   at its bound" if value["at_bound"] else ""
+        text.append(f"  {value['name']:28} {value['value']:9.4f} +- {value['standard_error']:.4f}{note}")
+    if told["not_determined"]:
+        text.append(f"not determined: may be off by more than {100.0 * OF_VALUE:g} %, as its standard error or fits from other starts say")
+    return text

@@ -162,6 +162,8 @@ def test_a_fit_beside_the_window(blender, item, matte, tmp_path):
     owner.name = "renamed meanwhile"
     run_out(fitting)
     assert material.stack_of(owner).base.kind == "lambert" and "error" in fitting.last_told(owner)
+    (text,) = (t for t in blender.data.texts if t.name in fitting.last_told(owner))
+    assert "table of 150 rows" in text.as_string() and "red color of the base" in text.as_string()
 
     fitting.start(owner, str(tmp_path / "gone.csv"), 0, "lambert")
     run_out(fitting)
