@@ -126,6 +126,8 @@ def test_broken_rgl_files_are_named(tmp_path):
     refused(write(measured.tensor_bytes({**fields, "rgb": fields["rgb"].swapaxes(1, 2).copy()})), "axes do not match")
     refused(write(measured.tensor_bytes({**fields, "rgb": 0 * fields["rgb"]})), "black")
     refused(write(measured.tensor_bytes({**fields, "theta_i": fields["theta_i"] * 57.3})), "radians")
+    # found by make fuzz: directions were looked for in it
+    refused(write(measured.tensor_bytes({**fields, "vndf": fields["vndf"] - 0.5 * fields["vndf"].max()})), "vndf", "negative")
     refused(write(measured.tensor_bytes({k: v for k, v in fields.items() if k != "rgb"})), "spectra")
 
 

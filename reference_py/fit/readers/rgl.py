@@ -78,6 +78,8 @@ class Material:
                 raise LaminaError(f"{path}: {axis} does not increase")
         if theta_i[-1] > 0.5 * np.pi + 1e-3 or theta_i[0] < 0.0:
             raise LaminaError(f"{path}: theta_i goes from {theta_i[0]:g} to {theta_i[-1]:g}; choose radians from 0 to pi / 2")
+        if np.any(np.asarray(vndf) < 0.0):
+            raise LaminaError(f"{path}: vndf, which is a density, has negative values")
         if min(vndf.shape[2:], default=0) < 2 or np.any(np.asarray(vndf).max(axis=(2, 3)) <= 0.0):
             raise LaminaError(f"{path}: vndf {vndf.shape} is empty or black for some angle of incidence")
         as_float = {key: np.asarray(fields[key], float) for key in ("phi_i", "theta_i", "ndf", "sigma", "vndf")}
