@@ -21,7 +21,7 @@ from ...reference_py.fit.selection import AUTO
 from ...reference_py.schema import SCHEMA
 from ...reference_py.stack import Stack
 from ..nodes import material as materials
-from ..operators.material_operators import LaminaOperator, can_hold_material, material_of
+from ..operators.material_operators import LaminaOperator, material_of, why_no_material
 from ..ui.panel_values import draw_message
 from .process import Process
 
@@ -174,8 +174,8 @@ class LAMINA_OT_fit_measurement(LaminaOperator, ImportHelper, bpy.types.Operator
 
     @classmethod
     def poll(cls, context):
-        if material_of(context) is None and not can_hold_material(getattr(context, "object", None)):
-            cls.poll_message_set(tip_("Select an object that can have a material"))
+        if why := why_no_material(context):
+            cls.poll_message_set(why)
             return False
         if _running is not None:
             cls.poll_message_set(tip_("Another measurement is being fitted"))

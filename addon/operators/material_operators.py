@@ -27,6 +27,18 @@ def can_hold_material(item: bpy.types.Object | None) -> bool:
     return item is not None and item.type != "GREASEPENCIL" and hasattr(item.data, "materials")
 
 
+def why_no_material(context: bpy.types.Context) -> str:
+    """Why there is no material to work on, and none can be made for the active object; empty if there is or can."""
+    item = getattr(context, "object", None)
+    if material_of(context) is not None:
+        return ""
+    if not can_hold_material(item):
+        return tip_("Select an object that can have a material")
+    if not (item.is_editable and item.data.is_editable):
+        return tip_("The object is linked from another file: make it local to give it a material")
+    return ""
+
+
 def material_of(context: bpy.types.Context) -> bpy.types.Material | None:
     """The material that the Properties editor shows, else the active object's."""
     shown = getattr(context, "material", None)
@@ -70,10 +82,9 @@ class StackOperator(LaminaOperator):
 
     @classmethod
     def poll(cls, context):
-        if material_of(context) is None and not can_hold_material(getattr(context, "object", None)):
-            cls.poll_message_set(tip_("Select an object that can have a material"))
-            return False
-        return True
+        if why := why_no_material(context):
+            cls.poll_message_set(why)
+        return not why
 
     def run(self, context):
         stack = self.stack()

@@ -384,3 +384,18 @@ def test_a_preset_renames_only_what_a_preset_named(blender):
     own.name = own.lamina.stack_name
     blender.ops.lamina.apply_preset(preset="glazed_mug")
     assert own.name == presets.load("glazed_mug").name
+
+
+def test_a_linked_object_is_told_to_be_made_local(blender, tmp_path):
+    data = blender.data
+    far = data.objects.new("far", data.meshes.new("far"))
+    data.libraries.write(str(tmp_path / "far.blend"), {far})
+    data.objects.remove(far)
+    with data.libraries.load(str(tmp_path / "far.blend"), link=True) as (there, here):
+        here.objects = there.objects
+    blender.context.collection.objects.link(here.objects[0])
+    blender.context.view_layer.objects.active = here.objects[0]
+    for give in (lambda: blender.ops.lamina.apply_preset(preset="frosted_paint"), lambda: blender.ops.lamina.fit_measurement(filepath="x.csv")):
+        with pytest.raises(RuntimeError, match="make it local"):
+            give()
+    assert not data.materials
