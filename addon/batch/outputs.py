@@ -4,7 +4,7 @@
 import csv
 import io
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -104,7 +104,7 @@ def _pixels(path: Path) -> np.ndarray:
     return np.stack([channels[c] for c in "RGB"], axis=-1)
 
 
-def write_sheets(outputs: Sequence[Output], folder: Path, title: str) -> list[Path]:
+def write_sheets(outputs: Sequence[Output], folder: Path, title: str, report: Callable[[str], None]) -> list[Path]:
     """Contact sheets of the first frame of every look that is done, in the job's order, each as its scene shows it.
 
     Needs a running Blender.
@@ -116,15 +116,17 @@ def write_sheets(outputs: Sequence[Output], folder: Path, title: str) -> list[Pa
     for output in outputs:
         if not output.problem:
             frames.setdefault(output.item.id.rpartition(".")[0], []).append(output)
-    shown, written = list(frames.values()), []
+    shown, written, notices = list(frames.values()), [], set()
     for page, start in enumerate(range(0, len(shown), _TILES_PER_SHEET)):
         part = shown[start:start + _TILES_PER_SHEET]
-        pictures = [_tile(group[0], folder) for group in part]
+        pictures = [_tile(group[0], folder, notices.add) for group in part]
         tiles = [Tile(group[0].item.look[:60], None, _note(group)) for group in part]
         number = f" {page + 1}" if len(shown) > _TILES_PER_SHEET else ""
         path = folder / f"sheet{number.strip() and '_' + number.strip()}.png"
         write_png(path, compose(pictures, tiles, _COLUMNS, (title + number)[:80]))
         written.append(path)
+    for sentence in sorted(notices):
+        report(f"sheet: {sentence}")
     return written
 
 
@@ -134,12 +136,12 @@ def _note(group: Sequence[Output]) -> str:
     return item.words + (f", frame {item.frame}, first of {len(group)}" if len(group) > 1 else "")
 
 
-def _tile(output: Output, folder: Path) -> np.ndarray:
+def _tile(output: Output, folder: Path, report: Callable[[str], None]) -> np.ndarray:
     """The whole picture in a cell, as its scene's view transform shows it; uint8."""
     from ..rendering.sheet import PAGE
     from ..rendering.view import displayed
 
-    picture = displayed(fitted(_pixels(folder / output.item.file), _TILE), json.loads(output.texts.get("lamina:view", "{}")))
+    picture = displayed(fitted(_pixels(folder / output.item.file), _TILE), json.loads(output.texts.get("lamina:view", "{}")), report)
     height, width = picture.shape[:2]
     top, left = (_TILE - height) // 2, (_TILE - width) // 2
     cell = np.tile(np.round(255.0 * PAGE).astype(np.uint8), (_TILE, _TILE, 1))

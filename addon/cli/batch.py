@@ -29,7 +29,6 @@ def batch(options) -> int | None:
         raise LaminaError("which job? Give a JOB.json (`lamina batch --keys` lists what it can say)")
     job = Job.load(options.job)
     items = expand(job)
-    folder = output_folder(options.output or Path(options.job).with_suffix(""))
     report = say("batch")
     with blender(report):
         from ..batch.lock import sole_owner
@@ -39,11 +38,12 @@ def batch(options) -> int | None:
 
         require_pictures()
         backend_here(job.backend)
+        folder = output_folder(options.output or Path(options.job).with_suffix(""))
         with sole_owner(folder):
             outputs = run_items(items, folder, options.processes or _processes(), job.time_limit, report, options.replace)
             try:
                 report(f"wrote {write_table(outputs, folder)}")
-                for sheet in write_sheets(outputs, folder, job.name) if not options.no_sheet else ():
+                for sheet in write_sheets(outputs, folder, job.name, report) if not options.no_sheet else ():
                     report(f"wrote {sheet}")
                 written = True
             except LaminaError as error:  # such as a disk that is full by now

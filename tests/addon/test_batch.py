@@ -350,7 +350,10 @@ def test_the_sheet_shows_what_render_shows(blender, tmp_path):
         settings.render_to(studio.scene, tmp_path / "a.exr")
         studio.scene.render.image_settings.file_format, studio.scene.render.image_settings.color_depth = "PNG", "8"
         channels = images.read_exr(tmp_path / "a.exr").channels
-        told = view.displayed(np.stack([channels[c] for c in "RGB"], axis=-1), shown)
+        told = view.displayed(np.stack([channels[c] for c in "RGB"], axis=-1), shown, pytest.fail)
         assert np.abs(told.astype(int) - pictures[transform]).max() <= 1
     studio.remove()
     assert np.abs(pictures["AgX"] - pictures["Khronos PBR Neutral"]).max() > 20
+    said = []
+    view.displayed(np.ones((2, 2, 3)), {"view_transform": "ACES 7"}, said.append)
+    assert said == ["this Blender has no view transform 'ACES 7'; shown with 'Khronos PBR Neutral' instead"]
