@@ -61,7 +61,7 @@ def checked(wi, wo, f, where: str, found: tuple[str, ...] = (), wavelength_nm=No
         raise LaminaError(f"{where}: {count - int(good.sum())} of {count} values above the horizon are negative or not finite; "
                           "choose a file with mostly valid data (are its axes in order, and its numbers of the right byte order?)")
     if (~above).any():
-        notes.append(f"{int((~above).sum())} directions below the horizon left out")
+        notes.append(f"below the horizon and left out: {int((~above).sum())}")
     f, wi, wo = f[good], wi[good], wo[good]
     if np.max(f) <= 0.0:
         raise LaminaError(f"{where}: all {len(f)} values are 0: a black measurement tells nothing")
@@ -70,7 +70,7 @@ def checked(wi, wo, f, where: str, found: tuple[str, ...] = (), wavelength_nm=No
     if steep.all():
         raise LaminaError(f"{where}: all directions are steeper than {STEEPEST_DEG:g} degrees, where no measurement is reliable")
     if steep.any():
-        notes.append(f"{int(steep.sum())} directions steeper than {STEEPEST_DEG:g} degrees left out")
+        notes.append(f"steeper than {STEEPEST_DEG:g} degrees and left out: {int(steep.sum())}")
     kept = ~steep
     return Measurement(wi[kept], wo[kept], f[kept], where, (*notes, *told, f"{int(kept.sum())} pairs of directions"))
 

@@ -40,7 +40,7 @@ def read(path: Path, wavelength_nm: float | None = None) -> Measurement:
     angles = numbers[:, [names.index(a) for a in ANGLES]]
     _check_angles(path, angles, [i for i, _ in lines[1:]])
     theta_i, phi_i, theta_o, phi_o = np.radians(angles).T
-    found = (f"table of {len(numbers)} rows, {'RGB' if nm is None else f'{len(nm)} wavelengths'}",)
+    found = (f"table of {len(numbers)} rows, {'RGB' if nm is None else f'wavelengths: {len(nm)}'}",)
     return checked(spherical(theta_i, phi_i), spherical(theta_o, phi_o), numbers[:, columns], str(path), found, nm, wavelength_nm)
 
 
