@@ -118,6 +118,7 @@ def test_killed_while_rendering_it_goes_on_where_it_was(done, tmp_path):
     for line in process.stderr:
         if line.startswith("lamina batch: 1/3"):
             break
+    process.send_signal(signal.SIGSTOP)  # on a busy machine it would be done before its workers are listed
     children = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True).stdout.split()
     assert children
     process.kill()
