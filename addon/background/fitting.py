@@ -14,7 +14,8 @@ from bpy_extras.io_utils import ImportHelper
 from ...reference_py.errors import LaminaError
 from ...reference_py.fit import worker
 from ...reference_py.fit.forward import DEFAULT_MODEL
-from ...reference_py.fit.outcome import lines, percent
+from ...reference_py.fit.metric import percent
+from ...reference_py.fit.outcome import lines
 from ...reference_py.fit.parameters import BASES
 from ...reference_py.fit.readers import SUFFIXES
 from ...reference_py.fit.selection import AUTO

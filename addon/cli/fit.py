@@ -12,7 +12,7 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.fit import read, select
 from ...reference_py.fit.compare import compare, of_fit
 from ...reference_py.fit.forward import evaluate
-from ...reference_py.fit.measurement import Measurement
+from ...reference_py.fit.measurement import STEEPEST_DEG, Measurement
 from ...reference_py.fit.outcome import lines, outcome
 from ...reference_py.fit.readers import SUFFIXES
 from ...reference_py.fit.readers.sampled import PAIRS, sample_model
@@ -22,24 +22,25 @@ from ...reference_py.stack import Stack
 from .session import say, tenths
 
 _PICTURES = (".png", ".svg", ".pdf")
-_MOST_ANGLES, _STEEPEST_DEG = 6, 85.0
+_MOST_ANGLES = 6
 
 
 def fit(options) -> None:
     """Write the fitted stack, and the picture if asked for; print errors and what the data do not determine."""
     report = say(options.command)
     for option, path, suffixes in (("-o", options.output, (".json",)), ("--report", options.report, _PICTURES)):
-        if path and Path(path).suffix.lower() not in suffixes:
+        if not path:
+            continue
+        if Path(path).suffix.lower() not in suffixes:
             raise LaminaError(f"{option} {path}: choose a name that ends in {', '.join(suffixes)}")
-        if path and Path(path).exists() and Path(options.file).exists() and Path(path).samefile(options.file):
+        if Path(path).resolve() == Path(options.file).resolve():
             raise LaminaError(f"{option} {path}: this is what is read; choose another name")
-        if path:
-            require_writable(path)
+        require_writable(path)
     require_choices(options.layers, options.base, options.model, options.samples)
     if options.report:
         _require_matplotlib()
-    if options.theta is not None and not (len(options.theta) <= _MOST_ANGLES and all(0.0 <= angle <= _STEEPEST_DEG for angle in options.theta)):
-        raise LaminaError(f"--theta {' '.join(f'{a:g}' for a in options.theta)}: choose up to {_MOST_ANGLES} angles from 0 to {_STEEPEST_DEG:g} degrees")
+    if options.theta is not None and not (len(options.theta) <= _MOST_ANGLES and all(0.0 <= angle <= STEEPEST_DEG for angle in options.theta)):
+        raise LaminaError(f"--theta {' '.join(f'{a:g}' for a in options.theta)}: choose up to {_MOST_ANGLES} angles from 0 to {STEEPEST_DEG:g} degrees")
     measurement, stack = _measurement(options, report)
     for sentence in measurement.found:
         report(sentence)

@@ -4,8 +4,7 @@
 The Jacobian tells how far values may move in a straight line. Valleys are curved, so each value that may move far is also
 held elsewhere while the others are fitted again, on the stand-in with what it lacks (a profile likelihood). There may also be
 several valleys: what fits from other starts disagree on, though they are as good as far as the stand-in can tell, is not
-determined either. Of 97 values of 22 fits of `lamina chart fit` that were called determined, 19 were off by more than 3 %
-(with noise 5 %); that last rule leaves one of them, and 50 of the 78 others.
+determined either: else wrong ones are called determined below two layers (tests/reference_py/test_fit.py, "disagree").
 """
 
 from dataclasses import dataclass

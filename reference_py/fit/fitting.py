@@ -17,7 +17,7 @@ from ..stack import Stack
 from .elsewhere import held, loose, straight
 from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, Forward, require_fittable, stand_in
 from .measurement import Measurement, subsample
-from .metric import Metric, rms
+from .metric import Metric, percent, rms
 from .parameters import Parameters, Structure
 from .prior import FINE, ROUGH, SETTLED, pulled
 from .solve import Solution
@@ -80,7 +80,7 @@ class Fit:
     @property
     def stack(self) -> Stack:
         source = self.metric.measurement.source
-        text = f"Fitted to {source}: error {100.0 * self.error:.2g} % of model {self.model}"
+        text = f"Fitted to {source}: error {percent(self.error)} of model {self.model}"
         return self.parameters.stack(self.x, self.structure.name.capitalize(), text)
 
 

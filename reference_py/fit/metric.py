@@ -26,7 +26,7 @@ METRICS = tuple(_COMPRESSED)
 # View or light angle, the larger one; edges in degrees.
 BANDS_DEG = (0.0, 30.0, 50.0, 65.0, 75.0, STEEPEST_DEG)
 # A mirror-like highlight makes the mean as large as you like; this keeps the floor at what white paint has (1 / pi), so
-# that the color below is seen. Random stacks of roughness .2 and more have up to 3.8.
+# that the color below is seen. The means of stacks of roughness .2 and more are below it.
 _MOST_MEAN = 4.0
 # f (1/sr) below this is dark, whatever else is in the data.
 _DARK = 1e-3
@@ -78,6 +78,11 @@ class Metric:
         factor = np.exp(np.abs(np.log((np.maximum(f, 0.0) + 0.1 * _DARK) / (m.f + 0.1 * _DARK))))
         off = dim & (factor > 2.0)
         return float(np.mean(off)), float(np.median(factor[off])) if off.any() else 1.0
+
+
+def percent(error: float) -> str:
+    """An error for people; what is far below any model's accuracy is not spelled out."""
+    return f"{100.0 * error:.2g} %" if error >= 1e-4 else "below .01 %"
 
 
 def rms(residual: np.ndarray) -> float:

@@ -16,11 +16,6 @@ from .selection import UNEXPLAINED, Selection
 _HIDDEN_SHARE = 0.05
 
 
-def percent(error: float) -> str:
-    """An error for people; what is below the model's accuracy is not spelled out."""
-    return f"{100.0 * error:.2g} %" if error >= 1e-4 else "below .01 %"
-
-
 def outcome(measurement: Measurement, selection: Selection) -> dict:
     """The stack, what was found in the data, errors on all of them, and what they determine."""
     fit = selection.best
@@ -31,7 +26,6 @@ def outcome(measurement: Measurement, selection: Selection) -> dict:
     explains = bool(error < UNEXPLAINED)
     # of data that the stack does not explain its values say nothing
     values = [v if explains else replace(v, determined=False) for v in certainty(fit)]
-    share, factor = metric.hidden(f)
     return {
         "stack": fit.stack.to_dict(),
         "model": fit.model,
@@ -43,14 +37,21 @@ def outcome(measurement: Measurement, selection: Selection) -> dict:
         "shape_error": shape_error(f, m.f, m.wi[:, 2]),
         "error_by_region": metric.bands(f),
         "explains": explains,
-        "warnings": [f"{100.0 * share:.0f} % of the values, all below a tenth of the mean f cos, are off by more than a factor of two "
-                     f"({factor:.2g} in the median) and hardly count beside the highlight"] if share > _HIDDEN_SHARE else [],
+        "warnings": _warnings(metric, f),
         "reason": selection.reason,
         "tried": [{"structure": t.structure.name, "parameters": t.count, "error": t.error} for t in selection.tried],
         "parameters": [asdict(v) for v in values],
         "not_determined": [v.name for v in values if not v.determined],
         "evaluations": int(np.sum([t.evaluations for t in selection.tried])),
     }
+
+
+def _warnings(metric: Metric, f: np.ndarray) -> list[str]:
+    share, factor = metric.hidden(f)
+    if share <= _HIDDEN_SHARE:
+        return []
+    return [f"{100.0 * share:.0f} % of the values are off by more than a factor of two ({factor:.2g} in the median) "
+            "but hardly count, as they are dim beside the highlight"]
 
 
 def lines(told: dict) -> list[str]:

@@ -19,7 +19,7 @@ from .certainty import independent_pairs
 from .fitting import SAMPLES, Fit, Progress, corrected, refined, rough_fits, settled, share_of, subsampled
 from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, require_fittable, stand_in
 from .measurement import Measurement
-from .metric import Metric
+from .metric import Metric, percent
 from .parameters import BASES, Parameters, Structure
 
 AUTO = "auto"
@@ -100,7 +100,7 @@ def select(
             tried[-2:] = [search.at_own_settings(fit) for fit in tried[-2:]]
         begun = (count + 1) / (last + 2)
         done(begun)
-        say(f"{tried[-1].structure.name}: error {100.0 * tried[-1].error:.2g} %")
+        say(f"{tried[-1].structure.name}: error {percent(tried[-1].error)}")
         if layers == AUTO and count and not supported(tried[-1], tried[-2]):
             break
     chosen = tried[-1]
@@ -206,5 +206,5 @@ def _reason(best: Fit, tried: list[Fit], layers) -> str:
     if more is None:
         return f"the most layers that auto tries; choose --layers {best.structure.layers + 1} for more"
     change = criterion(more) - criterion(best, more)
-    return (f"one more layer would bring the error from {100.0 * best.error:.2g} to {100.0 * more.error:.2g} % with "
+    return (f"one more layer would bring the error from {percent(best.error)} to {percent(more.error)} with "
             f"{more.count - best.count:+d} parameters: the criterion rises by {change:.0f}")

@@ -10,6 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+# With less, values that do the same make the matrix singular.
+_LEAST_DAMPING = 1e-14
+
 
 @dataclass(frozen=True)
 class Solution:
@@ -51,11 +54,7 @@ def least_squares(
         normal = j[:, free].T @ j[:, free]
         scale = np.maximum(np.diagonal(normal), 1e-9 * max(float(np.max(np.diagonal(normal))), 1e-30))
         move = np.zeros(len(x))
-        damped = normal + damping * np.diag(scale)
-        try:
-            move[free] = -np.linalg.solve(damped, gradient[free])
-        except np.linalg.LinAlgError:  # values that nothing depends on
-            move[free] = -np.linalg.lstsq(damped, gradient[free], rcond=None)[0]
+        move[free] = -np.linalg.solve(normal + damping * np.diag(scale), gradient[free])
         trial = np.clip(x + move, low, high)
         moved = trial - x
         new = residual(trial)
@@ -67,7 +66,7 @@ def least_squares(
             settled = cost - new_cost < tolerance * cost
             gain = (cost - new_cost) / expected if expected > 0.0 else 0.0
             x, r, cost = trial, new, new_cost
-            damping, growth = damping * max(1.0 / 3.0, 1.0 - (2.0 * gain - 1.0) ** 3), 2.0
+            damping, growth = max(damping * max(1.0 / 3.0, 1.0 - (2.0 * gain - 1.0) ** 3), _LEAST_DAMPING), 2.0
             j = jacobian(x, r)
             if settled:
                 break

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Plain tables: theta_i, phi_i, theta_o, phi_o in degrees, then r, g, b or one column per wavelength in nm.
 
-The first line that is no comment (#) names the columns, in any order; values are f in 1/sr, without cosine. Semicolons and tabs separate too, and then a comma is a decimal one.
+The first line that is no comment (#) names the columns, in any order; values are f in 1/sr, without cosine. Semicolons
+and tabs separate too, and then a comma is a decimal one.
 """
 
 import csv
