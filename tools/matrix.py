@@ -15,7 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-BLENDERS = ("4.5", "5.0", "5.2")
+BLENDERS = ("4.5", "5.0", "5.2", "5.3")
 LONGEST = "tests/addon/test_parity.py"
 HALVES = (["tests/reference_py", LONGEST], ["tests/addon", "tests/test_package.py", "tests/test_trust.py", f"--ignore={LONGEST}"])
 
