@@ -9,7 +9,9 @@ from ...reference_py.exchange.report import Report
 from ...reference_py.stack import Stack
 from ..nodes import material as materials
 from ..nodes.backend import OSL
-from ..nodes.elements import kind_of, node_of, shown_parameters
+from ..nodes.elements import find_node, kind_of, node_of, shown_parameters
+from ..nodes.record import drop_record
+from ..nodes.roles import ROLE
 from ..nodes.shader_node import backend_of
 from .sources import PRINCIPLED, animated_parts, is_layer, link_through, linked_places, parameter_of, principled_of, read_principled
 
@@ -110,9 +112,10 @@ def _rebuild(copy: bpy.types.Material, stack: Stack, converted) -> list[str]:
     output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
     principled.location = (output.location.x - 320, output.location.y)
     tree.links.new(principled.outputs["BSDF"], output.inputs["Surface"])
-    left = {element.node for element in (*lamina.layers, lamina.base)} | {lamina.shader_node}
-    for node in [node for node in tree.nodes if node.name in left]:
+    values = [find_node(element) for element in (*lamina.layers, lamina.base)]
+    for node in [node for node in tree.nodes if node in values or ROLE in node]:
         tree.nodes.remove(node)
+    drop_record(copy)
     copy.property_unset("lamina")
     return told
 

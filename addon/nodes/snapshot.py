@@ -18,8 +18,10 @@ def snapshot(group: bpy.types.PropertyGroup) -> dict:
 
 
 def restore(group: bpy.types.PropertyGroup, data: dict) -> None:
-    """Set a group to what `snapshot` returned."""
+    """Set a group to what `snapshot` returned, here or in another version, whose own properties are left alone."""
     for prop in _properties(group):
+        if prop.identifier not in data:
+            continue
         value = data[prop.identifier]
         if prop.type == "COLLECTION":
             collection = getattr(group, prop.identifier)
