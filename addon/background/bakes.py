@@ -16,6 +16,7 @@ from ...reference_py.network import HOLD_VALUES, TIERS, worker
 from ..nodes import material as materials
 from ..nodes.preview import follow_preview
 from ..user_folders import cache_folder
+from . import conversions
 from .process import Process
 
 TICK = 0.4
@@ -74,11 +75,12 @@ def tick() -> float | None:
     if bpy.app.is_job_running("RENDER"):
         return TICK  # nodes must not change under a render
     _collect()
-    left = False
+    left = conversions.collect()
     for material in bpy.data.materials:
         if material.library is None and material.override_library is None and material.lamina.is_layered:
             try:
                 left |= _follow(material)
+                left |= conversions.follow(material)
             except LaminaError as error:
                 _give_up(material, str(error))
     _redraw()
@@ -165,6 +167,7 @@ def stop() -> None:
     """End the timer and what is baking."""
     if bpy.app.timers.is_registered(tick):
         bpy.app.timers.unregister(tick)
+    conversions.stop()
     if _state.bake is not None:
         _state.bake.cancel()
         _state.bake = None

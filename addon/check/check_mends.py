@@ -9,6 +9,7 @@ from ..background import bakes
 from ..nodes import material as materials
 from ..nodes.backend import AUTO, NODES
 from ..nodes.elements import kind_of, new_node, node_of
+from ..nodes.hand_over import tail
 from ..nodes.kind_groups import fresh_group
 from ..nodes.node_copy import copy_inputs
 from ..nodes.script_node import enable_osl
@@ -50,7 +51,7 @@ def _link_shader(material, _scene, _finding) -> None:
     tree = material.node_tree
     shader = tree.nodes[material.lamina.shader_node]
     output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(shader.outputs["BSDF"], output.inputs["Surface"])
+    tree.links.new(tail(shader.outputs["BSDF"]), output.inputs["Surface"])
 
 
 def _unmute_shader(material, _scene, _finding) -> None:

@@ -148,6 +148,7 @@ def principled_copies(replacing: bool) -> Iterator[tuple[bpy.types.Material, str
             continue
         name = material.name
         if replacing:
+            copy.use_fake_user = material.use_fake_user
             material.user_remap(copy)
             bpy.data.materials.remove(material)
             copy.name = name

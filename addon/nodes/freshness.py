@@ -10,18 +10,20 @@ from ...reference_py.errors import LaminaError
 from ..background.ahead import bake_ahead
 from ..rendering import environment
 from .backend import OSL
-from .material import Wanted, is_settled, is_stale, refresh, wanted_network
+from .hand_over import is_handed_over
+from .material import Wanted, hand_over, is_settled, is_stale, refresh, stack_of, wanted_network
 from .shader_node import backend_of, has_shader
 
 
 @persistent
 def make_ready(*_) -> None:
-    """Make every material of this file what its tier stands for. With a window, bakes are left to `bakes`."""
+    """Make every material of this file what its tier stands for, and what exporters find. With a window, bakes are left to `bakes`."""
     if bpy.app.background:
         wanted: list[Wanted] = []
         _for_each(_is_unready, lambda material: wanted.append(wanted_network(material)))
         bake_ahead(wanted, lambda told: print(f"Lamina: {told}"))
     _for_each(_is_unready, _make_ready)
+    _for_each(_is_behind, lambda material: hand_over(material, settle=bpy.app.background))
 
 
 def _is_unready(material) -> bool:
@@ -32,6 +34,10 @@ def _make_ready(material) -> None:
     if bpy.app.background:
         print(f"Lamina: {material.name}: its shader is made for the present values")
     refresh(material, settle=bpy.app.background)
+
+
+def _is_behind(material) -> bool:
+    return not is_handed_over(material, stack_of(material))
 
 
 @persistent

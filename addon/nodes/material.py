@@ -27,7 +27,7 @@ from ..network.stock_nodes import HAS_DIELECTRIC, closure_count, left_out
 from ..rendering.settings import node_tree
 from .backend import NODES, OSL, backend_here, notice
 from .elements import bring_up_to_date, carry_metal, fill_element, kind_of, node_of, read_element, show_name, shown_parameters, structure_dict
-from .hand_over import follow_hand_over, is_handed_over
+from .hand_over import follow_hand_over
 from .live_values import live_values
 from .properties import follow, quietly
 from .script_node import enable_osl
@@ -223,12 +223,14 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
 
 
 def hand_over(material: bpy.types.Material, settle: bool = False) -> None:
-    """Make what exporters find follow; values that the schema does not allow leave it as it is, as Check tells them."""
+    """Make what exporters find follow, where there is a shader. Values that the schema does not allow leave it as it is, and Check tells them."""
     try:
         stack = stack_of(material)
     except LaminaError:
         return
-    follow_hand_over(material, material.node_tree.nodes[material.lamina.shader_node].outputs["BSDF"], stack, settle)
+    shader = material.node_tree.nodes.get(material.lamina.shader_node)
+    if shader is not None:
+        follow_hand_over(material, shader.outputs["BSDF"], stack, settle)
 
 
 @dataclass(frozen=True)

@@ -86,6 +86,10 @@ def draw_shader(layout, context, material) -> None:
         draw_fact(layout, "Estimated Error", f"{lamina.error:.2g} %")
     if lamina.cost > 0.0:
         draw_fact(layout, "Relative Cost", iface_("{times} of a glossy node").format(times=f"{lamina.cost:.1f}\N{MULTIPLICATION SIGN}"))
+    if lamina.hand_over_error >= 0.0:
+        draw_fact(layout, "Hand-over", iface_("Principled, error {percent} %").format(percent=f"{lamina.hand_over_error:.2g}"))
+    else:
+        draw_fact(layout, "Hand-over", iface_("Principled, error not known until values rest"))
     draw_fact(layout, "Code", code.name if code is not None else iface_("missing; regenerate the shader"))
     if lamina.source:
         draw_fact(layout, "Source", lamina.source)

@@ -12,6 +12,9 @@ pytest.importorskip("bpy")
 
 from lamina.addon.nodes import elements, kind_groups, layers, material, properties, script_node  # noqa: E402
 from lamina.addon.network.osl import generate  # noqa: E402
+from lamina.addon.nodes.hand_over import MIX, VALUES  # noqa: E402
+from lamina.addon.nodes.principled import PRINCIPLED  # noqa: E402
+from lamina.addon.nodes.roles import ROLE  # noqa: E402
 from lamina.addon.rendering import environment  # noqa: E402
 from lamina.addon.rendering.measure import render_furnace  # noqa: E402
 from lamina.addon.rendering.settings import node_tree  # noqa: E402
@@ -53,6 +56,13 @@ def script(owner):
     return owner.node_tree.nodes[owner.lamina.shader_node]
 
 
+def shading(socket):
+    """The node that a socket shows by way of the hand-over's mix."""
+    mix = socket.links[0].from_node
+    assert mix[ROLE] == MIX and mix.inputs[0].default_value == 0.0
+    return mix.inputs[1].links[0].from_node
+
+
 def state(owner) -> dict:
     """All that Lamina made in a material, as plain data."""
     tree = owner.node_tree
@@ -80,8 +90,8 @@ def test_preset_reads_back_as_written(blender, name):
     material.apply_stack(new, stack)
     assert material.stack_of(new) == stack
     output = new.node_tree.get_output_node("CYCLES")
-    assert output.inputs["Surface"].links[0].from_node == script(new)
-    assert "Principled BSDF" not in new.node_tree.nodes
+    assert shading(output.inputs["Surface"]) == script(new)
+    assert [n[ROLE] for n in new.node_tree.nodes if n.bl_idname == PRINCIPLED] == [VALUES]
     assert all(s.is_linked for s in script(new).inputs)
 
 
@@ -104,7 +114,7 @@ def test_applying_again_leaves_nothing_of_the_former_stack(layered, blender):
     material.apply_stack(layered, presets.load(presets.names()[0]))
     once = len(layered.node_tree.nodes), len(blender.data.texts)
     material.apply_stack(layered, presets.load(presets.names()[0]))
-    assert (len(layered.node_tree.nodes), len(blender.data.texts)) == once == (len(layered.lamina.layers) + 3, 1)
+    assert (len(layered.node_tree.nodes), len(blender.data.texts)) == once == (len(layered.lamina.layers) + 5, 1)
 
 
 def test_add_remove_move_hide(layered):
@@ -240,7 +250,7 @@ def test_what_the_user_wired_around_the_shader_stays(layered):
     layers.add_layer(layered, "dielectric", 0)
     material.apply_stack(layered, presets.load(presets.names()[0]))
     assert output.inputs["Surface"].links[0].from_node == mix
-    assert mix.inputs[1].links[0].from_node == script(layered)
+    assert shading(mix.inputs[1]) == script(layered)
 
 
 def test_a_text_edited_by_hand_is_neither_used_nor_removed(layered, blender):
