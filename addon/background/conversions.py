@@ -10,7 +10,7 @@ from ...reference_py.exchange import worker
 from ...reference_py.exchange.hand_over import key_of, known_hand_over, remember
 from ...reference_py.stack import Stack
 from ..nodes import material as materials
-from ..nodes.hand_over import is_handed_over
+from ..nodes.hand_over import has_hand_over, is_handed_over
 from ..nodes.principled import has_linked_color
 from .process import Process
 
@@ -34,7 +34,12 @@ _state = _State()
 
 
 def follow(material: bpy.types.Material) -> bool:
-    """Bring what exporters find of one material nearer to its values; whether there is more to do."""
+    """Bring what exporters find of one material nearer to its values; whether there is more to do.
+
+    Opening a file changes nothing: a material that has no hand-over yet waits for its next change or save.
+    """
+    if not has_hand_over(material):
+        return False
     stack = materials.stack_of(material)
     if is_handed_over(material, stack):
         _state.resting.pop(material.name_full, None)

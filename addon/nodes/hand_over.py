@@ -58,6 +58,11 @@ def is_handed_over(material: bpy.types.Material, stack: Stack) -> bool:
     return material.lamina.handed == _key(material, stack, provisional(stack).owners)
 
 
+def has_hand_over(material: bpy.types.Material) -> bool:
+    """Whether exporters find anything; a material of an older version gets it at its next change or save."""
+    return Roles(material.node_tree).get(MIX) is not None
+
+
 def tail(closure: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
     """What a material output is to be linked to: the hand-over's Mix Shader if `closure` feeds it, else itself."""
     mix = Roles(closure.id_data).get(MIX)

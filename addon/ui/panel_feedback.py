@@ -9,6 +9,7 @@ from ..background import bakes
 from ..check import check
 from ..nodes import material as materials
 from ..nodes.backend import OSL, backend_here, notice
+from ..nodes.hand_over import has_hand_over
 from ..nodes.shader_node import backend_of
 from ..operators import check_operators as check_ops
 from ..operators import material_operators as ops
@@ -86,11 +87,18 @@ def draw_shader(layout, context, material) -> None:
         draw_fact(layout, "Estimated Error", f"{lamina.error:.2g} %")
     if lamina.cost > 0.0:
         draw_fact(layout, "Relative Cost", iface_("{times} of a glossy node").format(times=f"{lamina.cost:.1f}\N{MULTIPLICATION SIGN}"))
-    if lamina.hand_over_error >= 0.0:
-        draw_fact(layout, "Hand-over", iface_("Principled, error {percent} %").format(percent=f"{lamina.hand_over_error:.2g}"))
-    else:
-        draw_fact(layout, "Hand-over", iface_("Principled, error not known until values rest"))
+    draw_fact(layout, "Hand-over", _hand_over(material))
     draw_fact(layout, "Code", code.name if code is not None else iface_("missing; regenerate the shader"))
     if lamina.source:
         draw_fact(layout, "Source", lamina.source)
     layout.operator(check_ops.LAMINA_OT_check.bl_idname, icon="VIEWZOOM")
+
+
+def _hand_over(material) -> str:
+    """What exporters find of a material."""
+    error = material.lamina.hand_over_error
+    if not has_hand_over(material):
+        return iface_("none until the next change or save")
+    if error < 0.0:
+        return iface_("Principled, error not known until values rest")
+    return iface_("Principled, error {percent} %").format(percent=f"{error:.2g}")

@@ -251,6 +251,18 @@ def test_a_save_without_a_window_hands_over_what_is_there(blender, tmp_path):
     assert is_handed_over(material, materials.stack_of(material))
 
 
+def test_opening_an_older_file_changes_nothing_and_a_save_hands_over(blender, tmp_path):
+    material = layered("glazed_mug")
+    material.lamina.tier = "analytic"
+    for node in (mix_of(material), handed(material)):
+        material.node_tree.nodes.remove(node)
+    material.lamina.property_unset("handed")
+    count = len(material.node_tree.nodes)
+    assert bakes.tick() is None and len(material.node_tree.nodes) == count
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    assert mix_of(material) is not None and is_handed_over(material, materials.stack_of(material))
+
+
 def test_principled_copies_of_a_file(blender):
     for name in STACKS[:2]:
         layered(name)
