@@ -21,6 +21,7 @@ from ..nodes.osl_setting import shows_osl
 from ..nodes.reading import is_own, stack_of
 from ..nodes.record import adopt_pasted
 from ..user_folders import cache_folder
+from . import conversions
 from .process import Process
 
 TICK = 0.4
@@ -79,12 +80,13 @@ def tick() -> float | None:
     if bpy.app.is_job_running("RENDER"):
         return TICK  # nodes must not change under a render
     _collect()
-    left = False
+    left = conversions.collect()
     for material in bpy.data.materials:
         adopt_pasted(material)
         if is_own(material) and material.lamina.is_layered:
             try:
                 left |= _follow(material)
+                left |= conversions.follow(material)
             except LaminaError as error:
                 _give_up(material, str(error))
     _redraw()
@@ -184,6 +186,7 @@ def stop() -> None:
     """End the timer and what is baking."""
     if bpy.app.timers.is_registered(tick):
         bpy.app.timers.unregister(tick)
+    conversions.stop()
     if _state.bake is not None:
         _state.bake.cancel()
         _state.bake = None

@@ -128,14 +128,11 @@ def apply(options) -> None:
     with blender(report):
         import bpy
 
-        from ..blend_files import save_copy
+        from ..blend_files import open_file, save_copy
         from ..nodes.material import make_renderable
 
         branches_here(options.backend)
-        try:
-            bpy.ops.wm.open_mainfile(filepath=str(source.resolve()), load_ui=False)
-        except RuntimeError as error:
-            raise LaminaError(f"{source}: Blender cannot open it: {str(error).strip()}") from None
+        open_file(source)
         target = bpy.data.objects.get(options.object)
         if target is None or not hasattr(target.data, "materials"):
             choices = sorted(o.name for o in bpy.data.objects if hasattr(o.data, "materials"))

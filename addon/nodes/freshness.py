@@ -10,18 +10,19 @@ from ...reference_py.errors import LaminaError
 from ..background.ahead import bake_ahead
 from . import state
 from .backend import NODES
+from .hand_over import is_handed_over
 from .live_values import live_values
-from .material import refresh, refresh_stock
+from .material import hand_over, refresh, refresh_stock
 from .osl_setting import shows_osl
+from .reading import is_own, stack_of
 from .record import adopt_pasted
-from .reading import is_own
 from .roles import node_with
 from .shader_node import shader_of
 
 
 @persistent
 def make_ready(*_) -> None:
-    """Make every material of this file what its tier stands for. With a window, bakes are left to `bakes`."""
+    """Make every material of this file what its tier stands for, and what exporters find. With a window, bakes are left to `bakes`."""
     for material in bpy.data.materials:
         adopt_pasted(material)
     if bpy.app.background:
@@ -29,6 +30,7 @@ def make_ready(*_) -> None:
         _for_each(_needs_bake, lambda material: wanted.append(state.wanted_network(material)))
         bake_ahead(wanted, lambda told: print(f"Lamina: {told}"))
     _for_each(_is_unready, _make_ready)
+    _for_each(_is_behind, lambda material: hand_over(material, settle=bpy.app.background))
 
 
 def _is_unready(material) -> bool:
@@ -50,6 +52,10 @@ def _make_ready(material) -> None:
         told = "its stock nodes are made for the present values" if alone else "its shader is made for the present values"
         print(f"Lamina: {material.name}: {told}")
     (refresh_stock if alone else refresh)(material, settle=bpy.app.background)
+
+
+def _is_behind(material) -> bool:
+    return not is_handed_over(material, stack_of(material))
 
 
 @persistent

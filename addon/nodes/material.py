@@ -25,13 +25,14 @@ from ..network.stock_nodes import HAS_DIELECTRIC, closure_count, left_out
 from ..rendering.settings import node_tree
 from .backend import AUTO, NODES, OSL, branches_here, notice
 from .elements import bring_up_to_date, carry_metal, fill_element, find_node, kind_of, node_of, read_element, show_name, shown_parameters, structure_dict
+from .hand_over import follow_hand_over
 from .live_values import live_values
 from .osl_setting import prefer_osl
 from .properties import follow, quietly
 from .reading import require_editable, require_layered, stack_of
 from .record import keep_record, keep_structure
 from .roles import node_with
-from .shader_node import Surface, backend_of, replacing_branches
+from .shader_node import Surface, backend_of, replacing_branches, shading_of
 from .snapshot import restore, snapshot
 from .state import SETTLED, TOLD, note_of, wanted_network
 
@@ -175,8 +176,20 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
     lamina.schema_version = max(lamina.schema_version, SCHEMA_VERSION)
     error = estimated_error(network)
     lamina.error, lamina.cost = -1.0 if error is None else 100.0 * error, estimated_cost(network)
+    hand_over(material, settle)
     _arrange(lamina, node_with(material, branches[0]))
     keep_record(material)
+
+
+def hand_over(material: bpy.types.Material, settle: bool = False) -> None:
+    """Make what exporters find follow, where there is a shader. Values that the schema does not allow leave it as it is, and Check tells them."""
+    closure = shading_of(material)
+    try:
+        stack = stack_of(material)
+    except LaminaError:
+        return
+    if closure is not None:
+        follow_hand_over(material, closure, stack, settle)
 
 
 def refresh_stock(material: bpy.types.Material, settle: bool = False) -> None:

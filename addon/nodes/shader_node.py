@@ -20,6 +20,7 @@ from ..network.stock_nodes import group_inputs
 from ..rendering import environment
 from .backend import NODES, OSL
 from .entry import entry_of
+from .hand_over import MIX, tail
 from .roles import ROLE, SWITCH, node_with
 from .script_node import drop_text, holds, set_script
 
@@ -45,6 +46,12 @@ def shader_of(material: bpy.types.Material) -> bpy.types.Node | None:
 
 def surface_of(material: bpy.types.Material) -> bpy.types.NodeSocket | None:
     """The closure that Lamina gives to the surface, or to the user's own mix."""
+    closure = shading_of(material)
+    return tail(closure) if closure is not None else None
+
+
+def shading_of(material: bpy.types.Material) -> bpy.types.NodeSocket | None:
+    """The closure of the branches, below what exporters find."""
     switch, shader = node_with(material, SWITCH), shader_of(material)
     if switch is not None:
         return switch.outputs[0]
@@ -128,6 +135,9 @@ class Surface:
             closure = switch.outputs[0]
         else:
             closure = (script or stock).outputs["BSDF"]
+        mix = node_with(self._material, MIX)
+        if mix is not None and mix.outputs[0].is_linked:  # it feeds what they fed
+            targets = targets or [mix.inputs[1]]
         for target in targets or entry_of(tree):
             if not any(link.from_socket == closure for link in target.links):
                 tree.links.new(closure, target)

@@ -13,6 +13,8 @@ def snapshot(group: bpy.types.PropertyGroup) -> dict:
             value = [snapshot(item) for item in value]
         elif prop.type == "POINTER":
             value = snapshot(value)
+        elif getattr(prop, "is_array", False):
+            value = list(value)
         data[prop.identifier] = value
     return data
 

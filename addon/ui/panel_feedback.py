@@ -8,6 +8,7 @@ from ...reference_py.network import AutoNetwork
 from ..background import bakes
 from ..check import check
 from ..nodes.backend import NODES, OSL, branches_here, notice
+from ..nodes.hand_over import has_hand_over
 from ..nodes.reading import require_editable
 from ..nodes.roles import node_with
 from ..nodes.shader_node import backend_of
@@ -86,11 +87,22 @@ def draw_shader(layout, context, material) -> None:
         draw_fact(layout, "Estimated Error", f"{lamina.error:.2g} %")
     if lamina.cost > 0.0:
         draw_fact(layout, "Relative Cost", iface_("{times} of a glossy node").format(times=f"{lamina.cost:.1f}\N{MULTIPLICATION SIGN}"))
+    draw_fact(layout, "Hand-over", _hand_over(material))
     draw_fact(layout, "Code", ", ".join(code) if code else iface_("missing; regenerate the shader"))
     if lamina.source:
         draw_fact(layout, "Source", lamina.source)
     _draw_without_osl(layout, context, material)
     layout.operator(check_ops.LAMINA_OT_check.bl_idname, icon="VIEWZOOM")
+
+
+def _hand_over(material) -> str:
+    """What exporters find of a material."""
+    error = material.lamina.hand_over_error
+    if not has_hand_over(material):
+        return iface_("none until the next change or save")
+    if error < 0.0:
+        return iface_("Principled, error not known until values rest")
+    return iface_("Principled, error {percent} %").format(percent=f"{error:.2g}")
 
 
 def _draw_without_osl(layout, context, material) -> None:

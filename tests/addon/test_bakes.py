@@ -8,13 +8,15 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from lamina.addon.background import ahead, bakes  # noqa: E402
+from lamina.addon.background import ahead, bakes, conversions  # noqa: E402
 from lamina.addon.network.node_groups import network_group  # noqa: E402
 from lamina.addon.network.stock_nodes import HAS_DIELECTRIC  # noqa: E402
 from lamina.addon.nodes import elements, material  # noqa: E402
+from lamina.addon.nodes.hand_over import MIX  # noqa: E402
 from lamina.addon.nodes.live_values import live_values  # noqa: E402
 from lamina.addon.nodes.shader_node import shader_of  # noqa: E402
 from lamina.addon.nodes.state import is_settled, is_stale, lags, wanted_network  # noqa: E402
+from lamina.addon.nodes.roles import ROLE  # noqa: E402
 from lamina.reference_py.network import memory  # noqa: E402
 from lamina.reference_py.network.tabulate import tabulate  # noqa: E402
 from lamina.reference_py.suite import suite_stack  # noqa: E402
@@ -31,6 +33,7 @@ def window(blender, monkeypatch, tmp_path):
     monkeypatch.setenv("LAMINA_CACHE", str(tmp_path))
     monkeypatch.setattr(memory, "_memory", {})
     yield blender
+    conversions.stop()
     if bakes._state.bake is not None:
         bakes._state.bake.cancel()
         bakes._state.bake = None
@@ -69,7 +72,9 @@ def test_a_material_is_live_until_its_bake_is_done(window):
 
 def shown_by(owner, engine: str):
     """The branch that an engine shows: EEVEE and Cycles have one output, and EEVEE gets 0 for the factor of the Mix Shader."""
-    mix = owner.node_tree.get_output_node(engine).inputs["Surface"].links[0].from_node
+    hand_over = owner.node_tree.get_output_node(engine).inputs["Surface"].links[0].from_node
+    assert hand_over[ROLE] == MIX and not hand_over.inputs[0].is_linked and hand_over.inputs[0].default_value == 0.0
+    mix = hand_over.inputs[1].links[0].from_node
     assert mix.inputs[0].default_value == 0.0 and mix.inputs[0].links[0].from_socket.name == "Live"
     return mix.inputs[2 if engine == "CYCLES" else 1].links[0].from_node
 
@@ -130,8 +135,9 @@ def test_a_cancelled_bake_stays_live_until_asked_for(window):
     bakes.tick()
     bakes.tick()
     bakes.cancel(owner)
-    assert bakes.given_up(owner) == "cancelled" and bakes.tick() is None
-    assert is_live(owner)
+    assert bakes.given_up(owner) == "cancelled"
+    rest(owner)
+    assert is_live(owner) and bakes.given_up(owner) == "cancelled"
     bakes.retry(owner)
     rest(owner)
     assert not is_live(owner) and not bakes.given_up(owner)

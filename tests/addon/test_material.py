@@ -15,6 +15,9 @@ from lamina.addon.nodes.roles import node_with  # noqa: E402
 from lamina.addon.nodes.shader_node import shader_of, surface_of  # noqa: E402
 from lamina.addon.nodes.state import is_stale  # noqa: E402
 from lamina.addon.network.osl import generate  # noqa: E402
+from lamina.addon.nodes.hand_over import MIX, VALUES  # noqa: E402
+from lamina.addon.nodes.principled import PRINCIPLED  # noqa: E402
+from lamina.addon.nodes.roles import ROLE  # noqa: E402
 from lamina.addon.rendering import environment  # noqa: E402
 from lamina.addon.rendering.measure import render_furnace  # noqa: E402
 from lamina.addon.rendering.settings import node_tree  # noqa: E402
@@ -84,7 +87,7 @@ def test_preset_reads_back_as_written(blender, name):
     assert material.stack_of(new) == stack
     output = new.node_tree.get_output_node("CYCLES")
     assert output.inputs["Surface"].links[0].from_socket == surface_of(new)
-    assert "Principled BSDF" not in new.node_tree.nodes
+    assert [n[ROLE] for n in new.node_tree.nodes if n.bl_idname == PRINCIPLED] == [VALUES]
     assert all(s.is_linked for s in script(new).inputs)
 
 
@@ -107,7 +110,7 @@ def test_applying_again_leaves_nothing_of_the_former_stack(layered, blender):
     material.apply_stack(layered, presets.load(presets.names()[0]))
     once = len(layered.node_tree.nodes), len(blender.data.texts)
     material.apply_stack(layered, presets.load(presets.names()[0]))
-    assert (len(layered.node_tree.nodes), len(blender.data.texts)) == once == (len(layered.lamina.layers) + 5, 1)
+    assert (len(layered.node_tree.nodes), len(blender.data.texts)) == once == (len(layered.lamina.layers) + 7, 1)
 
 
 def test_add_remove_move_hide(layered):
