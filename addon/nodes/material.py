@@ -26,7 +26,8 @@ from ..network.osl import generate
 from ..network.stock_nodes import HAS_DIELECTRIC, closure_count, left_out
 from ..rendering.settings import node_tree
 from .backend import NODES, OSL, backend_here, notice
-from .elements import bring_up_to_date, carry_metal, fill_element, kind_of, node_of, read_element, show_name, shown_parameters, structure_dict
+from .base_kind import change_kind, lost_by_change
+from .elements import bring_up_to_date, carry_metal, fill_element, kind_of, node_of, read_element, show_name, structure_dict
 from .live_values import live_values
 from .properties import follow, quietly
 from .script_node import enable_osl
@@ -92,21 +93,17 @@ def stack_of(material: bpy.types.Material, hidden: bool = False) -> Stack:
     )
 
 
-def set_base(material: bpy.types.Material, kind: str) -> None:
-    """Replace the base by one of another kind. Parameters that both have keep value and link; others take defaults."""
+def set_base(material: bpy.types.Material, kind: str) -> list[tuple[str, str]]:
+    """Replace the base by one of another kind, see `change_kind`. Returns what is lost, see `lost_by_change`."""
     require_layered(material)
-    lamina = material.lamina
-    new_kind, old_kind = SCHEMA.base(kind, f"material {material.name}"), kind_of(lamina.base)
-    old = material.node_tree.nodes.get(lamina.base.node)  # gone if somebody deleted it; then this is the way back
-    old_values = read_element(lamina.base, old_kind) if old else {}
-    kept = [p for p in shown_parameters(new_kind, "") if p.name in old_values]
-    base = Stack.from_dict({"base": {"kind": kind, **{p.name: old_values[p.name] for p in kept}}}).base
+    base, new_kind = material.lamina.base, SCHEMA.base(kind, f"material {material.name}")
+    is_there = base.node in material.node_tree.nodes  # gone if somebody deleted it; then this is the way back
+    if is_there and base.kind == kind:
+        return []
+    lost = lost_by_change(base, new_kind) if is_there else []
     with changing(material) as tree:
-        fill_element(tree, lamina.base, base, new_kind)
-        for parameter in kept:
-            if not parameter.is_structural and old.inputs[parameter.label].is_linked:
-                source = old.inputs[parameter.label].links[0].from_socket
-                tree.links.new(source, node_of(lamina.base).inputs[parameter.label])
+        change_kind(tree, base, new_kind)
+    return lost
 
 
 def regenerate(material: bpy.types.Material) -> None:

@@ -88,11 +88,7 @@ def structure_annotations(schema: Schema) -> dict:
         annotations[name] = BoolProperty(
             name=feature.label, description=feature.help, options=_NOT_ANIMATABLE, update=_update(name)
         )
-    given = [
-        (choice, " and ".join(kind.parameter(name).label for name in group))
-        for kind in kinds
-        for choice, group in zip(kind.given_choices, kind.alternatives)
-    ]
+    given = [(choice, kind.given_label(choice)) for kind in kinds for choice in kind.given_choices]
     if given:
         annotations["given"] = _enum("given", given, "Given By", "What describes this material", given[0][0])
     return annotations

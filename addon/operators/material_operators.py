@@ -164,12 +164,16 @@ class LAMINA_OT_export_stack(LayeredOperator, ExportHelper, bpy.types.Operator):
 class LAMINA_OT_set_base(LayeredOperator, bpy.types.Operator):
     bl_idname = "lamina.set_base"
     bl_label = "Set Base Kind"
-    bl_description = "Replace the opaque base below the layers; values that both kinds have are kept"
+    bl_description = "Replace the opaque base below the layers; what both kinds have keeps value, texture and animation"
 
     kind: EnumProperty(name="Kind", items=[(k.name, k.label, k.help) for k in SCHEMA.bases.values()])
 
     def run(self, context):
-        materials.set_base(material_of(context), self.kind)
+        lost = materials.set_base(material_of(context), self.kind)
+        if lost:
+            names = ", ".join(f"{rpt_(label)} ({rpt_(moved)})" if moved else rpt_(label) for label, moved in lost)
+            told = rpt_("Lamina: {kind} has no {lost}: that is gone").format(kind=rpt_(SCHEMA.bases[self.kind].label), lost=names)
+            self.report({"WARNING" if any(moved for _, moved in lost) else "INFO"}, told)
 
 
 class LAMINA_OT_regenerate(LayeredOperator, bpy.types.Operator):
