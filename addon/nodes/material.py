@@ -28,6 +28,7 @@ from ..rendering.settings import node_tree
 from .backend import NODES, OSL, backend_here, notice
 from .base_kind import change_kind, lost_by_change
 from .elements import bring_up_to_date, carry_metal, fill_element, kind_of, node_of, read_element, show_name, structure_dict
+from .limits import require_shader
 from .live_values import live_values
 from .properties import follow, quietly
 from .script_node import enable_osl
@@ -242,10 +243,12 @@ class Wanted:
 
 
 def wanted_network(material: bpy.types.Material) -> Wanted:
-    """What a material's tier, one of HOLD_VALUES, wants for its present values. Raises LaminaError for bad values."""
+    """What a material's tier, one of HOLD_VALUES, wants for its present values. Raises LaminaError for bad values and too many layers."""
     lamina = material.lamina
+    stack = stack_of(material)
+    require_shader(stack, lamina.backend)
     live = live_values(material) if backend_here(lamina.backend) == OSL else ()
-    return Wanted(stack_of(material), lamina.tier, live, 0.01 * lamina.tolerance)
+    return Wanted(stack, lamina.tier, live, 0.01 * lamina.tolerance)
 
 
 def is_stale(material: bpy.types.Material) -> bool:
