@@ -57,8 +57,14 @@ def require_layered(material: bpy.types.Material) -> None:
         raise LaminaError(f"material {material.name} has no Lamina stack; pick a preset first")
 
 
-def apply_stack(material: bpy.types.Material, stack: Stack, tier: str = DEFAULT_TIER, backend: str | None = None) -> None:
-    """Make `material` show `stack`, in place of what it showed. Without `backend` (a key of BACKENDS) its own one stays."""
+def apply_stack(
+    material: bpy.types.Material, stack: Stack, tier: str = DEFAULT_TIER, backend: str | None = None,
+    finish: Callable[[bpy.types.Material], None] | None = None,
+) -> None:
+    """Make `material` show `stack`, in place of what it showed. Without `backend` (a key of BACKENDS) its own one stays.
+
+    `finish` may link textures to the new nodes before the shader is made.
+    """
     require_tier(tier)
     backend_here(backend or material.lamina.backend)
     with changing(material) as tree:
@@ -71,6 +77,8 @@ def apply_stack(material: bpy.types.Material, stack: Stack, tier: str = DEFAULT_
         for layer in stack.layers:
             fill_element(tree, lamina.layers.add(), layer, SCHEMA.layers[layer.kind])
         fill_element(tree, lamina.base, stack.base, SCHEMA.bases[stack.base.kind])
+        if finish is not None:
+            finish(material)
 
 
 def stack_of(material: bpy.types.Material, hidden: bool = False) -> Stack:

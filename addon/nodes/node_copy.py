@@ -23,6 +23,15 @@ def copy_inputs(source: bpy.types.Node, target: bpy.types.Node) -> list[str]:
     In the same one textures are shared, in another one their nodes are copied. Returns one sentence for each thing that
     cannot come along.
     """
+    for socket in source.inputs:
+        twin = target.inputs.get(socket.name)
+        if twin is not None and hasattr(socket, "default_value"):
+            twin.default_value = socket.default_value
+    return copy_sources(source, target)
+
+
+def copy_sources(source: bpy.types.Node, target: bpy.types.Node) -> list[str]:
+    """The same without the values: textures, drivers and keyframes."""
     here, there = source.id_data, target.id_data
     told: list[str] = []
     copies = {source.name: target}
@@ -32,8 +41,6 @@ def copy_inputs(source: bpy.types.Node, target: bpy.types.Node) -> list[str]:
         if twin is None:
             continue
         places[place] = list(target.inputs).index(twin)
-        if hasattr(socket, "default_value"):
-            twin.default_value = socket.default_value
         for link in socket.links:
             if link.from_node.type == "GROUP" and link.from_node.node_tree is not None and KIND_KEY in link.from_node.node_tree:
                 if here != there:

@@ -16,6 +16,7 @@ from ...reference_py.stack import Stack
 from ..background import bakes
 from ..library import user_presets
 from ..nodes import material as materials
+from ..nodes.live_values import live_values
 from ..nodes.script_node import enable_osl
 
 _JSON = "*.json"
@@ -86,6 +87,9 @@ class StackOperator(LaminaOperator):
             cls.poll_message_set(why)
         return not why
 
+    def apply(self, material: bpy.types.Material, stack: Stack) -> None:
+        materials.apply_stack(material, stack)
+
     def run(self, context):
         stack = self.stack()
         material = material_of(context)
@@ -94,7 +98,7 @@ class StackOperator(LaminaOperator):
             material = bpy.data.materials.new(stack.name or _UNNAMED)
         former = material.lamina.stack_name
         try:
-            materials.apply_stack(material, stack)
+            self.apply(material, stack)
         except LaminaError:
             if made:
                 bpy.data.materials.remove(material)
@@ -158,6 +162,8 @@ class LAMINA_OT_export_stack(LayeredOperator, ExportHelper, bpy.types.Operator):
         told = rpt_("Lamina: stack written to {path}").format(path=self.filepath)
         if hidden:
             told = rpt_("{told}; hidden layers left out: {count}").format(told=told, count=hidden)
+        if moved := len(live_values(material)):
+            told = rpt_("{told}; values whose texture or animation is left out: {count}").format(told=told, count=moved)
         self.report({"INFO"}, told)
 
 
@@ -171,7 +177,8 @@ class LAMINA_OT_set_base(LayeredOperator, bpy.types.Operator):
     def run(self, context):
         lost = materials.set_base(material_of(context), self.kind)
         if lost:
-            names = ", ".join(f"{rpt_(label)} ({rpt_(moved)})" if moved else rpt_(label) for label, moved in lost)
+            words = {"": "", "texture": f" ({rpt_('texture')})", "animation": f" ({rpt_('animation')})"}
+            names = ", ".join(rpt_(label) + words[moved] for label, moved in lost)
             told = rpt_("Lamina: {kind} has no {lost}: that is gone").format(kind=rpt_(SCHEMA.bases[self.kind].label), lost=names)
             self.report({"WARNING" if any(moved for _, moved in lost) else "INFO"}, told)
 

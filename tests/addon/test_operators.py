@@ -120,7 +120,7 @@ def test_undo_of_a_first_preset_leaves_no_material(bare):
 def test_preset_switches_cycles_and_osl_on_and_says_so(bare):
     said = []
     assert bpy.context.scene.render.engine != "CYCLES"
-    operator = SimpleNamespace(stack=lambda: STACK, report=lambda kind, text: said.append((kind, text)))
+    operator = SimpleNamespace(stack=lambda: STACK, apply=materials.apply_stack, report=lambda kind, text: said.append((kind, text)))
     material_operators.StackOperator.run(operator, bpy.context)
     assert bpy.context.scene.render.engine == "CYCLES" and bpy.context.scene.cycles.shading_system
     assert [kind for kind, _ in said] == [{"INFO"}, {"INFO"}]
