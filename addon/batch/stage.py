@@ -8,6 +8,7 @@ import bpy
 
 from ... import version
 from ...reference_py.errors import LaminaError
+from ..nodes.holders import can_hold_material
 from ..nodes.material import apply_stack, make_renderable, refresh
 from ..nodes.script_node import drop_text
 from ..rendering.studio import build_ball_scene
@@ -100,9 +101,9 @@ def open_scene(item: Item):
         raise SceneError(f"{item.scene.blend}: Blender cannot open it: {' '.join(str(error).split())}") from None
     scene = bpy.context.scene
     target = scene.objects.get(item.scene.object)
-    if target is None or not hasattr(target.data, "materials"):
-        choices = sorted(o.name for o in scene.objects if hasattr(o.data, "materials"))
-        raise SceneError(f"{item.scene.blend}: no object {item.scene.object!r} that takes a material; choose {', '.join(choices) or 'none'}")
+    if not can_hold_material(target):
+        choices = sorted(o.name for o in scene.objects if can_hold_material(o))
+        raise SceneError(f"{item.scene.blend}: no object {item.scene.object!r} that takes a surface material; choose {', '.join(choices) or 'none'}")
     if scene.camera is None:
         raise SceneError(f"{item.scene.blend}: the scene {scene.name} has no camera")
     if scene.render.engine != "CYCLES":

@@ -132,6 +132,7 @@ def apply(options) -> None:
         import bpy
 
         from ..blend_files import save_copy
+        from ..nodes.holders import can_hold_material
         from ..nodes.script_node import enable_osl
         from ..nodes.shader_node import backend_of
 
@@ -141,9 +142,9 @@ def apply(options) -> None:
         except RuntimeError as error:
             raise LaminaError(f"{source}: Blender cannot open it: {str(error).strip()}") from None
         target = bpy.data.objects.get(options.object)
-        if target is None or not hasattr(target.data, "materials"):
-            choices = sorted(o.name for o in bpy.data.objects if hasattr(o.data, "materials"))
-            raise LaminaError(f"{source}: no object {options.object!r} that takes a material; choose {', '.join(choices) or 'none'}")
+        if not can_hold_material(target):
+            choices = sorted(o.name for o in bpy.data.objects if can_hold_material(o))
+            raise LaminaError(f"{source}: no object {options.object!r} that takes a surface material; choose {', '.join(choices) or 'none'}")
         material = _material(stack, tier, options.backend, report)
         notices = enable_osl(bpy.context.scene) if backend_of(material) == OSL else []
         if target.material_slots:

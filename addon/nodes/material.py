@@ -73,7 +73,7 @@ def apply_stack(
         lamina.stack_name, lamina.source, lamina.unknown = stack.name, stack.source, json.dumps(dict(stack.unknown))
         lamina.tier, lamina.schema_version = tier, SCHEMA_VERSION
         lamina.layers.clear()
-        lamina.active_layer, lamina.solo = 0, ""
+        lamina.solo = ""
         for layer in stack.layers:
             fill_element(tree, lamina.layers.add(), layer, SCHEMA.layers[layer.kind])
         fill_element(tree, lamina.base, stack.base, SCHEMA.bases[stack.base.kind])

@@ -15,6 +15,7 @@ from ...reference_py.network import DEFAULT_TIER, TIERS
 from ...reference_py.network.choice import DEFAULT_TOLERANCE
 from ...reference_py.schema import SCHEMA, SCHEMA_VERSION, Schema
 from .backend import AUTO, BACKENDS, DEFAULT_BACKEND, NODES, OSL
+from .selection import select_layer, selected_layer
 
 _NOT_ANIMATABLE: set[str] = set()
 _ACRONYMS = {"ggx": "GGX"}
@@ -118,9 +119,6 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     """Structure of one material; empty `base.node` means that it is not a Lamina material."""
 
     layers: CollectionProperty(type=LaminaElement)
-    active_layer: IntProperty(
-        name="Active Layer", description="Layer shown below the list", min=0, options=_NOT_ANIMATABLE
-    )
     solo: StringProperty(description="Node of the layer that alone is shown over the base; empty where all visible ones are")
     base: PointerProperty(type=LaminaElement)
     tier: EnumProperty(
@@ -161,6 +159,15 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     cost: FloatProperty(description="Estimated render time, over that of a plain glossy node; 0 before the first shader")
     lobe_count: IntProperty(description="Lobes of the generated shader")
     problem: StringProperty(description="Why the shader does not follow the structure", options={"SKIP_SAVE"})
+
+    @property
+    def active_layer(self) -> int:
+        """Index of the layer that is shown below the list, see `selection`."""
+        return selected_layer(self.id_data)
+
+    @active_layer.setter
+    def active_layer(self, index: int) -> None:
+        select_layer(self.id_data, index)
 
     @property
     def is_layered(self) -> bool:

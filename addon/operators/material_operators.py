@@ -16,6 +16,7 @@ from ...reference_py.stack import Stack
 from ..background import bakes
 from ..library import user_presets
 from ..nodes import material as materials
+from ..nodes.holders import can_hold_material
 from ..nodes.live_values import live_values
 from ..nodes.script_node import enable_osl
 
@@ -23,15 +24,14 @@ _JSON = "*.json"
 _UNNAMED = "Lamina"
 
 
-def can_hold_material(item: bpy.types.Object | None) -> bool:
-    """Whether an object takes a surface material."""
-    return item is not None and item.type != "GREASEPENCIL" and hasattr(item.data, "materials")
-
-
 def why_no_material(context: bpy.types.Context) -> str:
-    """Why there is no material to work on, and none can be made for the active object; empty if there is or can."""
-    item = getattr(context, "object", None)
-    if material_of(context) is not None:
+    """Why there is no surface material to work on, and none can be made for the active object; empty if there is or can."""
+    item, material = getattr(context, "object", None), material_of(context)
+    if material is not None and material.is_grease_pencil:
+        return tip_("{material} is a Grease Pencil material: it shows strokes and no surface").format(material=material.name)
+    if item is not None and (material is None or item.active_material == material) and hasattr(item.data, "materials") and not can_hold_material(item):
+        return tip_("{object} shows no surface: choose a mesh, curve, text, metaball, hair or point cloud").format(object=item.name)
+    if material is not None:
         return ""
     if not can_hold_material(item):
         return tip_("Select an object that can have a material")

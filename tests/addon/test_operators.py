@@ -296,7 +296,8 @@ WINDOW = SimpleNamespace(region=SimpleNamespace(width=2000), preferences=SimpleN
 def drawn(what: str) -> list[str]:
     """What the panel draws for the active object, of one sort."""
     preferences = SimpleNamespace(system=WINDOW.preferences.system, addons=bpy.context.preferences.addons)
-    window = SimpleNamespace(scene=bpy.context.scene, object=bpy.context.object, region=WINDOW.region, preferences=preferences)
+    window = SimpleNamespace(scene=bpy.context.scene, object=bpy.context.object, region=WINDOW.region, preferences=preferences,
+                             window_manager=bpy.context.window_manager)
     assert panel.LAMINA_PT_material.poll(window)
     noted = []
     panel.LAMINA_PT_material.draw(SimpleNamespace(layout=Layout(noted), bl_label="Lamina"), window)
