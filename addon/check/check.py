@@ -22,7 +22,7 @@ from ..nodes.backend import AUTO, NODES, OSL, branches_here
 from ..nodes.elements import find_node, kind_of, node_of
 from ..nodes.entry import surface_output
 from ..nodes.kind_groups import KIND_KEY, hands_on
-from ..nodes.live_values import live_values
+from ..nodes.live_values import live_values, resting_values
 from ..nodes.osl_setting import device_problem, why_stock_nodes
 from ..nodes.reading import require_editable, require_layered, stack_of
 from ..nodes.record import changed_values, recorded
@@ -63,6 +63,7 @@ CODES = {
     "image_missing": (ERROR, "{layer}: {label} has a texture without an image", "Remove the Link"),
     "normal_ignored": (WARNING, "{layer}: stock nodes leave its normal out", ""),
     "texture_ignored": (WARNING, "{layer}: {label} has a texture or animation, which stock nodes cannot follow", ""),
+    "value_rests": (WARNING, "{layer}: the texture or animation of {label} has no effect, as it is given by {given}", ""),
     "out_of_range": (ERROR, "{layer}: {label} is {value}; allowed is {allowed}", "Bring into Range"),
 }  # fmt: skip
 
@@ -166,6 +167,9 @@ def _elements(material) -> Iterator[Finding]:
             yield Finding("group_broken", name | words, element.node)
             continue
         yield from _values(element, node, is_shown, links)
+        for parameter in resting_values(element):
+            about = {"label": parameter.label, "given": kind_of(element).given_label(element.given)}
+            yield Finding("value_rests", name | about, element.node, parameter.label)
     for node in tree.nodes:
         if node.bl_idname == "ShaderNodeGroup" and node.name not in seen and _is_value_node(node):
             yield Finding("node_spare", {"node": node.name}, node.name)

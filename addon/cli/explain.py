@@ -18,7 +18,8 @@ from ...reference_py.network.mixture import glossy_of_each
 from ...reference_py.network.unbaked import unbaked, without_unbaked
 from ...reference_py.schema import THIN_FILM
 from ...reference_py.stack import Stack
-from ..network.inputs import shader_inputs
+from ..nodes.backend import OSL
+from ..nodes.limits import require_shader
 from .numbers import load_stack
 from .session import blender, say, tenths
 
@@ -26,7 +27,7 @@ from .session import blender, say, tenths
 def explain(options) -> None:
     """Print every candidate's closures, cost and errors, and which is chosen, and why."""
     stack = load_stack(options.stack)
-    shader_inputs(stack)  # refuses more layers than a shader can have
+    require_shader(stack, OSL)
     report = say(options.command)
     if bool(options.blend) != bool(options.object):
         raise LaminaError("--blend FILE and --object NAME go together")

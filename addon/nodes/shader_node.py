@@ -74,6 +74,17 @@ def tangent_owner(material: bpy.types.Material, inputs: Sequence[ShaderInput]) -
     return {TANGENT: node}
 
 
+def remove_material(material: bpy.types.Material) -> None:
+    """Remove a material that is used no more, with the text and the node group of its branches."""
+    nodes = material.node_tree.nodes if material.node_tree is not None else ()
+    texts, groups = ({getattr(node, name) for node in nodes if hasattr(node, name)} for name in ("script", "node_tree"))
+    bpy.data.materials.remove(material)
+    for text in texts:
+        drop_text(text)
+    for group in groups:
+        drop_group(group)
+
+
 class Surface:
     """The branches of one material while they are replaced: new ones are made beside the old, then take their place."""
 

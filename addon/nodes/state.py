@@ -11,6 +11,7 @@ from ...reference_py.network.choice import DEFAULT_TOLERANCE
 from ...reference_py.network.memory import content
 from ...reference_py.stack import Stack
 from .backend import NODES, OSL, branches_here
+from .limits import require_shader
 from .live_values import live_values
 from .reading import stack_of
 from .roles import node_with
@@ -46,10 +47,12 @@ class Wanted:
 
 
 def wanted_network(material: bpy.types.Material) -> Wanted:
-    """What a material's tier, one of HOLD_VALUES, wants for its present values. Raises LaminaError for bad values."""
+    """What a material's tier, one of HOLD_VALUES, wants for its present values. Raises LaminaError for bad values and too many layers."""
     lamina = material.lamina
+    stack = stack_of(material)
+    require_shader(stack, lamina.backend)
     live = live_values(material) if OSL in branches_here(lamina.backend) else ()
-    return Wanted(stack_of(material), lamina.tier, live, 0.01 * lamina.tolerance)
+    return Wanted(stack, lamina.tier, live, 0.01 * lamina.tolerance)
 
 
 def note_of(node: bpy.types.Node | None, name: str, material: bpy.types.Material) -> str:
