@@ -26,7 +26,7 @@ from ..nodes.live_values import live_values, resting_values
 from ..nodes.osl_setting import device_problem, why_stock_nodes
 from ..nodes.reading import require_editable, require_layered, stack_of
 from ..nodes.record import changed_values, recorded
-from ..nodes.roles import SWITCH, node_with
+from ..nodes.roles import SWITCH, TEST, node_with
 from ..nodes.script_node import is_untouched
 from ..nodes.shader_node import shader_of, surface_of
 from ..rendering import environment
@@ -243,7 +243,8 @@ def _shader(material) -> Iterator[Finding]:
         yield Finding("shader_edited")
     lost = [name for node in branches for name in _unlinked(material, node)]
     if switch is not None:
-        lost += [socket.name for socket in switch.inputs if not socket.is_linked]
+        test = node_with(material, TEST)
+        lost += [socket.name for socket in (*switch.inputs, *(test.inputs[:1] if test is not None else ())) if not socket.is_linked]
     if lost:
         yield Finding("shader_unlinked", {"count": len(lost), "first": lost[0]})
     if reason := bakes.given_up(material):

@@ -75,7 +75,7 @@ def shown_by(owner, engine: str):
     hand_over = owner.node_tree.get_output_node(engine).inputs["Surface"].links[0].from_node
     assert hand_over[ROLE] == MIX and not hand_over.inputs[0].is_linked and hand_over.inputs[0].default_value == 0.0
     mix = hand_over.inputs[1].links[0].from_node
-    assert mix.inputs[0].default_value == 0.0 and mix.inputs[0].links[0].from_socket.name == "Live"
+    assert mix.inputs[0].default_value == 0.0 and mix.inputs[0].links[0].from_node.inputs[0].links[0].from_socket.name == "Live"
     return mix.inputs[2 if engine == "CYCLES" else 1].links[0].from_node
 
 
