@@ -20,6 +20,7 @@ from ..network.node_groups import is_untouched as group_is_untouched
 from ..nodes import material as materials
 from ..nodes.backend import NODES, OSL, backend_here
 from ..nodes.elements import kind_of, node_of
+from ..nodes.hand_over import usd_takes
 from ..nodes.kind_groups import KIND_KEY, hands_on
 from ..nodes.live_values import live_values
 from ..nodes.script_node import device_problem, is_untouched, scene_problem
@@ -53,6 +54,7 @@ CODES = {
     "image_missing": (ERROR, "{layer}: {label} has a texture without an image", "Remove the Link"),
     "normal_ignored": (WARNING, "{layer}: stock nodes leave its normal out", ""),
     "texture_ignored": (WARNING, "{layer}: {label} has a texture or animation, which stock nodes cannot follow", ""),
+    "usd_misled": (WARNING, "USD export takes the node {node}, which was there before; delete it if it is of no use", ""),
     "out_of_range": (ERROR, "{layer}: {label} is {value}; allowed is {allowed}", "Bring into Range"),
 }  # fmt: skip
 
@@ -96,6 +98,8 @@ def find(material: bpy.types.Material, scene: bpy.types.Scene, preferences: bpy.
     if material.node_tree is None:
         return found
     found += [*_machine(material, scene, preferences), *_elements(material), *_shader(material)]
+    if before := usd_takes(material):
+        found.append(Finding("usd_misled", {"node": before.name}, before.name))
     return sorted(found, key=lambda f: f.level != ERROR)
 
 
