@@ -21,6 +21,7 @@ from ..nodes import state
 from ..nodes.backend import AUTO, NODES, OSL, branches_here
 from ..nodes.elements import find_node, kind_of, node_of
 from ..nodes.entry import surface_output
+from ..nodes.hand_over import usd_takes
 from ..nodes.kind_groups import KIND_KEY, hands_on
 from ..nodes.live_values import live_values, resting_values
 from ..nodes.osl_setting import device_problem, why_stock_nodes
@@ -64,6 +65,7 @@ CODES = {
     "normal_ignored": (WARNING, "{layer}: stock nodes leave its normal out", ""),
     "texture_ignored": (WARNING, "{layer}: {label} has a texture or animation, which stock nodes cannot follow", ""),
     "value_rests": (WARNING, "{layer}: the texture or animation of {label} has no effect, as it is given by {given}", ""),
+    "usd_misled": (WARNING, "USD export takes the node {node}, which was there before; delete it if it is of no use", ""),
     "out_of_range": (ERROR, "{layer}: {label} is {value}; allowed is {allowed}", "Bring into Range"),
 }  # fmt: skip
 
@@ -108,6 +110,8 @@ def find(material: bpy.types.Material, scene: bpy.types.Scene, preferences: bpy.
     if material.node_tree is None:
         return found
     found += [*_machine(material, scene, preferences), *_elements(material), *_shader(material), *_stock(material, not why_stock_nodes(scene, preferences))]
+    if before := usd_takes(material):
+        found.append(Finding("usd_misled", {"node": before.name}, before.name, is_note=True))
     return sorted(found, key=lambda f: (ERROR, WARNING, NOTE).index(f.level))
 
 

@@ -130,12 +130,6 @@ def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
     return told
 
 
-def set_values(principled: bpy.types.Node, values: dict) -> None:
-    """Set a Principled node's sockets by name."""
-    for name, value in values.items():
-        principled.inputs[name].default_value = (*value, 1.0) if isinstance(value, tuple) else value
-
-
 def principled_copies(replacing: bool) -> Iterator[tuple[bpy.types.Material, str]]:
     """A Principled copy of every Lamina material of the file; yields each copy, or the material that has none, and what became of it.
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import bpy
 
+from ...reference_py.errors import LaminaError
 from ...reference_py.network import HOLD_VALUES, TIERS, AutoNetwork
 from ...reference_py.network.choice import DEFAULT_TOLERANCE
 from ...reference_py.network.memory import content
@@ -84,12 +85,19 @@ def lacks_branch(material: bpy.types.Material) -> bool:
 
 
 def lags(material: bpy.types.Material) -> bool:
-    """Whether the stock nodes beside a script are behind it, or one of the two is not there."""
+    """Whether the stock nodes beside a script are behind it, or one of the two is not there.
+
+    They stay what they are while a socket holds what the schema does not allow, which Check names.
+    """
     if lacks_branch(material):
         return True
     script, stock = node_with(material, OSL), node_with(material, NODES)
     if stock is None or stock == shader_of(material):
         return False
+    try:
+        now = content(stack_of(material))
+    except LaminaError:
+        return False
     told, settled = note_of(stock, TOLD, material), note_of(stock, SETTLED, material)
     expected = "" if live_values(material) else note_of(script, SETTLED, material)
-    return told != content(stack_of(material)) or (material.lamina.tier in HOLD_VALUES and settled != expected)
+    return told != now or (material.lamina.tier in HOLD_VALUES and settled != expected)
