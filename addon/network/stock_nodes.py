@@ -5,6 +5,8 @@ Tables are Color Ramps. Cycles samples a ramp at 256 even steps and is linear be
 a place, so a ramp is the table itself, up to float32. A ramp holds three columns: a weight, or a lobe's shape.
 """
 
+from functools import cached_property
+
 import bpy
 import numpy as np
 
@@ -32,6 +34,8 @@ HAS_DIELECTRIC = bpy.app.version >= (5, 0, 0)
 _SLIGHT_ANISOTROPY, _NARROW_DIELECTRIC_ALPHA = 2e-6, 0.06
 # A table that is anisotropic the other way by no more than this counts as isotropic.
 _NEARLY_ISOTROPIC = 1e-3
+# Of the mirrored view above the surface, to which Cycles bends a normal that would mirror it below.
+_MIRRORED_HEIGHT = 0.01
 # Any direction, added to the tangent: without it the tangent would vanish at the very normal, and Cycles divide by 0.
 _SOME_DIRECTION = (5.7e-7, 3.1e-7, 7.6e-7)
 
@@ -104,32 +108,52 @@ class _View:
 
     def __init__(self, build: Builder, given_tangent: bpy.types.NodeSocket | None = None):
         self._build, self.given_tangent = build, given_tangent
-        geometry = build.node("ShaderNodeNewGeometry")
-        self.normal, self._incoming = geometry.outputs["Normal"], geometry.outputs["Incoming"]
-        self._cosine = build.vector("DOT_PRODUCT", self.normal, self._incoming)
-        self._place = self._side = self._tangent = None
+
+    @cached_property
+    def normal(self) -> bpy.types.NodeSocket:
+        """The normal as Cycles bends it for a glossy lobe, see osl/bent.h; the wanted height is that of a long projection.
+
+        All of the nodes are evaluated everywhere: where Cycles bends nothing, the difference to the normal gets the factor 0.
+        """
+        build, geometry = self._build, self._geometry
+        shading, true, incoming = geometry.outputs["Normal"], geometry.outputs["True Normal"], self._incoming
+        # what the mirrored view has below the surface is more than 0; on strands, 1, it never is more
+        below = build.vector("DOT_PRODUCT", build.vector("REFLECT", incoming, shading), true)
+        is_bent = build.math("GREATER_THAN", below, build.node("ShaderNodeHairInfo").outputs["Is Strand"])
+        x = build.vector("NORMALIZE", build.vector("SUBTRACT", shading, build.vector("PROJECT", shading, true)))
+        across = build.vector("PROJECT", incoming, build.vector("CROSS_PRODUCT", true, x))
+        projected = build.vector("NORMALIZE", build.vector("SUBTRACT", incoming, across))
+        lifted = build.vector("MULTIPLY_ADD", true, _MIRRORED_HEIGHT, x)
+        bent = build.vector("NORMALIZE", build.vector("ADD", projected, lifted))
+        return build.vector("MULTIPLY_ADD", build.vector("SUBTRACT", bent, shading), is_bent, shading)
+
+    @cached_property
+    def _geometry(self) -> bpy.types.Node:
+        return self._build.node("ShaderNodeNewGeometry")
 
     @property
+    def _incoming(self) -> bpy.types.NodeSocket:
+        return self._geometry.outputs["Incoming"]
+
+    @cached_property
+    def _cosine(self) -> bpy.types.NodeSocket:
+        return self._build.vector("DOT_PRODUCT", self.normal, self._incoming)
+
+    @cached_property
     def place(self) -> bpy.types.NodeSocket:
         """Where in a ramp the view is."""
-        if self._place is None:
-            root = self._build.math("SQRT", self._build.math("MAXIMUM", self._cosine, MIN_COS_O))
-            self._place = self._build.math("MULTIPLY", root, _STEP * (KNOTS - 1) / _RAMP_PLACES)
-        return self._place
+        root = self._build.math("SQRT", self._build.math("MAXIMUM", self._cosine, MIN_COS_O))
+        return self._build.math("MULTIPLY", root, _STEP * (KNOTS - 1) / _RAMP_PLACES)
 
-    @property
+    @cached_property
     def side(self) -> bpy.types.NodeSocket:
         """Along the plane of incidence, as long as the sine of the view."""
-        if self._side is None:
-            along_normal = self._build.vector("SCALE", self.normal, scale=self._cosine)
-            self._side = self._build.vector("SUBTRACT", self._incoming, along_normal)
-        return self._side
+        along_normal = self._build.vector("SCALE", self.normal, scale=self._cosine)
+        return self._build.vector("SUBTRACT", self._incoming, along_normal)
 
-    @property
+    @cached_property
     def tangent(self) -> bpy.types.NodeSocket:
-        if self._tangent is None:
-            self._tangent = self._build.vector("ADD", self.side, _SOME_DIRECTION)
-        return self._tangent
+        return self._build.vector("ADD", self.side, _SOME_DIRECTION)
 
 
 def _lambert(build: Builder, view: _View, table: DiffuseTable) -> bpy.types.NodeSocket:
