@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ...reference_py.network.mixture import PatchNetwork
-from ...reference_py.network.table import KNOTS, MIN_COS_O, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork
+from ...reference_py.network.table import KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork
 from ...reference_py.network.tabulate import is_grey_dielectric
 from ...reference_py.optics.diffuse import fujii_roughness
 from ...reference_py.optics.microfacet import SPECULAR_ALPHA
@@ -34,8 +34,6 @@ HAS_DIELECTRIC = bpy.app.version >= (5, 0, 0)
 _SLIGHT_ANISOTROPY, _NARROW_DIELECTRIC_ALPHA = 2e-6, 0.06
 # A table that is anisotropic the other way by no more than this counts as isotropic.
 _NEARLY_ISOTROPIC = 1e-3
-# Of the mirrored view above the surface, to which Cycles bends a normal that would mirror it below.
-_MIRRORED_HEIGHT = 0.01
 # Any direction, added to the tangent: without it the tangent would vanish at the very normal, and Cycles divide by 0.
 _SOME_DIRECTION = (5.7e-7, 3.1e-7, 7.6e-7)
 
@@ -111,21 +109,15 @@ class _View:
 
     @cached_property
     def normal(self) -> bpy.types.NodeSocket:
-        """The normal as Cycles bends it for a glossy lobe, see osl/bent.h; the wanted height is that of a long projection.
-
-        All of the nodes are evaluated everywhere: where Cycles bends nothing, the difference to the normal gets the factor 0.
-        """
-        build, geometry = self._build, self._geometry
-        shading, true, incoming = geometry.outputs["Normal"], geometry.outputs["True Normal"], self._incoming
-        # what the mirrored view has below the surface is more than 0; on strands, 1, it never is more
-        below = build.vector("DOT_PRODUCT", build.vector("REFLECT", incoming, shading), true)
-        is_bent = build.math("GREATER_THAN", below, build.node("ShaderNodeHairInfo").outputs["Is Strand"])
-        x = build.vector("NORMALIZE", build.vector("SUBTRACT", shading, build.vector("PROJECT", shading, true)))
-        across = build.vector("PROJECT", incoming, build.vector("CROSS_PRODUCT", true, x))
-        projected = build.vector("NORMALIZE", build.vector("SUBTRACT", incoming, across))
-        lifted = build.vector("MULTIPLY_ADD", true, _MIRRORED_HEIGHT, x)
-        bent = build.vector("NORMALIZE", build.vector("ADD", projected, lifted))
-        return build.vector("MULTIPLY_ADD", build.vector("SUBTRACT", bent, shading), is_bent, shading)
+        """The normal as Cycles bends it for a glossy lobe (osl/bent.h), with 0 for the least height, to save nodes."""
+        build, shading, true = self._build, self._geometry.outputs["Normal"], self._geometry.outputs["True Normal"]
+        cosine, true_cosine = (build.vector("DOT_PRODUCT", n, self._incoming) for n in (shading, true))
+        below = build.vector("DOT_PRODUCT", build.vector("REFLECT", self._incoming, shading), true)
+        # Cycles bends nothing on strands; a height is at most 1
+        missing = build.math("MAXIMUM", build.math("SUBTRACT", below, build.node("ShaderNodeHairInfo").outputs["Is Strand"]), 0.0)
+        root = build.math("SQRT", build.math("MULTIPLY_ADD", true_cosine, missing, build.math("MULTIPLY", cosine, cosine)))
+        k = build.math("DIVIDE", build.math("SUBTRACT", root, cosine), true_cosine)
+        return build.vector("NORMALIZE", build.vector("MULTIPLY_ADD", true, k, shading))
 
     @cached_property
     def _geometry(self) -> bpy.types.Node:
@@ -142,8 +134,7 @@ class _View:
     @cached_property
     def place(self) -> bpy.types.NodeSocket:
         """Where in a ramp the view is."""
-        root = self._build.math("SQRT", self._build.math("MAXIMUM", self._cosine, MIN_COS_O))
-        return self._build.math("MULTIPLY", root, _STEP * (KNOTS - 1) / _RAMP_PLACES)
+        return self._build.math("MULTIPLY", self._build.math("SQRT", self._cosine), _STEP * (KNOTS - 1) / _RAMP_PLACES)
 
     @cached_property
     def side(self) -> bpy.types.NodeSocket:
