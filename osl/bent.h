@@ -10,11 +10,11 @@ normal bent(normal n, vector wo, normal ng)
     float least = min(0.9 * z, 0.01);
     float missing = least + z - 2.0 * dot(n, wo) * dot(n, ng);
     if (missing > 0.0) {
-        int is_strand = 0;
+        float is_strand = 0.0;
         getattribute("geom:is_curve", is_strand);
         float half = dot(n, wo) - least * dot(n, ng);
         float root = sqrt(half * half + (z - least) * missing);
-        if (!is_strand)
+        if (is_strand == 0.0)
             result = normalize(n + (root - half) / (z - least) * ng);
     }
     return result;
