@@ -5,11 +5,13 @@ Tables are Color Ramps. Cycles samples a ramp at 256 even steps and is linear be
 a place, so a ramp is the table itself, up to float32. A ramp holds three columns: a weight, or a lobe's shape.
 """
 
+from functools import cached_property
+
 import bpy
 import numpy as np
 
 from ...reference_py.network.mixture import PatchNetwork
-from ...reference_py.network.table import KNOTS, MIN_COS_O, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork
+from ...reference_py.network.table import KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork
 from ...reference_py.network.tabulate import is_grey_dielectric
 from ...reference_py.optics.diffuse import fujii_roughness
 from ...reference_py.optics.microfacet import SPECULAR_ALPHA
@@ -104,32 +106,45 @@ class _View:
 
     def __init__(self, build: Builder, given_tangent: bpy.types.NodeSocket | None = None):
         self._build, self.given_tangent = build, given_tangent
-        geometry = build.node("ShaderNodeNewGeometry")
-        self.normal, self._incoming = geometry.outputs["Normal"], geometry.outputs["Incoming"]
-        self._cosine = build.vector("DOT_PRODUCT", self.normal, self._incoming)
-        self._place = self._side = self._tangent = None
+
+    @cached_property
+    def normal(self) -> bpy.types.NodeSocket:
+        """The normal as Cycles bends it for a glossy lobe (osl/bent.h), with 0 for the least height, to save nodes."""
+        build, shading, true = self._build, self._geometry.outputs["Normal"], self._geometry.outputs["True Normal"]
+        cosine, true_cosine = (build.vector("DOT_PRODUCT", n, self._incoming) for n in (shading, true))
+        below = build.vector("DOT_PRODUCT", build.vector("REFLECT", self._incoming, shading), true)
+        # Cycles bends nothing on strands; a height is at most 1
+        missing = build.math("MAXIMUM", build.math("SUBTRACT", below, build.node("ShaderNodeHairInfo").outputs["Is Strand"]), 0.0)
+        root = build.math("SQRT", build.math("MULTIPLY_ADD", true_cosine, missing, build.math("MULTIPLY", cosine, cosine)))
+        k = build.math("DIVIDE", build.math("SUBTRACT", root, cosine), true_cosine)
+        return build.vector("NORMALIZE", build.vector("MULTIPLY_ADD", true, k, shading))
+
+    @cached_property
+    def _geometry(self) -> bpy.types.Node:
+        return self._build.node("ShaderNodeNewGeometry")
 
     @property
+    def _incoming(self) -> bpy.types.NodeSocket:
+        return self._geometry.outputs["Incoming"]
+
+    @cached_property
+    def _cosine(self) -> bpy.types.NodeSocket:
+        return self._build.vector("DOT_PRODUCT", self.normal, self._incoming)
+
+    @cached_property
     def place(self) -> bpy.types.NodeSocket:
         """Where in a ramp the view is."""
-        if self._place is None:
-            root = self._build.math("SQRT", self._build.math("MAXIMUM", self._cosine, MIN_COS_O))
-            self._place = self._build.math("MULTIPLY", root, _STEP * (KNOTS - 1) / _RAMP_PLACES)
-        return self._place
+        return self._build.math("MULTIPLY", self._build.math("SQRT", self._cosine), _STEP * (KNOTS - 1) / _RAMP_PLACES)
 
-    @property
+    @cached_property
     def side(self) -> bpy.types.NodeSocket:
         """Along the plane of incidence, as long as the sine of the view."""
-        if self._side is None:
-            along_normal = self._build.vector("SCALE", self.normal, scale=self._cosine)
-            self._side = self._build.vector("SUBTRACT", self._incoming, along_normal)
-        return self._side
+        along_normal = self._build.vector("SCALE", self.normal, scale=self._cosine)
+        return self._build.vector("SUBTRACT", self._incoming, along_normal)
 
-    @property
+    @cached_property
     def tangent(self) -> bpy.types.NodeSocket:
-        if self._tangent is None:
-            self._tangent = self._build.vector("ADD", self.side, _SOME_DIRECTION)
-        return self._tangent
+        return self._build.vector("ADD", self.side, _SOME_DIRECTION)
 
 
 def _lambert(build: Builder, view: _View, table: DiffuseTable) -> bpy.types.NodeSocket:

@@ -17,7 +17,7 @@ class Surface:
     common: tuple[str, ...]
     normal: str
     view: str
-    """Cosine of the view and the normal."""
+    """Cosine of the view and the normal, as Cycles bends it."""
     tangent: str
     alpha: str
     """That of the isotropic surface that stands for it where only energies count."""
@@ -34,7 +34,7 @@ class Surface:
 
 
 def view(suffix: str = "", normal: str = "N") -> str:
-    """The statement that declares `view_z`."""
+    """The statements that declare `bent_normal` and `view_z`; they call `bent.h`."""
     return fill("view.osl", SUFFIX=suffix, NORMAL=normal, MIN_COS_O=f"{MIN_COS_O:g}")
 
 
@@ -44,14 +44,14 @@ def surface_of(element: Element, owner: str) -> Surface:
     common = [fill("own_normal.osl", OWNER=owner)] if element.has(NORMAL) else []
     common.append(view(suffix, normal))
     if "roughness" not in element:
-        return Surface((), tuple(common), normal, f"view_z{suffix}", "", "", "", "")
+        return Surface((fill("bent.h"),), tuple(common), normal, f"view_z{suffix}", "", "", "", "")
     if element.has(ANISOTROPY):
         common.append(fill("surface_anisotropic.osl", OWNER=owner, NORMAL=normal))
-        functions, tangent = (narrow(), fill("turned.h")), f"tangent_{owner}"
+        functions, tangent = (fill("bent.h"), narrow(), fill("turned.h")), f"tangent_{owner}"
         widths = f"alpha_x_{owner}", f"alpha_y_{owner}"
     else:
         common += [fill("surface_tangent.osl", SUFFIX=suffix, NORMAL=normal), fill("surface.osl", OWNER=owner)]
-        functions, tangent = (narrow(),), f"tangent{suffix}"
+        functions, tangent = (fill("bent.h"), narrow()), f"tangent{suffix}"
         widths = f"alpha_{owner}", f"across(alpha_{owner})"
     return Surface(functions, tuple(common), normal, f"view_z{suffix}", tangent, f"alpha_{owner}", *widths)
 
