@@ -18,7 +18,7 @@ from .analytic_tables import Tables, constants
 from .block import Block, Closure
 from .inputs import BASE
 from .parts import beckmann, fill
-from .surface import Surface, diffuse_closure, surface_of, top_closure
+from .surface import BaseClosures, Surface, diffuse_closures, surface_of, top_closure
 
 NOTE = "Adding over the interfaces at every shading point."
 
@@ -38,13 +38,13 @@ def analytic_block(stack: Stack, owners: Sequence[str]) -> Block:
         table = told.arguments(layer["distribution"])
         body.append(fill("analytic_inner.osl", BEAM=beam_of(surface.view), VIEW=surface.view, TABLE=table))
         closures.append(Closure("weight_inner", _wider(layer, surface, "alpha_inner", "n_1"), is_local=True))
-    text, closure, common = _metal(stack, surfaces[-1], told) if stack.base.kind == "conductor" else _diffuse(stack, surfaces[-1])
+    text, base_closures = _metal(stack, surfaces[-1], told) if stack.base.kind == "conductor" else _diffuse(stack, surfaces[-1])
     return Block(
-        functions=(*(text for surface in surfaces for text in surface.functions), *_functions(stack)),
+        functions=(*(text for surface in surfaces for text in surface.functions), *base_closures.functions, *_functions(stack)),
         arrays=told.arrays,
-        common=(*(text for surface in surfaces for text in surface.common), *common),
+        common=(*(text for surface in surfaces for text in surface.common), *base_closures.common),
         body="".join([*body, text]),
-        closures=(*closures, closure),
+        closures=(*closures, *base_closures.closures),
     )
 
 
@@ -85,21 +85,21 @@ def _wider(element: Element, surface: Surface, alpha: str, n: str) -> str:
     return replace(surface, alpha_x=widths[0], alpha_y=widths[1]).microfacet(element["distribution"])
 
 
-def _diffuse(stack: Stack, surface: Surface) -> tuple[str, Closure, tuple[str, ...]]:
-    """Statements for the weight of a diffuse base, its closure, and the statements at the shader's top that it needs besides."""
-    closure, color, common = diffuse_closure(stack.base, surface)
+def _diffuse(stack: Stack, surface: Surface) -> tuple[str, BaseClosures]:
+    """Statements for the weight of a diffuse base, and its closures."""
+    closures = diffuse_closures(stack.base, surface)
     if not stack.layers:
-        return "", Closure(color, closure), common
+        return "", closures
     beam = beam_of(surface.view)
     if stack.base.kind == "lambert":
-        return "", Closure(f"{beam}.transmitted * escaped / (1.0 - {color} * reflected) * {color}", closure), common
+        return "", closures.below(f"{beam}.transmitted * escaped / (1.0 - BaseColor * reflected)")
     u, w = base.gauss(ALBEDO_NODES)
     mean = " + ".join(f"{2.0 * wi * ui:.9g} * oren_nayar_albedo({ui:.9g}, BaseColor, base_sigma)" for ui, wi in zip(u, w))
     text = fill("analytic_oren_nayar.osl", BEAM=beam, VIEW=surface.view, N_BASE=f"n_{len(stack.layers)}", MEAN=mean)
-    return text, Closure("weight_base", closure), common
+    return text, closures.below("weight_base")
 
 
-def _metal(stack: Stack, surface: Surface, told: Tables) -> tuple[str, Closure, tuple[str, ...]]:
+def _metal(stack: Stack, surface: Surface, told: Tables) -> tuple[str, BaseClosures]:
     """The same of a metal base."""
     element, count = stack.base, len(stack.layers)
     if count:
@@ -123,7 +123,7 @@ def _metal(stack: Stack, surface: Surface, told: Tables) -> tuple[str, Closure, 
         VIEW=surface.view,
     )
     index = fill("index_artist.osl" if "reflectance" in element else "index_complex.osl")
-    return text, Closure("weight_base", closure, is_local=True), (index,)
+    return text, BaseClosures((Closure("weight_base", closure, is_local=True),), common=(index,))
 
 
 def _lobe_nodes(stack: Stack, surface: Surface) -> str:

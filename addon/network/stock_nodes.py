@@ -10,8 +10,8 @@ import numpy as np
 
 from ...reference_py.network.mixture import PatchNetwork
 from ...reference_py.network.table import KNOTS, MIN_COS_O, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork
-from ...reference_py.network.tabulate import is_grey_dielectric
-from ...reference_py.optics.diffuse import fujii_roughness
+from ...reference_py.network.tabulate import is_grey_dielectric, tabulate
+from ...reference_py.optics.diffuse import CYCLES_5_2_POWER, OREN_NAYAR_POWER, fujii_roughness
 from ...reference_py.optics.microfacet import SPECULAR_ALPHA
 from ...reference_py.schema import COVERAGE, FLOAT, NORMAL
 from ...reference_py.stack import Stack
@@ -28,12 +28,19 @@ NARROW_ALPHA = 0.017
 _LEAST_ANISOTROPY = 1.01e-4
 # From 5.0 on Cycles' Metallic node has the exact Fresnel equations, and no extinction makes a metal a dielectric.
 HAS_DIELECTRIC = bpy.app.version >= (5, 0, 0)
+# Of the color of a rough Diffuse node, in light that meets several facets.
+_DIFFUSE_POWER = OREN_NAYAR_POWER if bpy.app.version >= (5, 3, 0) else CYCLES_5_2_POWER
 # Of the Metallic node, to which any anisotropy will do, and the alpha below which it is given (osl/narrow.h).
 _SLIGHT_ANISOTROPY, _NARROW_DIELECTRIC_ALPHA = 2e-6, 0.06
 # A table that is anisotropic the other way by no more than this counts as isotropic.
 _NEARLY_ISOTROPIC = 1e-3
 # Any direction, added to the tangent: without it the tangent would vanish at the very normal, and Cycles divide by 0.
 _SOME_DIRECTION = (5.7e-7, 3.1e-7, 7.6e-7)
+
+
+def stock_tables(network) -> TableNetwork | PatchNetwork:
+    """A network in tables of the lobes that this Blender's nodes have."""
+    return tabulate(network.resolved, HAS_DIELECTRIC, _DIFFUSE_POWER)
 
 
 def group_inputs(network: TableNetwork | PatchNetwork) -> tuple[ShaderInput, ...]:

@@ -18,12 +18,11 @@ from ...reference_py.network import DEFAULT_TIER, HOLD_VALUES, PROVISIONAL_TIER,
 from ...reference_py.network.choice import DEFAULT_TOLERANCE
 from ...reference_py.network.memory import content
 from ...reference_py.network.mixture import MAX_CLOSURES, estimated_cost, estimated_error, holds_values, tiers_of
-from ...reference_py.network.tabulate import tabulate
 from ...reference_py.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
 from ...reference_py.stack import Stack
 from ..network.inputs import BASE, layer_owner
 from ..network.osl import generate
-from ..network.stock_nodes import HAS_DIELECTRIC, closure_count, left_out
+from ..network.stock_nodes import closure_count, left_out, stock_tables
 from ..rendering.settings import node_tree
 from .backend import NODES, OSL, backend_here, notice
 from .elements import bring_up_to_date, carry_metal, fill_element, kind_of, node_of, read_element, show_name, shown_parameters, structure_dict
@@ -201,7 +200,7 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
     settled = wanted is None or settle or wanted.is_known()
     network = make_network(told, PROVISIONAL_TIER) if not settled else wanted.make(progress) if waits else make_network(told, lamina.tier)
     if backend == NODES:
-        tables = tabulate(network.resolved, HAS_DIELECTRIC)
+        tables = stock_tables(network)
         shader, lamina.lobe_count = group_with(material, tables, owners), closure_count(tables)
     else:
         text = generate(network)

@@ -8,10 +8,9 @@ It follows in a window, when the values rest; renders in Cycles do not change by
 import bpy
 
 from ...reference_py.network import HOLD_VALUES, PROVISIONAL_TIER, make_network
-from ...reference_py.network.tabulate import tabulate
 from ..network.inputs import BASE, layer_owner
 from ..network.node_groups import drop_group, network_group
-from ..network.stock_nodes import HAS_DIELECTRIC, group_inputs
+from ..network.stock_nodes import group_inputs, stock_tables
 from .backend import OSL
 from .elements import node_of
 from .material import wanted_network
@@ -39,7 +38,7 @@ def _add(material: bpy.types.Material, key: str) -> None:
     wanted = wanted_network(material)
     # stock nodes follow no texture, and the tables over live values are none that they have
     network = make_network(wanted.stack, PROVISIONAL_TIER) if wanted.live else wanted.make()
-    tables = tabulate(network.resolved, HAS_DIELECTRIC)
+    tables = stock_tables(network)
     node, output = tree.nodes.new("ShaderNodeGroup"), tree.nodes.new("ShaderNodeOutputMaterial")
     node.node_tree, output.target = network_group(tables), "EEVEE"
     node.name = node.label = NODE

@@ -25,11 +25,13 @@ WEIGHT_CUTOFF = 1e-5
 
 def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
     """f (..., 3) of one lobe for directions above the surface, as Cycles' closure gives it; 0 for a mirror-like one."""
-    weight = np.where(np.mean(lobe.weight, axis=-1, keepdims=True) < WEIGHT_CUTOFF, 0.0, lobe.weight)
+    # a closure that has a color counts it as its weight
+    told = lobe.weight if isinstance(lobe, GlossyLobe) or lobe.color is None else lobe.weight * np.asarray(lobe.color)
+    weight = np.where(np.mean(told, axis=-1, keepdims=True) < WEIGHT_CUTOFF, 0.0, lobe.weight)
     if isinstance(lobe, DiffuseLobe):
         if lobe.color is None:
             return weight / np.pi * np.ones(wi.shape)
-        return weight * oren_nayar(wi, wo, np.array(lobe.color), lobe.sigma_deg)
+        return weight * oren_nayar(wi, wo, np.array(lobe.color), lobe.sigma_deg, lobe.power)
     if is_mirror(lobe):
         return np.zeros(wi.shape)
     sharp = is_specular(np.sqrt(lobe.alpha_x * lobe.alpha_y))  # at some views only: a mirror there
@@ -127,7 +129,7 @@ def lobe_energy(lobe: GlossyLobe | DiffuseLobe, cos_theta_o: np.ndarray) -> np.n
         return lobe.weight * np.ones(3)
     wo = np.stack([np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)), np.zeros_like(cos_theta_o), cos_theta_o], axis=-1)
     wi = cosine_directions(*points(4096))
-    return lobe.weight * np.pi * np.mean(oren_nayar(wi, wo[:, None], np.array(lobe.color), lobe.sigma_deg), axis=1)
+    return lobe.weight * np.pi * np.mean(oren_nayar(wi, wo[:, None], np.array(lobe.color), lobe.sigma_deg, lobe.power), axis=1)
 
 
 def _carried_directions(wo, alpha_x, alpha_y, tilt, u1, u2) -> np.ndarray:

@@ -36,14 +36,15 @@ class FeaturedAnalyticNetwork(AnalyticNetwork):
     def lobes(self, cos_theta_o: np.ndarray) -> list[GlossyLobe | DiffuseLobe]:
         """The lobes from the top for views of cosine cos_theta_o (...); weights are (..., 3)."""
         cos_theta_o = np.clip(np.asarray(cos_theta_o, float), MIN_COS_O, 1.0)
-        *inner, base = self._plain.lobes(cos_theta_o)
-        layers = self.stack.layers
+        lobes, layers = self._plain.lobes(cos_theta_o), self.stack.layers
         indices = [1.0, *(layer["ior"] for layer in layers)]
-        elements = [*layers[: len(inner)], self.stack.base]
-        depths = [*range(len(inner)), len(layers)]
+        # the top, all deeper layers as the second, and the base, which may have two lobes
+        inner = min(len(layers), 2)
+        elements = [*layers[:inner], *[self.stack.base] * (len(lobes) - inner)]
+        depths = [*range(inner), *[len(layers)] * (len(lobes) - inner)]
         return [
             _shaped(lobe, brushed(element) if "roughness" in element else None, indices[depth], cos_theta_o, depth == 0 and len(layers) > 0)
-            for lobe, element, depth in zip([*inner, base], elements, depths)
+            for lobe, element, depth in zip(lobes, elements, depths)
         ]
 
 

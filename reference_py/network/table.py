@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..optics.diffuse import OREN_NAYAR_POWER
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 
 KNOTS = 24
@@ -65,13 +66,14 @@ class DiffuseTable:
 
 @dataclass(frozen=True)
 class OrenNayarTable:
-    """An Oren-Nayar lobe whose colour `weight` (KNOTS, 3) depends on the view, as stock nodes have it."""
+    """An Oren-Nayar lobe whose colour `weight` (KNOTS, 3) depends on the view, as stock nodes have it; `power` as in `DiffuseLobe`."""
 
     weight: np.ndarray
     sigma_deg: float
+    power: int = OREN_NAYAR_POWER
 
     def lobe(self, cos_theta_o: np.ndarray) -> DiffuseLobe:
-        return DiffuseLobe(np.ones(3), interpolate(self.weight, cos_theta_o), self.sigma_deg)
+        return DiffuseLobe(np.ones(3), interpolate(self.weight, cos_theta_o), self.sigma_deg, self.power)
 
 
 @dataclass(frozen=True)

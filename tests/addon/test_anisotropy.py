@@ -7,12 +7,11 @@ import pytest
 pytest.importorskip("bpy")
 
 from lamina.addon.nodes import material  # noqa: E402
-from lamina.addon.network.stock_nodes import HAS_DIELECTRIC  # noqa: E402
+from lamina.addon.network.stock_nodes import stock_tables  # noqa: E402
 from lamina.addon.rendering.measure import render_sun_sphere  # noqa: E402
 from lamina.reference_py.models import make_model  # noqa: E402
 from lamina.reference_py.network import make_network  # noqa: E402
 from lamina.reference_py.network.closure import lobe_f  # noqa: E402
-from lamina.reference_py.network.tabulate import tabulate  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
 from support.goniometer import TOLERANCE, tangent_parity  # noqa: E402
 
@@ -73,7 +72,7 @@ def test_anisotropy_0_renders_as_none(blender, tier):
 @pytest.mark.parametrize("name", ["coat over metal", "half covered"])
 def test_stock_nodes_equal_mirror(blender, name):
     new = shown(*STACKS[name], "weidlich_wilkie", "nodes")
-    network = tabulate(make_network(material.stack_of(new), "weidlich_wilkie"), HAS_DIELECTRIC)
+    network = stock_tables(make_network(material.stack_of(new), "weidlich_wilkie"))
 
     def f(wo, wi):
         return sum(lobe_f(lobe, wo, wi) for lobe in network.lobes(wo[..., 2])) * (wi[..., 2:] > 0.0)

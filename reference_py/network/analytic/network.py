@@ -9,7 +9,7 @@ from ...optics.diffuse import oren_nayar_albedo
 from ...optics.material import conductor_index, interfaces, n_above_base
 from ...optics.microfacet import alpha_from_roughness
 from ...stack import Stack
-from ..lobe import DielectricCurve, DiffuseLobe, GlossyLobe
+from ..lobe import DielectricCurve, DiffuseLobe, GlossyLobe, oren_nayar_lobes
 from .base import bare_metal, gauss, metal_lobe, uniform_below
 from .beam import Crossing, cosine, through
 from .calibration import LOBE_BEND
@@ -22,7 +22,7 @@ ALBEDO_NODES = 8
 
 
 class AnalyticNetwork:
-    """At most three closures and a diffuse one, whatever the number of layers.
+    """At most three closures, or two and a diffuse base's one or two, whatever the number of layers.
 
     The top interface has the exact Fresnel curve and its lossless energy; all deeper interfaces share one glossy
     lobe; the base has one. Every energy is divided by that of its closure, so albedos are those of the adding.
@@ -88,7 +88,7 @@ class AnalyticNetwork:
             energy = passage.transmitted * own * out / (1.0 - mean * back)
         if base.kind == "lambert":
             return [DiffuseLobe(energy)]
-        return [DiffuseLobe(energy / closure, base["color"], base["sigma_deg"])]
+        return oren_nayar_lobes(energy / closure, base["color"], base["sigma_deg"])
 
     def _metal_lobes(self, cos_o, passage) -> list[GlossyLobe | DiffuseLobe]:
         base, n = self.stack.base, self._n_base
