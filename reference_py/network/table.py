@@ -86,7 +86,7 @@ class TableNetwork:
     def lobe_count(self) -> int:
         return len(self.tables)
 
-    def lobes(self, cos_theta_o: np.ndarray) -> list[GlossyLobe | DiffuseLobe]:
-        """The lobes for views of cosine cos_theta_o (...); weights are (..., 3)."""
+    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
+        """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
         cos_o = np.clip(np.asarray(cos_theta_o, float), MIN_COS_O, 1.0)
         return [table.lobe(cos_o) for table in self.tables]

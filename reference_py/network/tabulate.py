@@ -110,7 +110,7 @@ def _fresnel_share(lobe: GlossyLobe) -> np.ndarray:
     for k, (cos_o, *shape) in enumerate(zip(knot_cosines(), *_at_knots(lobe.alpha_x, lobe.alpha_y, lobe.tilt))):
         plain = GlossyLobe(lobe.distribution, np.ones(3), *shape, frame=lobe.frame)
         shaped = replace(plain, fresnel=_curve_at(lobe.fresnel, k))
-        energies = [unit_energy(one, np.array([cos_o]), _DIRECTIONS)[0] for one in (shaped, plain)]
+        energies = [unit_energy(one, np.array([cos_o]), phi, _DIRECTIONS)[0] for one in (shaped, plain)]
         share[k] = energies[0] / energies[1]
     return share
 

@@ -18,7 +18,6 @@ from .calibration import (
     BASE_LOSS, EXIT_SPREAD, KEPT_ORDER, KEPT_SCALE, LEAST_COS, MOST_LOBE_SHARE, NODE_SPREAD, STIR_BACK,
     STIR_POWER, STIR_SCALE,
 )
-from .tables import closure_energy
 
 # Gauss nodes over the cosine outside, over the light trapped below, and over the lobe of a base.
 ESCAPING, TRAPPED = 4, 3
@@ -128,21 +127,21 @@ class MetalLobe:
     """After more of them."""
 
 
-def bare_metal(cos_theta, alpha: float, kind: str, eta: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Directional albedo (..., 3) of a lossless-faceted metal without layers."""
+def bare_metal(cos_theta, alpha: float, kind: str, eta: np.ndarray, k: np.ndarray, white: np.ndarray) -> np.ndarray:
+    """Directional albedo (..., 3) of a lossless-faceted metal without layers, whose facets let go `white` (...) of light at once."""
     p = np.sqrt(1.0 - np.square(cos_theta))
-    once, more, _ = _reflected(p, 0.0 * p, 1.0, alpha, kind, kind, eta, k)
+    once, more, _ = _reflected(p, 0.0 * p, 1.0, alpha, kind, kind, eta, k, white)
     return np.sum(once, axis=-2) + more
 
 
-def metal_lobe(up: Sequence[Crossing], n_base: float, p, variance, alpha: float, kind: str, eta, k) -> MetalLobe:
-    """The base's lobe for beams (...) that reach it; eta, k (3,) are relative to the medium above it.
+def metal_lobe(up: Sequence[Crossing], n_base: float, p, variance, alpha: float, kind: str, eta, k, white) -> MetalLobe:
+    """The base's lobe for beams (...) that reach it; eta, k (3,) are relative to the medium above it, `white` is as in `bare_metal`.
 
     The lobe is carried out through the layers at a few of its directions. Its later orders return along the
     directions that were reflected, mixed with uniform light the more the wider the lobe is.
     """
     widened = np.sqrt(variance * EXIT_SPREAD) / (2.0 * n_base * cosine(p, n_base))
-    share, facets, p_out = _reflected(p, widened, n_base, alpha, kind, up[0].kind, eta, k)
+    share, facets, p_out = _reflected(p, widened, n_base, alpha, kind, up[0].kind, eta, k, white)
     total_alpha = np.minimum(np.sqrt(alpha * alpha + np.square(widened)), 1.0)
     width = (NODE_SPREAD * 2.0 * n_base * cosine(p, n_base) * total_alpha)[..., None] * lobe_nodes()[4]
     below = layers_below(up, n_base)
@@ -163,9 +162,9 @@ def metal_lobe(up: Sequence[Crossing], n_base: float, p, variance, alpha: float,
     return MetalLobe(first, (back + facets * back_d) * albedo * out_again / (1.0 - albedo * back_again))
 
 
-def _reflected(p, widened, n: float, alpha: float, kind: str, kind_above: str, eta, k):
+def _reflected(p, widened, n: float, alpha: float, kind: str, kind_above: str, eta, k, white):
     """What a metal reflects: by one facet, per node (..., Q, 3), by more of them (..., 3), and p of the nodes (..., Q)."""
-    seen, hidden, p_out, cos_om = _lobe_nodes(p, widened, n, alpha, kind, kind_above)
+    seen, hidden, p_out, cos_om = _lobe_nodes(p, widened, n, alpha, kind, kind_above, white)
     fresnel = fresnel_conductor(cos_om[..., None], eta, k)
     again = np.sum(hidden[..., None] * fresnel, axis=-2)
     return seen[..., None] * fresnel, again * _later_facets(alpha, eta, k), p_out
@@ -192,7 +191,7 @@ def lobe_nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.nda
     )  # fmt: skip
 
 
-def _lobe_nodes(p, widened, n: float, alpha: float, kind: str, kind_above: str):
+def _lobe_nodes(p, widened, n: float, alpha: float, kind: str, kind_above: str, white):
     """(seen, hidden, p, cosine on the facet), each (..., Q): directions of a metal's lobe from its visible facets.
 
     `seen` is the share of light that one facet lets go, `hidden` that which meets another.
@@ -216,8 +215,8 @@ def _lobe_nodes(p, widened, n: float, alpha: float, kind: str, kind_above: str):
     lambda_o, lambda_i = smith_lambda(c, stretch, GGX), smith_lambda(np.maximum(iz, LEAST_COS), stretch, GGX)
     seen = np.where(iz > 0.0, (1.0 + lambda_o) / (1.0 + lambda_o + lambda_i), 0.0)
     ix, iy = 2.0 * cos_om * hx - s + 2.0 * c * apart * turn_x, 2.0 * cos_om * hy + 2.0 * c * apart * turn_y
-    # the nodes know the lobe's shape, the table its energy
-    energy = closure_energy(c[..., 0], alpha, kind)[..., None]
+    # the nodes know the lobe's shape, the tables its energy
+    energy = white[..., None]
     hidden = node_weight * (1.0 - seen)
     hidden = hidden * (1.0 - energy) / np.maximum(np.sum(hidden, axis=-1, keepdims=True), 1e-9)
     seen = node_weight * seen
