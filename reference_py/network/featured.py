@@ -16,6 +16,7 @@ from ..optics.material import Brushed, brushed
 from ..schema import THIN_FILM
 from ..stack import Stack
 from .analytic import AnalyticNetwork
+from .analytic.base import Facets
 from .analytic.network import at_views
 from .analytic.tables import brushed_energy, closure_energy
 from .lobe import DiffuseLobe, GlossyLobe
@@ -47,8 +48,8 @@ class FeaturedAnalyticNetwork(AnalyticNetwork):
         layers, base = self.stack.layers, self.stack.base
         top, metal = (brushed(e) if e is not None and "roughness" in e else None for e in (layers[0] if layers else None, base))
         seen = None if top is None else seen_alpha(top, cos_o, phi)
-        energy = None if metal is None else partial(_energy, widths=metal, phi=phi, kind=base["distribution"])
-        lobes = self._plain.lobes_of(cos_o, seen, energy)
+        facets = None if metal is None else partial(_facets, widths=metal, phi=phi, kind=base["distribution"])
+        lobes = self._plain.lobes_of(cos_o, seen, facets)
         indices = [1.0, *(layer["ior"] for layer in layers)]
         # the top, all deeper layers as the second, and the base, which may have two lobes
         inner = min(len(layers), 2)
@@ -66,14 +67,18 @@ def seen_alpha(widths: Brushed, cos_o, phi) -> np.ndarray:
     Along the normal all of its slopes count alike, at grazing views those along the plane of incidence. Against quadrature that
     is good to .01 of the light to 80 degrees (tests/reference_py/test_anisotropy.py).
     """
-    cos2, sin2 = np.square(np.cos(phi - widths.angle)), np.square(np.sin(phi - widths.angle))
-    x2, y2 = widths.alpha_x**2, widths.alpha_y**2
-    along, across = x2 * cos2 + y2 * sin2, x2 * sin2 + y2 * cos2
+    along, across = np.square(_sides(widths, phi))
     return np.sqrt((along + np.square(cos_o) * across) / (1.0 + np.square(cos_o)))
 
 
-def _energy(cos_theta, widths: Brushed, phi, kind: str):
-    return brushed_energy(cos_theta, phi - widths.angle, widths.alpha_x, widths.alpha_y, kind)
+def _sides(widths: Brushed, phi) -> tuple[np.ndarray, np.ndarray]:
+    """Alphas (...) along and across the plane of incidence."""
+    cos, sin = np.cos(phi - widths.angle), np.sin(phi - widths.angle)
+    return np.hypot(widths.alpha_x * cos, widths.alpha_y * sin), np.hypot(widths.alpha_x * sin, widths.alpha_y * cos)
+
+
+def _facets(cos_theta, widths: Brushed, phi, kind: str) -> Facets:
+    return Facets(_sides(widths, phi), brushed_energy(cos_theta, phi - widths.angle, widths.alpha_x, widths.alpha_y, kind))
 
 
 def _shaped(lobe, widths: Brushed | None, n: float, cos_o: np.ndarray, phi: np.ndarray, is_top: bool):

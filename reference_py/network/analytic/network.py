@@ -11,7 +11,7 @@ from ...optics.material import conductor_index, interfaces, n_above_base
 from ...optics.microfacet import alpha_from_roughness
 from ...stack import Stack
 from ..lobe import DielectricCurve, DiffuseLobe, GlossyLobe, oren_nayar_lobes
-from .base import bare_metal, gauss, metal_lobe, uniform_below
+from .base import Facets, bare_metal, gauss, metal_lobe, uniform_below
 from .beam import Crossing, cosine, through
 from .calibration import LOBE_BEND
 from .tables import closure_energy, top_gain
@@ -53,11 +53,11 @@ class AnalyticNetwork:
         return [at_views(lobe, index) for lobe in self.lobes_of(cos_o)]
 
     def lobes_of(
-        self, cos_o: np.ndarray, top_alpha: np.ndarray | None = None, base_energy: Callable[[np.ndarray], np.ndarray] | None = None
+        self, cos_o: np.ndarray, top_alpha: np.ndarray | None = None, base_facets: Callable[[np.ndarray], Facets] | None = None
     ) -> list[GlossyLobe | DiffuseLobe]:
         """The lobes for views (n,), whatever their order; `top_alpha` (n,) is what they see of the top's.
 
-        `base_energy` gives the directional albedo of a white metal base's facets for the cosines (n,) of the beams that reach it.
+        `base_facets` gives those of a metal base for the cosines (n,) of the beams that reach it.
         """
         p = np.sqrt(1.0 - np.square(cos_o))
         passage = through(self._down, p, np.zeros_like(p), top_alpha)
@@ -67,7 +67,7 @@ class AnalyticNetwork:
         if len(self._down) > 1:
             alpha = lobe_alpha(passage.inner_variance, cos_o)
             result.append(glossy(self._down[1].kind, passage.inner, alpha, cos_o))
-        return result + self._base_lobes(cos_o, passage, base_energy)
+        return result + self._base_lobes(cos_o, passage, base_facets)
 
     def _top_lobe(self, cos_o, seen_alpha) -> GlossyLobe:
         top = self._down[0]
@@ -76,10 +76,10 @@ class AnalyticNetwork:
         alpha = np.full(cos_o.shape, top.alpha)
         return GlossyLobe(top.kind, weight, alpha, alpha, fresnel=DielectricCurve(eta))
 
-    def _base_lobes(self, cos_o, passage, base_energy) -> list[GlossyLobe | DiffuseLobe]:
+    def _base_lobes(self, cos_o, passage, base_facets) -> list[GlossyLobe | DiffuseLobe]:
         base = self.stack.base
         if base.kind == "conductor":
-            return self._metal_lobes(cos_o, passage, base_energy)
+            return self._metal_lobes(cos_o, passage, base_facets)
         cos_base = np.minimum(cosine(passage.p, self._n_base), 1.0)
         color = np.array(base["color"])
         if base.kind == "lambert":
@@ -97,15 +97,15 @@ class AnalyticNetwork:
             return [DiffuseLobe(energy)]
         return oren_nayar_lobes(energy / closure, base["color"], base["sigma_deg"])
 
-    def _metal_lobes(self, cos_o, passage, base_energy) -> list[GlossyLobe | DiffuseLobe]:
+    def _metal_lobes(self, cos_o, passage, base_facets) -> list[GlossyLobe | DiffuseLobe]:
         base, n = self.stack.base, self._n_base
         alpha, kind = float(alpha_from_roughness(base["roughness"])), base["distribution"]
         eta, k = (index / n for index in conductor_index(base))
         reaches = cosine(passage.p, n)
-        white = closure_energy(reaches, alpha, kind) if base_energy is None else base_energy(reaches)
+        facets = base_facets(reaches) if base_facets else Facets((alpha, alpha), closure_energy(reaches, alpha, kind))
         if not self._down:
-            return [glossy(kind, bare_metal(cos_o, alpha, kind, eta, k, white), alpha * np.ones_like(cos_o), cos_o)]
-        lobe = metal_lobe(self._up, n, passage.p, passage.variance, alpha, kind, eta, k, white)
+            return [glossy(kind, bare_metal(cos_o, alpha, kind, eta, k, facets), alpha * np.ones_like(cos_o), cos_o)]
+        lobe = metal_lobe(self._up, n, passage.p, passage.variance, alpha, kind, eta, k, facets)
         variance = 2.0 * passage.variance + np.square(2.0 * n * reaches * alpha)
         energy = passage.transmitted * (lobe.first + lobe.later)
         return [glossy(kind, energy, lobe_alpha(variance, cos_o), cos_o)]
