@@ -69,6 +69,8 @@ def _functions(stack: Stack) -> list[str]:
     if stack.base.kind == "conductor":
         mean = " + ".join(f"{w:g} * fresnel_conductor({c:g}, eta, k)" for c, w in zip(base.MEAN_COSINES, base.MEAN_WEIGHTS))
         texts += [fill("masking.h"), fill("fresnel_conductor.h"), _own("analytic_metal.h", MEAN=mean)]
+        if stack.base.has(ANISOTROPY):
+            texts.append(_own("analytic_brushed_metal.h"))
         if stack.layers:
             texts += [_own("analytic_below.h", **below_text()), _own("analytic_coated_metal.h")]
         if "reflectance" in stack.base:
@@ -143,14 +145,18 @@ def _metal(stack: Stack, surface: Surface, told: Tables) -> tuple[str, BaseClosu
         n, arrives, energy = "1.0", f"sqrt(1.0 - {surface.view} * {surface.view}), 0.0", "(lobe.once * keep + facets)"
         alpha = surface.alpha
     lobe = _Lobe.of(element, surface, BASE, "base", n if count else None, told)
-    brushed = element.has(ANISOTROPY)
+    facet_energy, brushed = f"closure_energy({table}, lobe.c, {surface.alpha})", ""
+    if element.has(ANISOTROPY):
+        facet_energy = _brushed_energy(table, "lobe.c", BASE, surface)
+        brushed = f"    facets = later_brushed_facets(facets, lobe, facet_energy, {surface.alpha_x}, {surface.alpha_y});\n"
     text = fill(
         "analytic_conductor.osl",
         N_BASE=n,
         ARRIVES=arrives,
         SURFACE_ALPHA=surface.alpha,
         NODES=_lobe_nodes(stack, surface),
-        OWN_ENERGY=_brushed_energy(table, "lobe.c", BASE, surface) if brushed else f"closure_energy({table}, lobe.c, {surface.alpha})",
+        FACET_ENERGY=facet_energy,
+        BRUSHED=brushed,
         ENERGY=energy,
         ALPHA=alpha,
         WIDTHS=lobe.widths,

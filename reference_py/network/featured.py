@@ -78,7 +78,9 @@ def _sides(widths: Brushed, phi) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _facets(cos_theta, widths: Brushed, phi, kind: str) -> Facets:
-    return Facets(_sides(widths, phi), brushed_energy(cos_theta, phi - widths.angle, widths.alpha_x, widths.alpha_y, kind))
+    x2, y2 = widths.alpha_x**2, widths.alpha_y**2
+    white = brushed_energy(cos_theta, phi - widths.angle, widths.alpha_x, widths.alpha_y, kind)
+    return Facets(_sides(widths, phi), white, (x2 - y2) / max(x2 + y2, 1e-20))
 
 
 def _shaped(lobe, widths: Brushed | None, n: float, cos_o: np.ndarray, phi: np.ndarray, is_top: bool):

@@ -15,7 +15,7 @@ from ...optics.fresnel import fresnel_conductor
 from ...optics.microfacet import GGX, smith_lambda_stretched
 from .beam import Crossing, attenuation, cosine, through
 from .calibration import (
-    BASE_LOSS, EXIT_SPREAD, KEPT_ORDER, KEPT_SCALE, LEAST_COS, MOST_LOBE_SHARE, NODE_SPREAD, STIR_BACK,
+    BASE_LOSS, BRUSHED_KEPT, EXIT_SPREAD, KEPT_ORDER, KEPT_SCALE, LEAST_COS, MOST_LOBE_SHARE, NODE_SPREAD, STIR_BACK,
     STIR_POWER, STIR_SCALE,
 )
 
@@ -120,10 +120,11 @@ def polynomial_fit(count: int) -> np.ndarray:
 @dataclass(frozen=True)
 class Facets:
     """A metal's facets as beams (...) see them: their alphas along and across the plane of incidence, and the share `white` (...)
-    of light that one facet of a white surface lets go."""
+    of light that one facet of a white surface lets go; `gap` is the difference of the alphas' squares over their sum."""
 
     sides: tuple[np.ndarray | float, np.ndarray | float]
     white: np.ndarray
+    gap: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -176,13 +177,23 @@ def _reflected(p, widened, n: float, alpha: float, kind: str, kind_above: str, e
     seen, hidden, p_out, cos_om = _lobe_nodes(p, widened, n, kind, kind_above, facets)
     fresnel = fresnel_conductor(cos_om[..., None], eta, k)
     again = np.sum(hidden[..., None] * fresnel, axis=-2)
-    return seen[..., None] * fresnel, again * _later_facets(alpha, eta, k), p_out
+    later = _later_facets(alpha, eta, k)
+    later = later + facets.gap * (_later_brushed(again, 1.0 - facets.white[..., None]) - later)
+    return seen[..., None] * fresnel, again * later, p_out
 
 
 def _later_facets(alpha: float, eta, k) -> np.ndarray:
     """Share (3,) of light that leaves a metal after it met one facet and was not let go (after Kulla and Conty 2017)."""
     mean = np.sum(MEAN_WEIGHTS[:, None] * fresnel_conductor(MEAN_COSINES[:, None], eta, k), axis=0)
     kept = BASE_LOSS * alpha * alpha / (1.0 + (1.0 + BASE_LOSS) * alpha * alpha)
+    return mean * (1.0 - kept) / (1.0 - mean * kept)
+
+
+def _later_brushed(again: np.ndarray, hidden: np.ndarray) -> np.ndarray:
+    """The same share (..., 3) where facets are anisotropic, whose light stays near the plane it came in: `again` (..., 3) is what the
+    first facet reflected of the share `hidden` (..., 1) that it did not let go."""
+    mean = again / np.maximum(hidden, 1e-9)
+    kept = BRUSHED_KEPT * hidden
     return mean * (1.0 - kept) / (1.0 - mean * kept)
 
 
