@@ -32,7 +32,7 @@ _LEAST_ANISOTROPY = 1.01e-4
 # From 5.0 on Cycles' Metallic node has the exact Fresnel equations, and no extinction makes a metal a dielectric.
 HAS_DIELECTRIC = bpy.app.version >= (5, 0, 0)
 # Of the color of a rough Diffuse node, in light that meets several facets.
-_DIFFUSE_POWER = OREN_NAYAR_POWER if bpy.app.version >= (5, 3, 0) else CYCLES_5_2_POWER
+DIFFUSE_POWER = OREN_NAYAR_POWER if bpy.app.version >= (5, 3, 0) else CYCLES_5_2_POWER
 # Of the Metallic node, to which any anisotropy will do, and the alpha below which it is given (osl/narrow.h).
 _SLIGHT_ANISOTROPY, _NARROW_DIELECTRIC_ALPHA = 2e-6, 0.06
 # A table that is anisotropic the other way by no more than this counts as isotropic.
@@ -43,7 +43,7 @@ _SOME_DIRECTION = (5.7e-7, 3.1e-7, 7.6e-7)
 
 def stock_tables(network) -> TableNetwork | PatchNetwork:
     """A network in tables of the lobes that this Blender's nodes have."""
-    return tabulate(network.resolved, HAS_DIELECTRIC, _DIFFUSE_POWER)
+    return tabulate(network.resolved, HAS_DIELECTRIC, DIFFUSE_POWER)
 
 
 def group_inputs(network: TableNetwork | PatchNetwork) -> tuple[ShaderInput, ...]:
