@@ -16,12 +16,11 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.network import DEFAULT_TIER, HOLD_VALUES, PROVISIONAL_TIER, make_network, require_tier
 from ...reference_py.network.memory import content
 from ...reference_py.network.mixture import MAX_CLOSURES, estimated_cost, estimated_error, holds_values, tiers_of
-from ...reference_py.network.tabulate import tabulate
 from ...reference_py.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
 from ...reference_py.stack import Stack
 from ..network.inputs import BASE, layer_owner
 from ..network.osl import generate
-from ..network.stock_nodes import HAS_DIELECTRIC, closure_count, left_out
+from ..network.stock_nodes import closure_count, left_out, stock_tables
 from ..rendering.settings import node_tree
 from .backend import AUTO, NODES, OSL, branches_here, notice
 from .base_kind import change_kind, lost_by_change
@@ -238,7 +237,7 @@ def _make_stock(surface: Surface, material, owners, network, key: str):
     if network is None:
         tier = material.lamina.tier
         network = make_network(stack, PROVISIONAL_TIER if tier in HOLD_VALUES else tier)
-    tables = tabulate(network.resolved, HAS_DIELECTRIC)
+    tables = stock_tables(network)
     _note(surface.stock(tables, owners), content(stack), key)
     return tables
 
