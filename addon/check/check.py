@@ -13,13 +13,13 @@ from math import isfinite
 import bpy
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.schema import FLOAT, NORMAL, SCHEMA, Parameter
+from ...reference_py.schema import COLOR, FLOAT, NORMAL, SCHEMA, Parameter
 from ..background import bakes
 from ..network.inputs import BASE, layer_owner
 from ..network.node_groups import is_untouched as group_is_untouched
 from ..nodes import state
 from ..nodes.backend import AUTO, NODES, OSL, branches_here
-from ..nodes.elements import find_node, kind_of, node_of
+from ..nodes.elements import find_node, kind_of, node_of, outside_rec709
 from ..nodes.entry import surface_output
 from ..nodes.hand_over import usd_takes
 from ..nodes.kind_groups import KIND_KEY, hands_on
@@ -66,6 +66,7 @@ CODES = {
     "texture_ignored": (WARNING, "{layer}: {label} has a texture or animation, which stock nodes cannot follow", ""),
     "value_rests": (WARNING, "{layer}: the texture or animation of {label} has no effect, as it is given by {given}", ""),
     "usd_misled": (WARNING, "USD export takes the node {node}, which was there before; delete it if it is of no use", ""),
+    "out_of_gamut": (WARNING, "{layer}: {label} lies outside linear Rec.709, in which the model computes, and is limited to it", ""),
     "out_of_range": (ERROR, "{layer}: {label} is {value}; allowed is {allowed}", "Bring into Range"),
 }  # fmt: skip
 
@@ -206,6 +207,8 @@ def _values(element, node, is_shown: bool, links: dict[int, list[bpy.types.NodeL
                 yield Finding("link_muted", about, element.node, parameter.label)
             elif is_shown and _lacks_image(link.from_node):
                 yield Finding("image_missing", about, element.node, parameter.label)
+        if not into and parameter.type == COLOR and outside_rec709(socket):
+            yield Finding("out_of_gamut", about, element.node, parameter.label)
         if not into and (wrong := out_of_range(socket.default_value, parameter)):
             yield Finding("out_of_range", about | {"value": wrong, "allowed": parameter.allowed}, element.node, parameter.label)
 

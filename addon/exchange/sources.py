@@ -4,9 +4,11 @@
 import re
 
 import bpy
+import numpy as np
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.principled import DEFAULTS
+from ..network.working_space import out_of_working
 from ..nodes.principled import NORMALS, PRINCIPLED
 
 _NODE_PATH = re.compile(r'nodes\["(.*?)"\]')
@@ -32,7 +34,7 @@ def read_principled(node: bpy.types.Node) -> tuple[dict, dict[str, bpy.types.Nod
             sources[socket.name] = socket.links[0].from_socket
         if socket.name in DEFAULTS:
             value = socket.default_value
-            values[socket.name] = tuple(value)[:3] if socket.type == "RGBA" else float(value)
+            values[socket.name] = tuple(np.clip(out_of_working(tuple(value)[:3]), 0.0, None)) if socket.type == "RGBA" else float(value)
     return values, sources
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from ...reference_py.atomic import output_folder
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.principled import DEFAULTS, to_principled
+from ..network.working_space import out_of_working
 from ..nodes import material as materials
 from ..nodes.principled import linked_places
 from ..rendering.images import require_pictures, write_png
@@ -65,8 +66,8 @@ class TextureBake:
             for number, channel in enumerate(wanted):
                 if channel in linked:
                     pixels = studio.baked(linked[channel], channel in _NORMALS)
-                    if channel == "Base Color" and converted.colors is not None:
-                        pixels = converted.colors(pixels)
+                    if channel == "Base Color":
+                        pixels = out_of_working(pixels) if converted.colors is None else converted.colors(out_of_working(pixels))
                 else:
                     value = _FLAT_NORMAL if channel in _NORMALS else values[channel]
                     pixels = np.broadcast_to(np.asarray(value, float), (self.size, self.size, 3))

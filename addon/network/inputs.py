@@ -10,8 +10,10 @@ from ...reference_py.stack import Element, Stack
 BASE = "Base"
 # The direction that anisotropy of rotation 0 follows: a node of the material gives it.
 TANGENT = "Tangent"
+# Parameters of every shader: Rec.709's primaries in the working space.
+PRIMARIES = ("Rec709Red", "Rec709Green", "Rec709Blue")
 # Blender 5.2 aborts on a shader of more than 128 parameters, both outputs among them.
-MAX_INPUTS = 126
+MAX_INPUTS = 126 - len(PRIMARIES)
 
 
 @dataclass(frozen=True)

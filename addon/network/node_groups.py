@@ -11,12 +11,15 @@ import numpy as np
 
 from ...reference_py.network.mixture import PatchNetwork
 from ...reference_py.network.table import TableNetwork
-from .stock_nodes import build_group
+from .stock_nodes import SPACE_MARK, build_group
+from .working_space import REC709, is_current, working_space
 
 GROUP_KEY = "lamina_network"
-# What the groups of networks were, by a digest of the network: the many nodes of one that is there need not be built again.
+# The working space that a group was made in.
+SPACE_KEY = "lamina_space"
+# What the groups of networks were, by a digest of the network and the working space: the many nodes of one that is there need not be built again.
 _MOST_BUILT = 256
-_built: dict[str, str] = {}
+_built: dict[tuple[str, str], str] = {}
 
 
 def network_group(network: TableNetwork | PatchNetwork) -> bpy.types.NodeTree:
@@ -25,7 +28,7 @@ def network_group(network: TableNetwork | PatchNetwork) -> bpy.types.NodeTree:
     Networks of equal tables share one group of this file. A group that somebody edited is left alone.
     """
     digest = _digest(network)
-    if tree := _group_with(_built.get(digest)):
+    if tree := _group_with(_built.get((digest, working_space()))):
         return tree
     tree = bpy.data.node_groups.new("Lamina Network", "ShaderNodeTree")
     try:
@@ -36,18 +39,18 @@ def network_group(network: TableNetwork | PatchNetwork) -> bpy.types.NodeTree:
     content = _content(tree)
     if len(_built) >= _MOST_BUILT:
         _built.pop(next(iter(_built)))
-    _built[digest] = content
+    _built[digest, working_space()] = content
     if other := _group_with(content):
         bpy.data.node_groups.remove(tree)
         return other
-    tree.name, tree[GROUP_KEY] = f"Lamina Network {content}", content
+    tree.name, tree[GROUP_KEY], tree[SPACE_KEY] = f"Lamina Network {content}", content, working_space()
     return tree
 
 
 def _group_with(content: str | None) -> bpy.types.NodeTree | None:
     """This file's group of a content, as long as nobody edited it."""
     own = (group for group in bpy.data.node_groups if content and group.library is None and group.get(GROUP_KEY) == content)
-    return next((group for group in own if is_untouched(group)), None)
+    return next((group for group in own if _space_of(group) == working_space() and is_untouched(group)), None)
 
 
 def _digest(network: TableNetwork | PatchNetwork) -> str:
@@ -72,8 +75,18 @@ def drop_group(tree: bpy.types.NodeTree | None) -> None:
 
 
 def is_untouched(tree: bpy.types.NodeTree) -> bool:
-    """Whether a network's group still is what its hash was taken of."""
-    return tree.get(GROUP_KEY) == _content(tree)
+    """Whether a network's group still is what its hash was taken of; of one that Blender converted that cannot be said, so it counts as such."""
+    return _space_of(tree) != working_space() or tree.get(GROUP_KEY) == _content(tree)
+
+
+def is_in_working_space(tree: bpy.types.NodeTree) -> bool:
+    """Whether a group's colors are in the file's working space: it was made for it, or Blender converted them."""
+    mark = tree.nodes.get(SPACE_MARK)
+    return working_space() == REC709 if mark is None else is_current(mark.outputs[0].default_value[:3], 0)
+
+
+def _space_of(tree) -> str:
+    return tree.get(SPACE_KEY, REC709)
 
 
 def _content(tree) -> str:

@@ -2,7 +2,7 @@
 """A network in tables as Blender's own nodes: for Blenders and devices without OSL, and for EEVEE.
 
 Tables are Color Ramps. Cycles samples a ramp at 256 even steps and is linear between; every knot is put exactly on such
-a place, so a ramp is the table itself, up to float32. A ramp holds three columns: a weight, or a lobe's shape.
+a place, so a ramp is the table itself, up to float32. A ramp holds a weight, a color, or two numbers of a lobe's shape.
 """
 
 from collections.abc import Sequence
@@ -12,15 +12,17 @@ import bpy
 import numpy as np
 
 from ...reference_py.network.mixture import PatchNetwork
-from ...reference_py.network.table import AZIMUTH_PLACES, KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork
-from ...reference_py.network.tabulate import is_grey_dielectric, tabulate
-from ...reference_py.optics.diffuse import CYCLES_5_2_POWER, OREN_NAYAR_POWER, fujii_roughness
+from ...reference_py.network.table import AZIMUTH_PLACES, KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork, knot_cosines
+from ...reference_py.network.tabulate import color_of_energy, is_grey_dielectric, tabulate
+from ...reference_py.optics.diffuse import CYCLES_5_2_POWER, OREN_NAYAR_POWER, fujii_roughness, oren_nayar_albedo
 from ...reference_py.optics.microfacet import SPECULAR_ALPHA
 from ...reference_py.schema import COVERAGE, FLOAT, NORMAL
 from ...reference_py.stack import Stack
 from .inputs import TANGENT, TANGENT_INPUT, ShaderInput, shader_inputs
 from .node_builder import Builder
+from .working_space import REC709, into_working, out_of_working, working_space
 
+SPACE_MARK = "Rec.709 Red"
 _RAMP_PLACES = 256
 # Places of a ramp from one knot to the next, the most that fit.
 _STEP = _RAMP_PLACES // (KNOTS - 1)
@@ -86,7 +88,14 @@ def build_group(tree: bpy.types.NodeTree, network: TableNetwork | PatchNetwork) 
     tree.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
     output = build.node("NodeGroupOutput")
     build.link(closure, output.inputs["BSDF"])
+    _mark_space(build.node("ShaderNodeRGB"))
     build.arrange()
+
+
+def _mark_space(node: bpy.types.Node) -> None:
+    """Make an RGB node what Blender converts with the rest of a group: whoever reads it knows the space of the group's colors."""
+    node.name = node.label = SPACE_MARK
+    node.outputs[0].default_value = (*into_working((1.0, 0.0, 0.0)), 1.0)
 
 
 def _closure_of(build: Builder, view: "_View", network: TableNetwork) -> bpy.types.NodeSocket:
@@ -166,12 +175,7 @@ class _View:
         length = build.math("MAXIMUM", build.vector("LENGTH", self.side), 1e-6)
         cosine = build.math("ABSOLUTE", build.math("DIVIDE", build.vector("DOT_PRODUCT", self.side, direction), length))
         place = build.math("MULTIPLY", cosine, AZIMUTH_PLACES[-1] / _RAMP_PLACES)
-        shares = []
-        for columns in np.split(np.eye(len(AZIMUTH_PLACES)), 2, axis=1):
-            split = build.node("ShaderNodeSeparateColor")
-            build.link(_ramp(build, place, AZIMUTH_PLACES, columns), split.inputs[0])
-            shares += split.outputs
-        return shares
+        return _numbers(build, place, AZIMUTH_PLACES, np.eye(len(AZIMUTH_PLACES)))
 
     @cached_property
     def tangent(self) -> bpy.types.NodeSocket:
@@ -184,7 +188,11 @@ def _lambert(build: Builder, view: _View, table: DiffuseTable) -> bpy.types.Node
 
 def _oren_nayar(build: Builder, view: _View, table: OrenNayarTable) -> bpy.types.NodeSocket:
     sigma = float(fujii_roughness(table.sigma_deg))
-    return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, table.weight, table.axis), Roughness=sigma)
+    colors = table.weight
+    if working_space() != REC709:  # of its color such a node is not linear, so the energies are what is converted
+        energy = into_working(oren_nayar_albedo(knot_cosines(), colors, table.sigma_deg, table.power))
+        colors = out_of_working(color_of_energy(energy, table.sigma_deg, table.power))
+    return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, colors, table.axis), Roughness=sigma)
 
 
 def _glossy(build: Builder, view: _View, table: GlossyTable) -> bpy.types.NodeSocket:
@@ -262,39 +270,55 @@ def _weight(build: Builder, view: _View, table: np.ndarray, axis: float | None):
         sheets = [build.vector("SCALE", _view_ramp(build, view, sheet), scale=share) for share, sheet in zip(view.azimuth_shares(axis), table)]
         return reduce(lambda a, b: build.vector("ADD", a, b), sheets)
     if np.all(table == table[0]):
-        return (*map(float, table[0]), 1.0)
+        return (*map(float, into_working(table[0])), 1.0)
     return _view_ramp(build, view, table)
 
 
 def _columns(build: Builder, view: _View, table: np.ndarray) -> list:
-    """The three columns of a table at the view, from one ramp; constants stay constants."""
-    if np.all(table == table[0]):
-        return list(map(float, table[0]))
+    """The columns of numbers (KNOTS, 3) at the view."""
+    return _numbers(build, view.place, _STEP * np.arange(KNOTS), table)
+
+
+def _numbers(build: Builder, place: bpy.types.NodeSocket, places: Sequence[int], table: np.ndarray) -> list:
+    """Columns of numbers (n, m) whose rows are at these places (n,) of a ramp's; constants stay constants, equal ones are one.
+
+    A ramp has two, its grey and its alpha: Blender converts the colors of ramps into other working spaces, where greys are the same.
+    """
     # colours of a ramp cannot be negative
     offset = np.minimum(table.min(axis=0), 0.0)
-    split = build.node("ShaderNodeSeparateColor")
-    build.link(_view_ramp(build, view, table - offset), split.inputs[0])
+    keys = [tuple(column) for column in table.T]
+    varying = [i for i, key in enumerate(keys) if len(set(key)) > 1 and keys.index(key) == i]
+    sockets: dict[int, bpy.types.NodeSocket] = {}
+    for first, *second in (varying[i:i + 2] for i in range(0, len(varying), 2)):
+        alpha = table[:, second[0]] - offset[second[0]] if second else np.ones(len(table))
+        node = _ramp(build, place, places, np.column_stack([np.repeat((table[:, first] - offset[first])[:, None], 3, axis=1), alpha]))
+        split = build.node("ShaderNodeSeparateColor")
+        build.link(node.outputs["Color"], split.inputs[0])
+        sockets[first] = split.outputs[0]
+        if second:
+            sockets[second[0]] = node.outputs["Alpha"]
     columns = []
-    for socket, column, low in zip(split.outputs, table.T, offset):
-        if np.all(column == column[0]):
-            columns.append(float(column[0]))
+    for key in keys:
+        i = keys.index(key)
+        if i not in sockets:
+            columns.append(float(key[0]))
         else:
-            columns.append(build.math("ADD", socket, float(low)) if low < 0.0 else socket)
+            columns.append(build.math("ADD", sockets[i], float(offset[i])) if offset[i] < 0.0 else sockets[i])
     return columns
 
 
 def _view_ramp(build: Builder, view: _View, table: np.ndarray) -> bpy.types.NodeSocket:
-    """The table (KNOTS, 3), none of it negative, at the view."""
-    return _ramp(build, view.place, _STEP * np.arange(KNOTS), table)
+    """The colors (KNOTS, 3) of the model, none of them negative, at the view."""
+    return _ramp(build, view.place, _STEP * np.arange(KNOTS), np.column_stack([into_working(table), np.ones(KNOTS)])).outputs["Color"]
 
 
-def _ramp(build: Builder, place: bpy.types.NodeSocket, places: Sequence[int], table: np.ndarray) -> bpy.types.NodeSocket:
-    """The table (n, 3), none of it negative, whose rows are at these places (n,) of the ramp's."""
+def _ramp(build: Builder, place: bpy.types.NodeSocket, places: Sequence[int], table: np.ndarray) -> bpy.types.Node:
+    """A Color Ramp of colors and alpha (n, 4), none of them negative, at these places (n,) of the ramp's."""
     node = build.node("ShaderNodeValToRGB")
     elements = node.color_ramp.elements
     elements.remove(elements[1])
     for k, (at, color) in enumerate(zip(places, table)):
         element = elements.new(int(at) / _RAMP_PLACES) if k else elements[0]
-        element.color = (*map(float, color), 1.0)
+        element.color = tuple(map(float, color))
     build.link(place, node.inputs[0])
-    return node.outputs["Color"]
+    return node

@@ -3,6 +3,7 @@
 
 import itertools
 import json
+import math
 import re
 import uuid
 
@@ -15,12 +16,16 @@ from ...reference_py.schema import COLOR, FLOAT, SCHEMA, Feature, Kind, Paramete
 from ...reference_py.stack import Element
 from ..network.inputs import BASE, layer_owner
 from .backend import OSL
-from .kind_groups import KIND_KEY, declare_missing, group_of
+from .kind_groups import KIND_KEY, declare_missing, give_value, group_of
 from .roles import node_with
+from ..network.working_space import REC709, out_of_working, working_space
 
 # The immutable id of a value node, which is the name that it was made with; users may rename nodes.
 ID_KEY = "lamina_id"
 _FLOAT32_DIGITS = 7
+_VISIBLE = 1e-3
+# Blender converts files by matrices of 5 decimals, so further digits of a color, counted from its largest component's, are nobody's.
+_CONVERTED_DIGITS = 4
 
 
 def kind_of(element) -> Kind:
@@ -154,7 +159,7 @@ def fill_element(tree: bpy.types.NodeTree, element, source: Element, kind: Kind)
         if parameter.is_structural:
             setattr(element, parameter.name, value)
         else:
-            node.inputs[parameter.label].default_value = (*value, 1.0) if parameter.type == COLOR else value
+            give_value(node.inputs[parameter.label], parameter, value)
     if "metal" in source:
         set_metal(element, kind)
     element.was_given = element.given
@@ -168,8 +173,7 @@ def read_element(element, kind: Kind) -> dict:
         if parameter.is_structural:
             data[parameter.name] = getattr(element, parameter.name)
         else:
-            value = socket_of(element, parameter).default_value
-            data[parameter.name] = _decimal(value) if parameter.type == FLOAT else [_decimal(v) for v in list(value)[:3]]
+            data[parameter.name] = _value_of(socket_of(element, parameter), parameter)
     unknown = json.loads(element.unknown or "{}")
     if "name" in unknown or not _is_default_name(element.name, kind):
         unknown["name"] = element.name
@@ -207,10 +211,10 @@ def carry_metal(element, kind: Kind) -> None:
         set_metal(element, kind)
     elif is_colors != was_colors:
         sources, targets, convert = (index, colors, artist_color) if is_colors else (colors, index, artist_index)
-        old = [np.clip(list(socket_of(element, p).default_value)[:3], p.minimum, p.maximum) for p in sources]
+        old = [np.clip(_value_of(socket_of(element, p), p), p.minimum, p.maximum) for p in sources]
         for parameter, value in zip(targets, convert(*old)):
             value = np.clip(value, parameter.minimum, parameter.maximum)
-            socket_of(element, parameter).default_value = (*value, 1.0) if parameter.type == COLOR else value
+            give_value(socket_of(element, parameter), parameter, value)
     element.was_given = element.given
 
 
@@ -224,6 +228,27 @@ def _index_differs(element, kind: Kind) -> bool:
 
 def _index_sockets(element, kind: Kind) -> list[bpy.types.NodeSocket]:
     return [socket_of(element, kind.parameter(name)) for name in ("eta", "k")]
+
+
+def _value_of(socket: bpy.types.NodeSocket, parameter: Parameter) -> float | list[float]:
+    """A socket's value as the model has it. A color in range that lies outside Rec.709 is limited, which Check tells."""
+    if parameter.type == FLOAT:
+        return _decimal(socket.default_value)
+    value = list(socket.default_value)[:3]
+    if parameter.type != COLOR or working_space() == REC709:
+        return [_decimal(v) for v in value]
+    inside = all(parameter.minimum <= v <= parameter.maximum for v in value)
+    value = out_of_working(value)
+    digits = _CONVERTED_DIGITS - math.ceil(math.log10(max(*np.abs(value), 1e-6)))
+    return [round(float(v), digits) for v in (np.clip(value, parameter.minimum, parameter.maximum) if inside else value)]
+
+
+def outside_rec709(socket: bpy.types.NodeSocket) -> bool:
+    """Whether a color of another working space lies visibly outside of what the model's linear Rec.709 holds."""
+    if working_space() == REC709:
+        return False
+    value = out_of_working(list(socket.default_value)[:3])
+    return bool(np.any(value < -_VISIBLE) or np.any(value > 1.0 + _VISIBLE))
 
 
 def _decimal(value: float) -> float:

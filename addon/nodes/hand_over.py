@@ -16,12 +16,15 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.hand_over import HandOver, key_of, known_hand_over, provisional, solved
 from ...reference_py.exchange.principled import WRITTEN
 from ...reference_py.stack import Stack
+from ..network.working_space import into_working, out_of_working
 from .principled import PRINCIPLED, has_linked_color, linked_places, show_stack
 from .roles import ROLE, Roles, give
 
 MIX, VALUES = "hand-over", "principled"
 _USD_TAKES = (PRINCIPLED, "ShaderNodeBsdfDiffuse")
 _APART, _BELOW = 160, 120
+# What there and back between working spaces changes a color by.
+_CONVERTED = 1e-4
 
 
 def follow_hand_over(material: bpy.types.Material, closure: bpy.types.NodeSocket, stack: Stack, settle: bool = False) -> bpy.types.NodeSocket:
@@ -94,11 +97,11 @@ def _show_in_viewport(material: bpy.types.Material, values: dict, is_new: bool) 
     """The viewport color, unless the user changed it since it was set last."""
     coated = values["Coat Weight"] >= 0.5 and values["Metallic"] == 0.0 and values["Specular IOR Level"] == 0.0
     wanted = (*values["Base Color"], values["Metallic"], values["Coat Roughness" if coated else "Roughness"])
-    now = (*material.diffuse_color[:3], material.metallic, material.roughness)
-    if not is_new and not _same(now, material.lamina.viewport):
+    now = (*out_of_working(material.diffuse_color[:3]), material.metallic, material.roughness)
+    if not is_new and not np.allclose(now, material.lamina.viewport, atol=_CONVERTED):
         return
-    if not _same(now, wanted):
-        material.diffuse_color = (*wanted[:3], material.diffuse_color[3])
+    if not np.allclose(now, wanted, atol=_CONVERTED):
+        material.diffuse_color = (*into_working(wanted[:3]), material.diffuse_color[3])
         material.metallic, material.roughness = wanted[3:]
     if not _same(material.lamina.viewport, wanted):
         material.lamina.viewport = wanted

@@ -8,6 +8,7 @@ there whatever happens to the order. Interfaces are append-only, so files of old
 import bpy
 
 from ...reference_py.schema import COLOR, FLOAT, NORMAL, Kind, Parameter
+from ..network.working_space import into_working
 
 KIND_KEY = "lamina_kind"
 _SOCKET_TYPES = {FLOAT: "NodeSocketFloat", COLOR: "NodeSocketColor"}
@@ -70,7 +71,7 @@ def _declare(tree, parameter: Parameter) -> None:
     socket = tree.interface.new_socket(parameter.label, in_out="INPUT", socket_type=socket_type)
     socket.description = parameter.help
     if parameter.type == COLOR:
-        socket.default_value = (*parameter.default, 1.0)
+        socket.default_value = (*into_working(parameter.default), 1.0)
     else:
         socket.default_value = parameter.default
         socket.min_value = parameter.minimum
@@ -88,8 +89,12 @@ def _give_defaults(tree, parameters: list[Parameter]) -> None:
     owners = [m.node_tree for m in bpy.data.materials if m.library is None and m.node_tree is not None]
     for node in [n for owner in owners for n in owner.nodes if n.bl_idname == "ShaderNodeGroup" and n.node_tree == tree]:
         for parameter in parameters:
-            default = parameter.default
-            node.inputs[parameter.label].default_value = (*default, 1.0) if parameter.type == COLOR else default
+            give_value(node.inputs[parameter.label], parameter, parameter.default)
+
+
+def give_value(socket: bpy.types.NodeSocket, parameter: Parameter, value) -> None:
+    """Set a socket to a value of the model."""
+    socket.default_value = (*into_working(value), 1.0) if parameter.type == COLOR else value
 
 
 def _pass_through(tree) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...reference_py.exchange.matching import ColorMap
 from ...reference_py.exchange.principled import PLACES, WRITTEN
+from ..network.working_space import out_of_working
 from .elements import kind_of, node_of, used_features
 from .kind_groups import KIND_KEY
 from .roles import Roles, give
@@ -81,7 +82,7 @@ def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values:
             continue
         fed.add(name)
         if name == COLOR and (colors is not None or roles.get(_COLOR_ROLES[0])):
-            own = np.asarray(node_of(element).inputs[parameter.label].default_value[:3])
+            own = out_of_working(node_of(element).inputs[parameter.label].default_value[:3])
             source = _through_color(roles, source, target, colors, own)
             kept_roles |= set(_COLOR_ROLES)
             told.append(f"kept: {COLOR} texture: through nodes that keep the mean albedo")
@@ -125,7 +126,7 @@ def _set_factor(mix: bpy.types.Node, factor: np.ndarray) -> None:
         if getattr(mix, name) != value:
             setattr(mix, name, value)
     give(mix.inputs[0], 1.0)
-    give([socket for socket in mix.inputs if socket.type == "RGBA"][1], factor)
+    give([socket for socket in mix.inputs if socket.type == "RGBA"][1], (*factor, 1.0))
 
 
 def _set_map(nodes, colors: ColorMap, most, link: Callable) -> None:

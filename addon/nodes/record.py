@@ -7,10 +7,12 @@ It also is where a layer's values come from when somebody deleted its node.
 import json
 
 import bpy
+import numpy as np
 
 from .elements import find_node
 from .properties import quietly
 from .snapshot import restore, snapshot
+from ..network.working_space import into_working, out_of_working
 
 KEY = "lamina_record"
 
@@ -25,7 +27,7 @@ def keep_record(material: bpy.types.Material) -> None:
             elements[element.node] = former.get(element.node, {})
             continue
         links = {s.name: [s.links[0].from_node.name, s.links[0].from_socket.identifier] for s in node.inputs if s.is_linked}
-        values = {s.name: _plain(s.default_value) for s in node.inputs if hasattr(s, "default_value")}
+        values = {s.name: _plain(s) for s in node.inputs if hasattr(s, "default_value")}
         elements[element.node] = {"values": values, "links": links}
     text = json.dumps({"structure": snapshot(lamina), "elements": elements})
     if material.node_tree.get(KEY) != text:
@@ -54,7 +56,8 @@ def give_recorded(element, node: bpy.types.Node) -> None:
     tree, found = node.id_data, recorded(element)
     for name, value in found.get("values", {}).items():
         if name in node.inputs:
-            node.inputs[name].default_value = value
+            is_color = node.inputs[name].type == "RGBA"
+            node.inputs[name].default_value = (*into_working(value[:3]), 1.0) if is_color else value
     for name, (source, identifier) in found.get("links", {}).items():
         origin = tree.nodes.get(source)
         socket = next((s for s in origin.outputs if s.identifier == identifier), None) if origin is not None else None
@@ -68,7 +71,7 @@ def changed_values(material: bpy.types.Material) -> list[str]:
     for element in (*material.lamina.shown_layers, material.lamina.base):
         node, former = find_node(element), recorded(element).get("values", {})
         if node is not None:
-            names += [f"{element.name}: {s.name}" for s in node.inputs if s.name in former and _plain(s.default_value) != former[s.name]]
+            names += [f"{element.name}: {s.name}" for s in node.inputs if s.name in former and not np.allclose(_plain(s), former[s.name], rtol=0.0, atol=1e-6)]
     return names
 
 
@@ -102,5 +105,8 @@ def _read(material) -> dict:
         return {}
 
 
-def _plain(value):
-    return value if isinstance(value, (int, float, bool, str)) else list(value)
+def _plain(socket):
+    """A socket's value as JSON has it; a color as the model has it, since nobody converts what is written here."""
+    if socket.type == "RGBA":
+        return [float(f"{v:.7g}") for v in out_of_working(list(socket.default_value)[:3])]
+    return socket.default_value if isinstance(socket.default_value, (int, float, bool, str)) else list(socket.default_value)

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 
+from ..network.working_space import into_working
 from .backend import NODES, OSL
 
 ROLE = "lamina_role"
@@ -72,7 +73,7 @@ class Roles:
 
 
 def give(socket: bpy.types.NodeSocket, value) -> None:
-    """Set a socket's value where it differs; sockets hold float32. A color gets its alpha."""
-    value = (*value, 1.0) if socket.type == "RGBA" and len(value) == 3 else value
+    """Set a socket's value where it differs; sockets hold float32. A color is the model's, and gets its alpha."""
+    value = (*into_working(value), 1.0) if socket.type == "RGBA" and len(value) == 3 else value
     if not np.array_equal(np.asarray(socket.default_value, np.float32), np.asarray(value, np.float32)):
         socket.default_value = value

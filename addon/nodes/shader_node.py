@@ -14,7 +14,7 @@ import bpy
 from ...reference_py.network.mixture import PatchNetwork
 from ...reference_py.network.table import TableNetwork
 from ..network.block import LIVE
-from ..network.inputs import TANGENT, ShaderInput
+from ..network.inputs import PRIMARIES, TANGENT, ShaderInput
 from ..network.node_groups import drop_group, network_group
 from ..network.osl import Shader
 from ..network.stock_nodes import group_inputs
@@ -24,6 +24,7 @@ from .entry import entry_of
 from .hand_over import MIX, tail
 from .roles import ROLE, SWITCH, TEST, give, node_with
 from .script_node import drop_text, holds, set_script
+from ..network.working_space import primaries
 
 _LABELS = {OSL: "Lamina Shader", NODES: "Lamina Stock Nodes", TEST: "Lamina OSL Runs", SWITCH: "Lamina OSL or Stock Nodes"}
 _TYPES = {OSL: "ShaderNodeScript", NODES: "ShaderNodeGroup", TEST: "ShaderNodeMath", SWITCH: "ShaderNodeMixShader"}
@@ -97,6 +98,8 @@ class Surface:
     def script(self, shader: Shader, owners: dict[str, bpy.types.Node]) -> bpy.types.Node:
         """The Script node with this shader, wired to the nodes of the values by owner. Raises LaminaError."""
         node = self._branch(OSL, lambda node: holds(node, shader), lambda node: set_script(node, shader))
+        for name, color in zip(PRIMARIES, primaries()):
+            give(node.inputs[name], (*color, 1.0))
         self._wire(node, shader.inputs, owners)
         return node
 

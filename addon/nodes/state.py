@@ -11,6 +11,9 @@ from ...reference_py.network import HOLD_VALUES, TIERS, AutoNetwork
 from ...reference_py.network.choice import DEFAULT_TOLERANCE
 from ...reference_py.network.memory import content
 from ...reference_py.stack import Stack
+from ..network.inputs import PRIMARIES
+from ..network.node_groups import is_in_working_space as group_is_in_working_space
+from ..network.working_space import REC709, is_current, working_space
 from .backend import NODES, OSL, branches_here
 from .limits import require_shader
 from .live_values import live_values
@@ -66,10 +69,21 @@ def note_of(node: bpy.types.Node | None, name: str, material: bpy.types.Material
 def is_stale(material: bpy.types.Material) -> bool:
     """Whether what this Blender renders holds values that are no longer those of the sockets."""
     node = shader_of(material)
+    if node is not None and not is_in_working_space(node):
+        return True
     told = note_of(node, TOLD, material)
     if not told:
         return False
     return told != content(stack_of(material), live_values(material) if node == node_with(material, OSL) else ())
+
+
+def is_in_working_space(node: bpy.types.Node) -> bool:
+    """Whether a branch's colors are in the file's working space. Those of older files are in Rec.709."""
+    if node.bl_idname == "ShaderNodeGroup":
+        return node.node_tree is None or group_is_in_working_space(node.node_tree)
+    if not all(name in node.inputs for name in PRIMARIES):
+        return working_space() == REC709
+    return all(is_current(node.inputs[name].default_value[:3], i) for i, name in enumerate(PRIMARIES))
 
 
 def is_settled(material: bpy.types.Material) -> bool:
@@ -100,4 +114,4 @@ def lags(material: bpy.types.Material) -> bool:
         return False
     told, settled = note_of(stock, TOLD, material), note_of(stock, SETTLED, material)
     expected = "" if live_values(material) else note_of(script, SETTLED, material)
-    return told != now or (material.lamina.tier in HOLD_VALUES and settled != expected)
+    return told != now or not is_in_working_space(stock) or (material.lamina.tier in HOLD_VALUES and settled != expected)

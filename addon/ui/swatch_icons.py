@@ -5,7 +5,8 @@ import bpy
 import bpy.utils.previews
 import numpy as np
 
-from ...reference_py.schema import CONDUCTOR, COVERAGE
+from ...reference_py.schema import COLOR, CONDUCTOR, COVERAGE
+from ..network.working_space import out_of_working
 from ..nodes.elements import find_node, kind_of
 from .swatch import SIZE, base_picture, layer_picture
 
@@ -36,8 +37,9 @@ def icon_of(element) -> int:
 def shown_color(element, node: bpy.types.Node) -> tuple[float, float, float]:
     """The color of an element, linear RGB: what a layer's medium leaves of white, what a base reflects straight up."""
     value = {p.name: node.inputs[p.label].default_value for p in kind_of(element).sockets if p.label in node.inputs}
+    value |= {p.name: out_of_working(value[p.name][:3]) for p in kind_of(element).sockets if p.type == COLOR and p.name in value}
     if "tint" in value:
-        return tuple(np.clip(list(value["tint"])[:3], 0.0, 1.0) ** max(value["thickness"], 0.0))
+        return tuple(np.clip(value["tint"], 0.0, 1.0) ** max(value["thickness"], 0.0))
     if element.kind == CONDUCTOR.name and "reflectance" not in element.given:
         n, k = np.array(value["eta"]), np.array(value["k"])
         return tuple(((n - 1.0) ** 2 + k**2) / ((n + 1.0) ** 2 + k**2))

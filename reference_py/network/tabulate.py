@@ -109,7 +109,7 @@ def _oren_nayar_table(lobes: list[tuple[DiffuseLobe, float | None]], power: int)
     """One lobe of the energy of several whose facets are equally inclined and whose axes are the same."""
     energy = sum(lobe.weight * oren_nayar_albedo(knot_cosines(), lobe.color, lobe.sigma_deg, lobe.power) for lobe, _ in lobes)
     sigma_deg, axis = lobes[0][0].sigma_deg, lobes[0][1]
-    return OrenNayarTable(_color_of_energy(energy, sigma_deg, power), sigma_deg, power, axis) if sigma_deg else DiffuseTable(energy, axis)
+    return OrenNayarTable(color_of_energy(energy, sigma_deg, power), sigma_deg, power, axis) if sigma_deg else DiffuseTable(energy, axis)
 
 
 def _at_knots(*values) -> list[np.ndarray]:
@@ -144,7 +144,7 @@ def _curve_at(curve, k: int):
     return SchlickCurve(*(np.broadcast_to(value, (KNOTS, 3))[k] for value in (curve.f0, curve.f90)))
 
 
-def _color_of_energy(energy: np.ndarray, sigma_deg: float, power: int) -> np.ndarray:
+def color_of_energy(energy: np.ndarray, sigma_deg: float, power: int) -> np.ndarray:
     """Colors (KNOTS, 3) of an Oren-Nayar lobe of this directional albedo at the knots; 1 at most."""
     low, high = np.zeros(energy.shape), np.ones(energy.shape)
     for _ in range(_BISECTIONS):

@@ -47,7 +47,7 @@ def coated(bpy, tier="baked"):
 
 def is_live(owner) -> bool:
     """Whether the shader reads the sockets."""
-    return bool(shader_of(owner).inputs)
+    return any(socket.is_linked for socket in shader_of(owner).inputs)
 
 
 def rest(owner) -> None:

@@ -14,7 +14,7 @@ from lamina.reference_py.stack import MAX_LAYERS, Stack
 
 MANY = {"layers": [{"kind": "dielectric", "ior": 1.5 + 0.001 * i, "roughness": 0.1} for i in range(50)], "base": {"kind": "lambert"}}
 PATCHY = {"layers": [{"kind": "dielectric", "coverage": 0.5} for _ in range(MAX_COVERED + 1)], "base": {"kind": "lambert"}}
-REFUSED = {"many": (MANY, "50 layers need 201 shader parameters, and Cycles takes 126; choose fewer layers, or the backend nodes"),
+REFUSED = {"many": (MANY, "50 layers need 201 shader parameters, and Cycles takes 123; choose fewer layers, or the backend nodes"),
            "patchy": (PATCHY, "4 layers have a coverage (layers 0, 1, 2, 3); choose at most 3")}
 # what each spends to start; fifty layers take ten minutes to bake
 _SECONDS = 15.0
@@ -102,6 +102,6 @@ def test_the_panel_says_it_in_one_line(blender, tmp_path, capfd):
     item = blender.data.objects.new("object", blender.data.meshes.new("mesh"))
     blender.context.collection.objects.link(item)
     blender.context.view_layer.objects.active = item
-    with pytest.raises(RuntimeError, match="50 layers need 201 shader parameters, and Cycles takes 126"):
+    with pytest.raises(RuntimeError, match="50 layers need 201 shader parameters, and Cycles takes 123"):
         blender.ops.lamina.import_stack(filepath=str(tmp_path / "many.json"))
     assert len(blender.data.materials) == 0

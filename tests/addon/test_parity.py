@@ -108,7 +108,7 @@ def test_a_bake_over_live_values_equals_its_network(blender, links):
         source.outputs[0].default_value = socket.default_value = value
         material.node_tree.links.new(source.outputs[0], socket)
     refresh(material, settle=True)
-    assert len(shader_of(material).inputs) == len(links)
+    assert len([socket for socket in shader_of(material).inputs if socket.is_linked]) == len(links)
     text = shader_of(material).script.as_string()
     network = make_network(stack_of(material), "baked", live=live_values(material)).resolved
     for theta in SUN_THETA_DEG:
