@@ -50,13 +50,13 @@ class PatchNetwork:
     def lobe_count(self) -> int:
         return len(self.lobes(np.ones(1)))
 
-    def lobes(self, cos_theta_o: np.ndarray) -> list[GlossyLobe | DiffuseLobe]:
-        """The lobes for views of cosine cos_theta_o (...); weights are (..., 3)."""
+    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
+        """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
         scaled = [
             replace(lobe, weight=patch.share * np.asarray(lobe.weight))
             for patch, network in self.parts
             if patch.share > 0.0
-            for lobe in network.lobes(cos_theta_o)
+            for lobe in network.lobes(cos_theta_o, phi)
         ]
         return merged(scaled)
 

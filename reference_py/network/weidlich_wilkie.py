@@ -57,8 +57,8 @@ class WeidlichWilkieNetwork:
     def lobe_count(self) -> int:
         return len(self.lobes(np.ones(1)))
 
-    def lobes(self, cos_theta_o: np.ndarray) -> list[GlossyLobe | DiffuseLobe]:
-        """The lobes from the top for views of cosine cos_theta_o (...); weights are (..., 3)."""
+    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
+        """The lobes from the top for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
         cos_o = np.maximum(np.asarray(cos_theta_o, float), MIN_COS_O)
         result = []
         for index, surface in enumerate(self._surfaces):

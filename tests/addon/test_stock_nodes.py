@@ -9,7 +9,7 @@ pytest.importorskip("bpy")
 from lamina.addon.nodes import layers  # noqa: E402
 from lamina.addon.nodes import material as materials  # noqa: E402
 from lamina.addon.network.node_groups import network_group  # noqa: E402
-from lamina.addon.network.stock_nodes import HAS_DIELECTRIC, stock_tables  # noqa: E402
+from lamina.addon.network.stock_nodes import DIFFUSE_POWER, HAS_DIELECTRIC, stock_tables  # noqa: E402
 from lamina.addon.rendering import environment, settings  # noqa: E402
 from lamina.addon.nodes.shader_node import backend_of  # noqa: E402
 from lamina.reference_py import presets  # noqa: E402
@@ -117,7 +117,7 @@ def test_a_folded_dielectric(no_osl):
 
 def test_rough_diffuse_and_many_lobes(no_osl):
     many = [GlossyTable("ggx", jagged(i, 0.0, 0.2), SHAPES["jagged"]) for i in range(20)]
-    check(no_osl, TableNetwork((OrenNayarTable(jagged(5, 0.1, 0.9), 30.0), *many)), TOLERANCE)
+    check(no_osl, TableNetwork((OrenNayarTable(jagged(5, 0.1, 0.9), 30.0, DIFFUSE_POWER), *many)), TOLERANCE)
 
 
 def test_with_osl_switched_on_stock_nodes_render_the_same(blender):

@@ -190,9 +190,9 @@ class BakedNetwork:
     def lobe_count(self) -> int:
         return self.resolved.lobe_count
 
-    def lobes(self, cos_theta_o: np.ndarray) -> list[GlossyLobe | DiffuseLobe]:
-        """The lobes for views of cosine cos_theta_o (...); weights are (..., 3)."""
-        return self.resolved.lobes(cos_theta_o)
+    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
+        """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
+        return self.resolved.lobes(cos_theta_o, phi)
 
 
 def _top_lobe(stack: Stack) -> GlossyLobe | None:
