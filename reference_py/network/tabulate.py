@@ -82,7 +82,8 @@ def _tables(network, power: int) -> list[GlossyTable | DiffuseTable | OrenNayarT
     around = {frame: [network.lobes(cosines, phi) for phi in _azimuths(frame)] for frame in dict.fromkeys(frames)}
     tables, rough = [], []
     for i, lobe in enumerate(lobes):
-        axis = getattr(lobe, "frame", None) if getattr(lobe, "frame", None) is not None else frames[0] if frames else None
+        own = lobe.frame if isinstance(lobe, GlossyLobe) else None
+        axis = own if own is not None else next(iter(frames), None)
         weight = np.broadcast_to(lobe.weight, (KNOTS, 3))
         if axis is not None:
             sheets = np.stack([np.broadcast_to(turned[i].weight, (KNOTS, 3)) for turned in around[axis]])
