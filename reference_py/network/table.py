@@ -12,7 +12,7 @@ import numpy as np
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 
 KNOTS = 24
-# Shading normals may face away at silhouettes; tables are read at this cosine there.
+# The least cosine of a view; towards the horizon tables are read at this one.
 MIN_COS_O = 1e-4
 
 
