@@ -8,7 +8,7 @@ READY := $(VENV)/ready
 RUN := $(VENV)/bin/python
 SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py' -o -name '*.osl' -o -name '*.h' -o -name '*.json' \))
 
-.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table scale killed-batch farm-tasks fuzz matrix licences clean
+.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks fuzz matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -26,6 +26,7 @@ help:
 	@echo "make viewport  measure how EEVEE shows presets (half an hour without a graphics card; LAMINA_BLENDER names a Blender that has it)"
 	@echo "make fit       measure how well stacks are found from measurements (an hour; goes on where it was stopped)"
 	@echo "make fit-table measure how long the fit of a whole MERL table takes (three minutes)"
+	@echo "make tilted-lobes  measure what bakes reflect of a white world beside their formula (ten minutes)"
 	@echo "make scale     measure time and memory as work grows, and draw them (ten minutes on a quiet machine)"
 	@echo "make killed-batch  kill a batch of 200 pictures five times at random and compare it with an undisturbed one"
 	@echo "make farm-tasks    measure what a farm's task costs beside its pictures"
@@ -96,6 +97,9 @@ fit: $(READY)
 
 fit-table: $(READY)
 	$(RUN) tests/benchmarks/fit_table.py
+
+tilted-lobes: $(READY)
+	$(RUN) tests/benchmarks/tilted_lobes.py
 
 scale: $(READY)
 	$(VENV)/bin/lamina chart scale -o figures

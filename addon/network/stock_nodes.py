@@ -127,7 +127,10 @@ class _View:
 
     @cached_property
     def normal(self) -> bpy.types.NodeSocket:
-        """The normal as Cycles bends it for a glossy lobe (osl/bent.h), with 0 for the least height, to save nodes."""
+        """The normal as Cycles bends it for a glossy lobe (osl/bent.h), with 0 for the least height, to save nodes.
+
+        EEVEE bends nothing: its lobes keep their normal, and have the energy of this one.
+        """
         build, shading, true = self._build, self._geometry.outputs["Normal"], self._geometry.outputs["True Normal"]
         cosine, true_cosine = (build.vector("DOT_PRODUCT", n, self._incoming) for n in (shading, true))
         below = build.vector("DOT_PRODUCT", build.vector("REFLECT", self._incoming, shading), true)

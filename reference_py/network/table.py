@@ -18,7 +18,7 @@ KNOTS = 24
 # Cosines of the view's azimuth from the axis, on places of a ramp's 256: dense where energies turn.
 AZIMUTH_PLACES = (0, 22, 73, 113, 168, 250)
 AZIMUTHS = np.array(AZIMUTH_PLACES) / AZIMUTH_PLACES[-1]
-# Shading normals may face away at silhouettes; tables are read at this cosine there.
+# The least cosine of a view; towards the horizon tables are read at this one.
 MIN_COS_O = 1e-4
 
 

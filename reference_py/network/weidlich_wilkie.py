@@ -23,7 +23,7 @@ from .lobe import DiffuseLobe, GlossyLobe, oren_nayar_lobes, surface_lobe, top_c
 
 NODE_ORDER = 3
 NODE_COUNT = NODE_ORDER**2
-# Shading normals may face away at silhouettes; weights are those of this cosine there.
+# The least cosine of a view; towards the horizon weights stay those of this one.
 MIN_COS_O = 1e-4
 
 

@@ -16,7 +16,7 @@ from .beam import Crossing, cosine, through
 from .calibration import LOBE_BEND
 from .tables import closure_energy, top_gain
 
-# Shading normals may face away at silhouettes; weights are those of this cosine there.
+# The least cosine of a view; towards the horizon weights stay those of this one.
 MIN_COS_O = 1e-4
 # Gauss nodes of the mean albedo of an Oren-Nayar base.
 ALBEDO_NODES = 8
