@@ -309,6 +309,8 @@ def shadow(trial):
     """A ball of the material over a matte catcher: the shadow of a grey ball."""
 
     def alpha(material) -> float:
+        # without what the ball reflects onto the floor
+        bpy.context.scene.cycles.max_bounces = 0
         floor = trial.show(None, plane_mesh("floor", 4.0), "floor")
         floor.is_shadow_catcher, floor.location.z = True, -1.0
         trial.show(material)
@@ -386,7 +388,7 @@ def shadow_linking(trial):
     """A ball that is taken out of the sun's shadow casters throws none on a floor."""
 
     def floor_light(casts: bool) -> np.ndarray:
-        trial.stage()
+        trial.stage(max_bounces=0)
         floor = trial.show(None, plane_mesh("floor", 4.0), "floor")
         floor.location.z = -1.0
         ball = trial.show(trial.material())
@@ -453,7 +455,7 @@ def mirror(trial):
     shader.inputs["Color"].default_value, shader.inputs["Roughness"].default_value = (1.0,) * 4, 0.0
     tree.links.new(shader.outputs[0], tree.get_output_node("CYCLES").inputs["Surface"])
     plate = trial.show(glass, plane_mesh("mirror", 1.3), "mirror")
-    plate.location, plate.rotation_euler = (0.0, 0.0, 6.0), (0.0, 0.75 * np.pi, 0.0)
+    plate.location, plate.rotation_euler = (0.0, 0.0, 6.0), (0.0, 1.25 * np.pi, 0.0)
     plate.visible_shadow = plate.visible_diffuse = plate.visible_glossy = False
     camera = scene.camera
     camera.location, camera.rotation_euler = (-6.0, 0.0, 6.0), (0.5 * np.pi, 0.0, -0.5 * np.pi)

@@ -48,9 +48,9 @@ def _surface(layers: list[dict], base: dict, **sockets) -> Surface:
     return Surface(Stack.from_dict({"layers": layers, "base": base}), {name.replace("_", " "): value for name, value in sockets.items()})
 
 
-RED, BLUE = (0.6, 0.1, 0.05), (0.05, 0.2, 0.6)
+RED, BLUE, DARK = (0.6, 0.1, 0.05), (0.05, 0.2, 0.6), (0.03, 0.06, 0.1)
 PAINT = _surface([{"kind": "dielectric", "roughness": 0.3}], {"kind": "lambert", "color": list(RED)}, Base_Color=(*RED, 1.0), Roughness=0.3)
-GLAZE = _surface([{"kind": "dielectric", "roughness": 0.0}], {"kind": "lambert", "color": list(RED)}, Base_Color=(*RED, 1.0), Roughness=0.0)
+GLAZE = _surface([{"kind": "dielectric", "roughness": 0.0}], {"kind": "lambert", "color": list(DARK)}, Base_Color=(*DARK, 1.0), Roughness=0.0)
 METAL = _surface([], {"kind": "conductor", "reflectance": [0.9, 0.6, 0.3], "edge_color": [1.0, 1.0, 1.0], "roughness": 0.4},
                  Base_Color=(0.9, 0.6, 0.3, 1.0), Metallic=1.0, Roughness=0.4)  # fmt: skip
 BRUSHED = _surface([], {"kind": "conductor", "reflectance": [0.9, 0.6, 0.3], "edge_color": [1.0, 1.0, 1.0], "roughness": 0.5, "anisotropy": 0.7},
