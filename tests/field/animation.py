@@ -94,7 +94,7 @@ def keyed_coverage(trial):
     moving(trial, "coverage", {1: 1.0, 2: 0.0}, [covered(1.0), covered(0.0)])
 
 
-@case("driver on a roughness", osl_off=True)
+@case("driver on a roughness", quick=False, osl_off=True)
 def driven_roughness(trial):
     """Roughness driven by a property of the object: the picture of that roughness."""
     expected = trial.plain(PAINT.with_roughness(0.7))
@@ -138,7 +138,7 @@ def set_base_driven(trial):
     trial.compare("roughness", trial.socket(material, "roughness").default_value, 0.55, 1e-4)
 
 
-@case("move a layer that is keyframed", beside=False)
+@case("move a layer that is keyframed", quick=False, beside=False)
 def move_keyed(trial):
     """After Move Layer the curve moves the same layer, not the one that took its place."""
     data = PAINT.stack.to_dict()
@@ -175,10 +175,11 @@ def copy_keyed(trial):
 def drives_another(trial):
     """A driver that reads the roughness's socket still reads it after a save, an open and an edit."""
     material = trial.material()
-    curve = trial.show(material).driver_add("location", 2)
+    item = trial.show(material)
+    curve = item.driver_add("location", 2)
     variable = curve.driver.variables.new()
-    variable.targets[0].id_type, variable.targets[0].id = "NODETREE", material.node_tree
-    variable.targets[0].data_path = trial.socket(material, "roughness").path_from_id("default_value")
+    variable.targets[0].id_type, variable.targets[0].id = "MATERIAL", material
+    variable.targets[0].data_path = f"node_tree.{trial.socket(material, 'roughness').path_from_id('default_value')}"
     curve.driver.expression = variable.name
     path = str(trial.folder / "saved.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)

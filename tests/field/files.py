@@ -12,12 +12,11 @@ import numpy as np
 import lamina
 from lamina.addon.nodes import material as materials
 from lamina.addon.rendering import environment, settings
-from lamina.addon.rendering.images import write_png
 from lamina.addon.rendering.settings import add_object
 from lamina.reference_py import presets
 
 from .case import case
-from .trial import BLUE, GLAZE, LIVE, METAL, PAINT, RED, Picture, Trial
+from .trial import BLUE, GLAZE, LIVE, METAL, PAINT, RED, Picture, Trial, image_of
 
 SHIPPED = Path(lamina.__file__).parent / "addon" / "presets" / "lamina_presets.blend"
 
@@ -228,13 +227,13 @@ def link_packed(trial):
     trial.compare_pictures("packed", trial.picture(), picture)
 
 
-@case("shipped asset appended, OSL off", beside=False)
+@case("shipped asset appended, OSL off", quick=False, beside=False)
 def asset_appended(trial):
     """A preset from the asset library in a Cycles scene as Blender makes it, without OSL: as with OSL."""
     _shipped(trial, bpy.ops.wm.append)
 
 
-@case("shipped asset linked, OSL off", beside=False)
+@case("shipped asset linked, OSL off", quick=False, beside=False)
 def asset_linked(trial):
     """The same, linked."""
     _shipped(trial, bpy.ops.wm.link)
@@ -426,13 +425,12 @@ def save_edited(trial):
 @case("move a folder with its textures", osl_off=True)
 def move(trial):
     """A file with a relative texture in a folder that is moved: the texture's color."""
-    expected = trial.plain(PAINT.with_color((1.0, 0.0, 0.0)))
+    expected = trial.plain(PAINT.with_color(BLUE))
     home = trial.folder / "project"
     (home / "textures").mkdir(parents=True)
-    write_png(home / "textures" / "red.png", np.tile(np.array((255, 0, 0), np.uint8), (8, 8, 1)))
     material = trial.material()
     image = material.node_tree.nodes.new("ShaderNodeTexImage")
-    image.image = bpy.data.images.load(str(home / "textures" / "red.png"))
+    image.image = image_of(home / "textures" / "blue.exr", BLUE)
     material.node_tree.links.new(image.outputs["Color"], trial.socket(material, "color"))
     trial.settle(material)
     trial.show(material)
@@ -556,7 +554,7 @@ def edited_without_osl(trial):
     trial.compare_pictures("opened", trial.picture(), expected, 0.05 if trial.is_lamina else trial.within)
 
 
-@case("undo a preset")
+@case("undo a preset", quick=False)
 def undo(trial):
     """A preset over a material, undone: the former layers and picture."""
     picture = trial.plain(GLAZE)
@@ -579,7 +577,7 @@ def set_working_space(space: str) -> None:
     bpy.ops.wm.set_working_color_space(working_space=space, convert_colors=True)
 
 
-@case("append into an ACEScg file", least=(5, 0), osl_off=True)
+@case("append into an ACEScg file", quick=False, least=(5, 0), osl_off=True)
 def append_across_spaces(trial):
     """Appended from a Rec.709 file into an ACEScg one: the same light, converted, to 1 %."""
     path, picture = shelf(trial)
@@ -589,7 +587,7 @@ def append_across_spaces(trial):
     _in_acescg(trial, material, picture)
 
 
-@case("link into an ACEScg file", least=(5, 0), osl_off=True)
+@case("link into an ACEScg file", quick=False, least=(5, 0), osl_off=True)
 def link_across_spaces(trial):
     """Linked from a Rec.709 file into an ACEScg one: the same light, converted, to 1 %."""
     path, picture = shelf(trial)

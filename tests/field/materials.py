@@ -9,7 +9,6 @@ from mathutils import Color
 
 from lamina.addon.nodes import material as materials
 from lamina.addon.rendering.geometry import plane_mesh
-from lamina.addon.rendering.images import write_png
 from lamina.addon.rendering.settings import node_tree
 from lamina.reference_py import presets
 from lamina.reference_py.errors import LaminaError
@@ -18,7 +17,7 @@ from lamina.reference_py.stack import Stack
 
 from .case import case
 from .files import set_working_space
-from .trial import BLUE, LIVE, METAL, PAINT, WITHOUT_OSL, Surface, Trial
+from .trial import BLUE, LIVE, METAL, PAINT, RED, WITHOUT_OSL, Surface, Trial, image_of
 
 GLOW = (0.0, 0.5, 0.0)
 NOISE = 0.03  # a mix picks its closures by chance
@@ -326,7 +325,7 @@ def scene_property(trial):
     follows(trial, attribute("hue", "VIEW_LAYER"), PAINT.with_color(BLUE), prepare=prepare)
 
 
-@case("Object Info random", osl_off=True)
+@case("Object Info random", quick=False, osl_off=True)
 def random_color(trial):
     """Object Info's Random in the color, beside the surface with the grey that an emission shows of it."""
     emission = bpy.data.materials.new("emission")
@@ -339,11 +338,10 @@ def random_color(trial):
     follows(trial, lambda tree: tree.nodes.new("ShaderNodeObjectInfo").outputs["Random"], PAINT.with_color((grey,) * 3))
 
 
-def _image(trial: Trial, color: tuple[int, int, int]):
+def _image(trial: Trial):
     def made(tree):
-        write_png(trial.folder / "color.png", np.tile(np.array(color, np.uint8), (8, 8, 1)))
         node = tree.nodes.new("ShaderNodeTexImage")
-        node.image = bpy.data.images.load(str(trial.folder / "color.png"))
+        node.image = image_of(trial.folder / "blue.exr", BLUE)
         return node.outputs["Color"]
 
     return made
@@ -352,10 +350,10 @@ def _image(trial: Trial, color: tuple[int, int, int]):
 @case("image in the color", osl_off=True)
 def image_color(trial):
     """A blue image: the blue surface."""
-    follows(trial, _image(trial, (0, 0, 255)), PAINT.with_color((0.0, 0.0, 1.0)))
+    follows(trial, _image(trial), PAINT.with_color(BLUE))
 
 
-@case("node in the roughness", osl_off=True)
+@case("node in the roughness", quick=False, osl_off=True)
 def node_roughness(trial):
     """A Value node in the roughness of the top."""
 
@@ -370,13 +368,13 @@ def node_roughness(trial):
 @case("image in the color, packed and opened", osl_off=True)
 def image_packed(trial):
     """A blue image, packed, its file deleted, saved and opened."""
-    expected = trial.plain(PAINT.with_color((0.0, 0.0, 1.0)))
+    expected = trial.plain(PAINT.with_color(BLUE))
     material = trial.material()
-    material.node_tree.links.new(_image(trial, (0, 0, 255))(material.node_tree), trial.socket(material, "color"))
+    material.node_tree.links.new(_image(trial)(material.node_tree), trial.socket(material, "color"))
     trial.settle(material)
     trial.show(material)
     bpy.ops.file.pack_all()
-    (trial.folder / "color.png").unlink()
+    (trial.folder / "blue.exr").unlink()
     path = str(trial.folder / "saved.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
@@ -387,14 +385,14 @@ def image_packed(trial):
 @case("UDIM", osl_off=True)
 def udim(trial):
     """An image of two tiles on a ball whose UVs lie in the second: its blue."""
-    for tile, color in ((1001, (255, 0, 0)), (1002, (0, 0, 255))):
-        write_png(trial.folder / f"tile.{tile}.png", np.tile(np.array(color, np.uint8), (8, 8, 1)))
+    for tile, color in ((1001, RED), (1002, BLUE)):
+        image_of(trial.folder / f"tile.{tile}.exr", color)
 
     def source(tree):
         node = tree.nodes.new("ShaderNodeTexImage")
-        node.image = bpy.data.images.load(str(trial.folder / "tile.1001.png"))
+        node.image = bpy.data.images.load(str(trial.folder / "tile.1001.exr"))
         node.image.source = "TILED"
-        node.image.filepath = str(trial.folder / "tile.<UDIM>.png")
+        node.image.filepath = str(trial.folder / "tile.<UDIM>.exr")
         if 1002 not in [t.number for t in node.image.tiles]:
             node.image.tiles.new(1002)
         return node.outputs["Color"]
@@ -403,7 +401,7 @@ def udim(trial):
         uv = item.data.uv_layers[0].data
         uv.foreach_set("uv", np.tile(np.array((1.5, 0.5), np.float32), len(uv)))
 
-    follows(trial, source, PAINT.with_color((0.0, 0.0, 1.0)), prepare=prepare)
+    follows(trial, source, PAINT.with_color(BLUE), prepare=prepare)
 
 
 @case("Light Path in the color", osl_off=True)
@@ -435,7 +433,7 @@ def renamed(trial):
     trial.compare_pictures("edited", trial.picture(), expected)
 
 
-@case("a layer's node deleted, mended", beside=False)
+@case("a layer's node deleted, mended", quick=False, beside=False)
 def deleted(trial):
     """The node of a tinted layer is deleted and mended with one click: the values that it had."""
     data = PAINT.stack.to_dict()
@@ -468,7 +466,7 @@ def fifty(trial):
         trial.is_same("the refused one", material, PAINT)
 
 
-@case("Principled to Lamina", beside=False)
+@case("Principled to Lamina", quick=False, beside=False)
 def convert(trial):
     """Convert to Lamina: the picture of the Principled node, to 15 %."""
     material = bpy.data.materials.new("subject")
@@ -498,7 +496,7 @@ def _white_metal(rotation: float) -> Surface:
 
 
 def _brushed_case(label: str, rotation: float) -> None:
-    @case(f"energy of brushed rough metal, {label}", osl_off=True)
+    @case(f"energy of brushed rough metal, {label}", quick=False, osl_off=True)
     def brushed(trial):
         """A white brushed metal in a white world at 0, 40 and 80 degrees reflects what it receives, to 1 %."""
         got = [white_plane(trial, _white_metal(rotation), theta).mean() for theta in (0.0, 40.0, 80.0)]
@@ -509,7 +507,7 @@ for _label, _rotation in (("along", 0.0), ("across", 0.25)):
     _brushed_case(_label, _rotation)
 
 
-@case("Oren-Nayar of 90 degrees", osl_off=True)
+@case("Oren-Nayar of 90 degrees", quick=False, osl_off=True)
 def oren_nayar(trial):
     """Grey .5 in a white world along the normal: .4510, the formula with the square of the color between facets."""
     stack = Stack.from_dict({"base": {"kind": "oren_nayar", "color": [0.5] * 3, "sigma_deg": 90}})
@@ -527,12 +525,12 @@ CAR_PAINT = Surface(presets.load("clear_coat_car_paint"), {"Base Color": (0.3, 0
 
 
 def _space_case(space: str) -> None:
-    @case(f"made in a file of {space}", least=(5, 0), osl_off=True)
+    @case(f"made in a file of {space}", quick=False, least=(5, 0), osl_off=True)
     def made(trial):
         """The car paint, made in a file of this working space: the light of a Rec.709 file, to 1 %."""
         _in_space(trial, space, CAR_PAINT, before=False)
 
-    @case(f"converted to {space}", least=(5, 0), osl_off=True)
+    @case(f"converted to {space}", quick=False, least=(5, 0), osl_off=True)
     def converted(trial):
         """The car paint's file is converted to this working space and saved: the same light, to 1 %."""
         _in_space(trial, space, CAR_PAINT, before=True)

@@ -12,7 +12,7 @@ from lamina.addon.check import check
 from lamina.addon.nodes import material as materials
 from lamina.addon.nodes.elements import node_of
 from lamina.addon.rendering.geometry import sphere_mesh
-from lamina.addon.rendering.images import Exr, read_exr
+from lamina.addon.rendering.images import Exr, read_exr, write_exr
 from lamina.addon.rendering.settings import add_object, measurement_settings, node_tree, render_to
 from lamina.reference_py import presets
 from lamina.reference_py.schema import SCHEMA
@@ -285,6 +285,12 @@ class Trial:
             _PLAIN[key] = self.picture(osl=True)
         self.stage()
         return _PLAIN[key]
+
+
+def image_of(path: Path, color) -> bpy.types.Image:
+    """An image of one color, linear, and so exactly the surface's."""
+    write_exr(path, {channel: np.full((8, 8), value) for channel, value in zip("RGB", color)})
+    return bpy.data.images.load(str(path))
 
 
 def _numbers(told: dict) -> str:
