@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Saving .blend files whole or not at all."""
+"""Opening .blend files, and saving them whole or not at all."""
 
 import os
 import struct
@@ -9,6 +9,14 @@ import bpy
 
 from ..reference_py.atomic import replacing
 from ..reference_py.errors import LaminaError
+
+
+def open_file(path: str | os.PathLike) -> None:
+    """Open a file in place of the present one. Raises LaminaError."""
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(Path(path).resolve()), load_ui=False)
+    except RuntimeError as error:
+        raise LaminaError(f"{path}: Blender cannot open it: {str(error).strip()}") from None
 
 
 def save_copy(path: str | os.PathLike) -> None:

@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 from .errors import LaminaError
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 
 FLOAT, COLOR, VECTOR, CHOICE = "float", "color", "vector", "choice"
 

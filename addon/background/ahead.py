@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterable
 
 from ...reference_py.network import HOLD_VALUES, TIERS
-from ..nodes.material import Wanted
+from ..nodes.state import Wanted
 from .bakes import Bake
 
 # a bake holds up to 270 MB

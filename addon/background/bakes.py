@@ -13,9 +13,15 @@ from bpy.app.handlers import persistent
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.network import HOLD_VALUES, TIERS, worker
+from ...reference_py.network.memory import content
 from ..nodes import material as materials
-from ..nodes.preview import follow_preview
+from ..nodes import state
+from ..nodes.live_values import live_values
+from ..nodes.osl_setting import shows_osl
+from ..nodes.reading import is_own, stack_of
+from ..nodes.record import adopt_pasted
 from ..user_folders import cache_folder
+from . import conversions
 from .process import Process
 
 TICK = 0.4
@@ -24,7 +30,7 @@ TICK = 0.4
 class Bake(Process):
     """One network in the making, in a process of its own."""
 
-    def __init__(self, wanted: materials.Wanted):
+    def __init__(self, wanted: state.Wanted):
         request = worker.request(wanted.stack, wanted.tier, wanted.live, wanted.tolerance, cache_folder())
         super().__init__("a bake", worker.MODULE, request)
         self.wanted, self.key = wanted, wanted.key
@@ -74,11 +80,13 @@ def tick() -> float | None:
     if bpy.app.is_job_running("RENDER"):
         return TICK  # nodes must not change under a render
     _collect()
-    left = False
+    left = conversions.collect()
     for material in bpy.data.materials:
-        if material.library is None and material.override_library is None and material.lamina.is_layered:
+        adopt_pasted(material)
+        if is_own(material) and material.lamina.is_layered:
             try:
                 left |= _follow(material)
+                left |= conversions.follow(material)
             except LaminaError as error:
                 _give_up(material, str(error))
     _redraw()
@@ -87,23 +95,36 @@ def tick() -> float | None:
 
 def _follow(material: bpy.types.Material) -> bool:
     """Bring one material nearer to what its tier stands for; whether there is more to do."""
-    if materials.is_stale(material):
+    if state.is_stale(material):
         materials.refresh(material)
-    if material.lamina.tier not in HOLD_VALUES or materials.is_settled(material):
-        _state.resting.pop(material.name_full, None)
-        follow_preview(material)
-        return False
-    wanted = materials.wanted_network(material)
+    if state.is_settled(material):
+        if not state.lags(material):
+            _state.resting.pop(material.name_full, None)
+            return False
+        if material.lamina.tier not in HOLD_VALUES or live_values(material):
+            return _follow_with_stock(material)
+    wanted = state.wanted_network(material)
     rested = _state.resting.get(material.name_full) == wanted.key
     _state.resting[material.name_full] = wanted.key
     if wanted.is_known():
         materials.refresh(material)
-        follow_preview(material)
         return False
     if given_up(material):
         return False
     if rested and _state.bake is None:
         _state.bake = Bake(wanted)
+    return True
+
+
+def _follow_with_stock(material: bpy.types.Material) -> bool:
+    """Let the stock nodes beside a script that reads its values follow: when these rest, or at once where no script shows."""
+    key = content(stack_of(material))
+    rested = _state.resting.get(material.name_full) == key
+    if rested or state.lacks_branch(material) or not any(shows_osl(w.scene) for w in bpy.context.window_manager.windows):
+        _state.resting.pop(material.name_full, None)
+        (materials.refresh if state.lacks_branch(material) else materials.refresh_stock)(material)
+        return False
+    _state.resting[material.name_full] = key
     return True
 
 
@@ -165,6 +186,7 @@ def stop() -> None:
     """End the timer and what is baking."""
     if bpy.app.timers.is_registered(tick):
         bpy.app.timers.unregister(tick)
+    conversions.stop()
     if _state.bake is not None:
         _state.bake.cancel()
         _state.bake = None

@@ -76,15 +76,15 @@ def pixel_hash(channels: dict) -> str:
 
 
 def _require_osl(scene) -> None:
-    """A Blender without OSL renders a Script node as nothing and says nothing."""
+    """A Blender without OSL renders a script that has no stock nodes beside it as nothing and says nothing."""
     import _cycles
 
     if _cycles.with_osl:
         return
     for material in {slot.material for thing in scene.objects for slot in thing.material_slots}:
         nodes = material.node_tree.nodes if material is not None and material.node_tree else ()
-        if any(node.bl_idname == "ShaderNodeScript" and any(s.is_linked for s in node.outputs) for node in nodes):
-            raise RuntimeError(f"the material {material.name} is an OSL script, and this Blender was built without OSL; give the job the backend nodes")
+        if any(node.bl_idname == "ShaderNodeScript" and {s.name for s in node.outputs if s.is_linked} == {"BSDF"} for node in nodes):
+            raise RuntimeError(f"the material {material.name} is an OSL script alone, and this Blender was built without OSL; give the job the backend auto or nodes")
 
 
 def _set_up(scene, item: dict) -> None:

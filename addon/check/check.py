@@ -17,25 +17,34 @@ from ...reference_py.schema import FLOAT, NORMAL, SCHEMA, Parameter
 from ..background import bakes
 from ..network.inputs import BASE, layer_owner
 from ..network.node_groups import is_untouched as group_is_untouched
-from ..nodes import material as materials
-from ..nodes.backend import NODES, OSL, backend_here
-from ..nodes.elements import kind_of, node_of
+from ..nodes import state
+from ..nodes.backend import AUTO, NODES, OSL, branches_here
+from ..nodes.elements import find_node, kind_of, node_of
+from ..nodes.entry import surface_output
 from ..nodes.kind_groups import KIND_KEY, hands_on
 from ..nodes.live_values import live_values
-from ..nodes.script_node import device_problem, is_untouched, scene_problem
-from ..nodes.shader_node import backend_of, has_shader
+from ..nodes.osl_setting import device_problem, why_stock_nodes
+from ..nodes.reading import require_editable, require_layered, stack_of
+from ..nodes.record import changed_values, recorded
+from ..nodes.roles import SWITCH, node_with
+from ..nodes.script_node import is_untouched
+from ..nodes.shader_node import shader_of, surface_of
 from ..rendering import environment
 from .check_mends import MENDS
 
-ERROR, WARNING = "ERROR", "INFO"
+# A note is of what does not show in this scene.
+ERROR, WARNING, NOTE = "ERROR", "INFO", "NOTE"
 
 # code: how bad it is, what is wrong, and the button that mends it (empty: nothing here can)
 CODES = {
     "not_editable": (WARNING, "{reason}", ""),
     "backend_missing": (ERROR, "{reason}", "Use Automatic"),
-    "osl_missing": (ERROR, "The shader is an OSL script, and {reason}", "Make It of Stock Nodes"),
-    "scene_without_osl": (ERROR, "{reason}", "Use Cycles with OSL"),
-    "device_without_osl": (ERROR, "{reason}", "Use Stock Nodes"),
+    "osl_missing": (ERROR, "Black: the shader is an OSL script alone, and {reason}", "Make It of Stock Nodes"),
+    "script_alone": (ERROR, "Black: the shader is an OSL script alone, and {reason}", "Make Stock Nodes Too"),
+    "one_branch": (WARNING, "{missing}", "Make Both"),
+    "without_osl": (WARNING, "Shown by stock nodes, as {reason}; OSL would add {gain}", "Use Cycles with OSL"),
+    "stock_behind": (WARNING, "The stock nodes are behind: {behind}", "Update"),
+    "output_hides": (WARNING, "The output {output}, which is for {renderer} alone, shows something else than Lamina", "Let Lamina Show"),
     "shader_gone": (ERROR, "The shader node was deleted", "Make It Anew"),
     "shader_unused": (ERROR, "The shader feeds no material output", "Link It"),
     "shader_muted": (ERROR, "The shader node is muted", "Unmute"),
@@ -43,7 +52,8 @@ CODES = {
     "shader_unlinked": (ERROR, "{count} values do not reach the shader, the first is {first}", "Link Them"),
     "shader_stale": (WARNING, "The shader holds old values", "Update"),
     "not_baked": (WARNING, "Shown by tier analytic; bake {reason}", "Bake Again"),
-    "node_gone": (ERROR, "The node of {layer} was deleted", "Make It Anew with Default Values"),
+    "node_gone": (ERROR, "The node of {layer} was deleted; its values are known", "Make It Anew"),
+    "node_lost": (ERROR, "The node of {layer} was deleted", "Make It Anew with Default Values"),
     "node_muted": (ERROR, "The node of {layer} is muted", "Unmute"),
     "node_shared": (ERROR, "{layer} has the same node as a layer above it", "Give It Its Own"),
     "node_spare": (WARNING, "No layer has the layer node {node}", "Remove It"),
@@ -65,6 +75,7 @@ class Finding:
     words: dict = field(default_factory=dict)
     element: str = ""
     label: str = ""
+    is_note: bool = False
 
     @property
     def key(self) -> str:
@@ -73,12 +84,12 @@ class Finding:
 
     @property
     def level(self) -> str:
-        return CODES[self.code][0]
+        return NOTE if self.is_note else CODES[self.code][0]
 
     @property
     def mending(self) -> str:
         """What the button says that mends it; empty where none does."""
-        return "" if self.code == "osl_missing" and environment.osl_available()[0] else CODES[self.code][2]
+        return "" if self.words.get("is_final") else CODES[self.code][2]
 
     def text(self, translate=str) -> str:
         """The sentence; `translate` gets its template."""
@@ -87,16 +98,16 @@ class Finding:
 
 def find(material: bpy.types.Material, scene: bpy.types.Scene, preferences: bpy.types.Preferences) -> list[Finding]:
     """Everything that is wrong with a layered material, the worst first. Raises LaminaError for one without layers."""
-    materials.require_layered(material)
+    require_layered(material)
     try:
-        materials.require_editable(material)
+        require_editable(material)
         found = []
     except LaminaError as error:
         found = [Finding("not_editable", {"reason": str(error)})]
     if material.node_tree is None:
         return found
-    found += [*_machine(material, scene, preferences), *_elements(material), *_shader(material)]
-    return sorted(found, key=lambda f: f.level != ERROR)
+    found += [*_machine(material, scene, preferences), *_elements(material), *_shader(material), *_stock(material, not why_stock_nodes(scene, preferences))]
+    return sorted(found, key=lambda f: (ERROR, WARNING, NOTE).index(f.level))
 
 
 def mend(material: bpy.types.Material, scene: bpy.types.Scene, preferences: bpy.types.Preferences, key: str) -> None:
@@ -106,27 +117,31 @@ def mend(material: bpy.types.Material, scene: bpy.types.Scene, preferences: bpy.
         raise LaminaError(f"there is no finding {key!r} any more")
     if not finding.mending:
         raise LaminaError(f"this cannot be mended here: {finding.text()}")
-    materials.require_editable(material)
+    require_editable(material)
     MENDS[finding.code](material, scene, finding)
 
 
 def _machine(material, scene, preferences) -> Iterator[Finding]:
-    """What this Blender or its scene lacks."""
+    """What this Blender or its scene lacks, and what that costs."""
     try:
-        backend_here(material.lamina.backend)
+        branches_here(material.lamina.backend)
     except LaminaError as error:
         yield Finding("backend_missing", {"reason": str(error)})
         return
-    if backend_of(material) != OSL:
-        return
-    available, reason = environment.osl_available()
-    if not available:
-        if has_shader(material):  # a new one would be of stock nodes
-            yield Finding("osl_missing", {"reason": reason})
-    elif problem := scene_problem(scene):
-        yield Finding("scene_without_osl", {"reason": problem})
-    elif problem := device_problem(scene, preferences):
-        yield Finding("device_without_osl", {"reason": problem})
+    script, stock = node_with(material, OSL), node_with(material, NODES)
+    reason = why_stock_nodes(scene, preferences)
+    if reason and script is not None and stock is None:
+        yield Finding("script_alone" if environment.osl_available()[0] else "osl_missing", {"reason": reason})
+    elif script is not None and stock is not None and reason:
+        gain = _ignored_names(material)
+        words = {"reason": reason, "gain": f"{gain[0]} and {len(gain) - 1} more" if len(gain) > 1 else gain[0] if gain else "nothing to this picture"}
+        cannot = not environment.osl_available()[0] or (scene.render.engine == "CYCLES" and device_problem(scene, preferences))
+        yield Finding("without_osl", words | {"is_final": bool(cannot)}, is_note=not gain)
+    if (script is None) != (stock is None) and material.lamina.backend == AUTO and not (reason and stock is None):
+        if stock is None:
+            yield Finding("one_branch", {"missing": "Made by an older Lamina: where OSL does not run, it renders black"})
+        elif environment.osl_available()[0]:
+            yield Finding("one_branch", {"missing": "Made in a Blender without OSL: the OSL script is still missing"})
 
 
 def _elements(material) -> Iterator[Finding]:
@@ -135,13 +150,13 @@ def _elements(material) -> Iterator[Finding]:
     sound = cache(lambda group, kind: hands_on(group, SCHEMA.layers.get(kind) or SCHEMA.bases[kind]))
     for element in (*lamina.layers, lamina.base):
         name = {"layer": element.name}
-        node = tree.nodes.get(element.node)
+        node = find_node(element)
         if node is None:
-            yield Finding("node_gone", name, element.node)
+            yield Finding("node_gone" if recorded(element) else "node_lost", name, element.node)
             continue
-        if element.node in seen:
+        if node.name in seen:
             yield Finding("node_shared", name, element.node)
-        seen.add(element.node)
+        seen.add(node.name)
         is_shown = element == lamina.base or lamina.shows(element)
         if node.mute and is_shown:
             yield Finding("node_muted", name, element.node)
@@ -152,7 +167,7 @@ def _elements(material) -> Iterator[Finding]:
             continue
         yield from _values(element, node, is_shown, links)
     for node in tree.nodes:
-        if node.name.startswith("Lamina ") and node.bl_idname == "ShaderNodeGroup" and node.name not in seen and _is_value_node(node):
+        if node.bl_idname == "ShaderNodeGroup" and node.name not in seen and _is_value_node(node):
             yield Finding("node_spare", {"node": node.name}, node.name)
 
 
@@ -208,31 +223,67 @@ def _lacks_image(node, depth: int = 16) -> bool:
 
 
 def _shader(material) -> Iterator[Finding]:
-    tree = material.node_tree
-    if not has_shader(material):
+    script, stock, switch = (node_with(material, role) for role in (OSL, NODES, SWITCH))
+    branches = [node for node in (script, stock) if node is not None]
+    if not branches or any(_code(node) is None for node in branches):
         yield Finding("shader_gone")
         return
-    node = tree.nodes[material.lamina.shader_node]
-    if not _reaches_output(node, set()):
+    if not _reaches_output(surface_of(material).node, set()):
         yield Finding("shader_unused")
-    if node.mute:
-        yield Finding("shader_muted")
-    backend = backend_of(material)
-    code = node.script if backend == OSL else node.node_tree
-    if code is None:
-        yield Finding("shader_gone")
-        return
-    if not (is_untouched(code.as_string()) if backend == OSL else group_is_untouched(code)):
+    else:
+        yield from _hiding(material.node_tree, surface_of(material).node)
+    for node in (*branches, switch):
+        if node is not None and node.mute:
+            yield Finding("shader_muted", {}, node.name)
+    if not (script is None or is_untouched(script.script.as_string())) or not (stock is None or group_is_untouched(stock.node_tree)):
         yield Finding("shader_edited")
-    if lost := _unlinked(material, node):
+    lost = [name for node in branches for name in _unlinked(material, node)]
+    if switch is not None:
+        lost += [socket.name for socket in switch.inputs if not socket.is_linked]
+    if lost:
         yield Finding("shader_unlinked", {"count": len(lost), "first": lost[0]})
     if reason := bakes.given_up(material):
         yield Finding("not_baked", {"reason": reason})
     try:
-        if materials.is_stale(material):
+        if state.is_stale(material):
             yield Finding("shader_stale")
-        if backend == NODES:
-            yield from _ignored(material)
+    except LaminaError:
+        pass  # what is wrong with the values is a finding of its own
+
+
+def _code(node):
+    return node.script if node.bl_idname == "ShaderNodeScript" else node.node_tree
+
+
+def _hiding(tree, surface) -> Iterator[Finding]:
+    """Outputs for one renderer alone that show something else."""
+    if surface_output(tree) is None:
+        return
+    for renderer in ("CYCLES", "EEVEE"):
+        output = tree.get_output_node(renderer)
+        if output is not None and output.target == renderer and not _is_before(surface, output, set()):
+            yield Finding("output_hides", {"output": output.name, "renderer": renderer.title()}, output.name)
+
+
+def _is_before(node, follower, seen: set[str]) -> bool:
+    """Whether a node feeds another, over any number of nodes."""
+    seen.add(node.name)
+    after = [link.to_node for socket in node.outputs for link in socket.links]
+    return any(n == follower or (n.name not in seen and _is_before(n, follower, seen)) for n in after)
+
+
+def _stock(material, osl_shows: bool) -> Iterator[Finding]:
+    """What the stock nodes do not show, a note where a script is what shows."""
+    if node_with(material, NODES) is None:
+        return
+    beside = node_with(material, OSL) is not None
+    try:
+        # of a bake that is on its way, both branches stand in
+        if beside and shader_of(material) == node_with(material, OSL) and state.is_settled(material) and state.lags(material):
+            changed = changed_values(material)
+            behind = f"{len(changed)} values changed since, the first is {changed[0]}" if changed else "they stand in for what the script shows"
+            yield Finding("stock_behind", {"behind": behind}, is_note=osl_shows)
+        yield from _ignored(material, beside and osl_shows)
     except LaminaError:
         pass  # what is wrong with the values is a finding of its own
 
@@ -247,10 +298,11 @@ def _reaches_output(node, seen: set[str]) -> bool:
 
 
 def _unlinked(material, shader) -> list[str]:
-    """Inputs of the shader that do not come from the layer that they are named for."""
+    """Inputs of a branch that do not come from the layer that they are named for."""
     lamina = material.lamina
     owners = {layer_owner(i): layer for i, layer in enumerate(lamina.shown_layers)} | {BASE: lamina.base}
-    expected = {owner + p.osl_name: (e.node, p.label) for owner, e in owners.items() for p in kind_of(e).sockets}
+    found = {owner: (e, node) for owner, e in owners.items() if (node := find_node(e)) is not None}
+    expected = {owner + p.osl_name: (node.name, p.label) for owner, (e, node) in found.items() for p in kind_of(e).sockets}
     links, lost = _links_into(material.node_tree), []
     for socket in shader.inputs:
         wanted = expected.get(socket.identifier) or expected.get(socket.name)
@@ -260,14 +312,22 @@ def _unlinked(material, shader) -> list[str]:
     return lost
 
 
-def _ignored(material) -> Iterator[Finding]:
+def _ignored(material, is_note: bool) -> Iterator[Finding]:
     lamina = material.lamina
     shown = lamina.shown_layers
     for index, name in live_values(material):
         element = lamina.base if index < 0 else shown[index]
         label = kind_of(element).parameter(name).label
-        yield Finding("texture_ignored", {"layer": element.name, "label": label}, node_of(element).name, label)
-    stack = materials.stack_of(material)
+        yield Finding("texture_ignored", {"layer": element.name, "label": label}, node_of(element).name, label, is_note)
+    stack = stack_of(material)
     for element, told in zip((*shown, lamina.base), (*stack.layers, stack.base)):
         if told.has(NORMAL):
-            yield Finding("normal_ignored", {"layer": element.name}, node_of(element).name)
+            yield Finding("normal_ignored", {"layer": element.name}, node_of(element).name, is_note=is_note)
+
+
+def _ignored_names(material) -> list[str]:
+    """What stock nodes leave out, in words."""
+    try:
+        return [f"the {f.words['label'].lower() if f.label else 'normal'} of {f.words['layer']}" for f in _ignored(material, True)]
+    except LaminaError:
+        return []

@@ -7,11 +7,15 @@ import numpy as np
 from ...reference_py.schema import COLOR, FLOAT
 from ..background import bakes
 from ..nodes import material as materials
-from ..nodes.backend import AUTO, NODES
+from ..nodes import state
+from ..nodes.backend import AUTO
 from ..nodes.elements import kind_of, new_node, node_of
+from ..nodes.entry import entry_of, surface_output
 from ..nodes.kind_groups import fresh_group
 from ..nodes.node_copy import copy_inputs
-from ..nodes.script_node import enable_osl
+from ..nodes.osl_setting import enable_osl
+from ..nodes.record import give_recorded
+from ..nodes.shader_node import surface_of
 
 
 def _element(material, finding):
@@ -37,24 +41,31 @@ def _use_automatic(material, _scene, _finding) -> None:
         material.lamina.backend = AUTO
 
 
-def _use_nodes(material, _scene, _finding) -> None:
-    with materials.changing(material):
-        material.lamina.backend = NODES
-
-
 def _bake(material, _scene, _finding) -> None:
     bakes.retry(material)
 
 
 def _link_shader(material, _scene, _finding) -> None:
-    tree = material.node_tree
-    shader = tree.nodes[material.lamina.shader_node]
-    output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(shader.outputs["BSDF"], output.inputs["Surface"])
+    materials.regenerate(material)
+    surface = surface_of(material)
+    if not surface.is_linked:
+        for target in entry_of(material.node_tree):
+            material.node_tree.links.new(surface, target)
 
 
-def _unmute_shader(material, _scene, _finding) -> None:
-    material.node_tree.nodes[material.lamina.shader_node].mute = False
+def _unmute_shader(material, _scene, finding) -> None:
+    material.node_tree.nodes[finding.element].mute = False
+
+
+def _stock(material, _scene, _finding) -> None:
+    (materials.refresh if state.lacks_branch(material) else materials.refresh_stock)(material)
+
+
+def _let_lamina_show(material, _scene, finding) -> None:
+    """Blender 4.5 shows a muted output black and 5.3 ignores that it is muted, so the output steps back: all renderers' and not active."""
+    own, other = surface_output(material.node_tree), material.node_tree.nodes[finding.element]
+    other.target = "ALL"
+    own.is_active_output = True
 
 
 def _unmute(material, _scene, finding) -> None:
@@ -62,9 +73,11 @@ def _unmute(material, _scene, finding) -> None:
 
 
 def _new_node(material, _scene, finding) -> None:
+    """With the recorded values and links; drivers and keyframes go with a node that Blender deletes."""
     element = _element(material, finding)
     with materials.changing(material) as tree:
-        element.node = new_node(tree, kind_of(element)).name
+        node = new_node(tree, kind_of(element), element.node)
+        give_recorded(element, node)
 
 
 def _own_node(material, _scene, finding) -> None:
@@ -134,8 +147,11 @@ def _into_range(material, _scene, finding) -> None:
 MENDS = {
     "backend_missing": _use_automatic,
     "osl_missing": _regenerate,
-    "scene_without_osl": _use_cycles,
-    "device_without_osl": _use_nodes,
+    "script_alone": _use_automatic,
+    "without_osl": _use_cycles,
+    "one_branch": _stock,
+    "stock_behind": _stock,
+    "output_hides": _let_lamina_show,
     "shader_gone": _regenerate,
     "shader_unused": _link_shader,
     "shader_muted": _unmute_shader,
@@ -144,6 +160,7 @@ MENDS = {
     "shader_stale": _regenerate,
     "not_baked": _bake,
     "node_gone": _new_node,
+    "node_lost": _new_node,
     "node_muted": _unmute,
     "node_shared": _own_node,
     "node_spare": _remove_node,

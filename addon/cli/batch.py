@@ -9,7 +9,7 @@ from ...reference_py.atomic import output_folder
 from ...reference_py.errors import LaminaError
 from ..batch.items import expand
 from ..batch.job import KEYS, REQUIRED, Job
-from ..nodes.backend import backend_here
+from ..nodes.backend import branches_here
 from .session import blender, say
 
 FAILED = 1
@@ -37,7 +37,7 @@ def batch(options) -> int | None:
         from ..rendering.images import require_pictures
 
         require_pictures()
-        backend_here(job.backend)
+        branches_here(job.backend)
         folder = output_folder(options.output or Path(options.job).with_suffix(""))
         with sole_owner(folder):
             outputs = run_items(items, folder, options.processes or _processes(), job.time_limit, report, options.replace)

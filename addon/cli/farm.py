@@ -17,7 +17,7 @@ from ..batch.job import Job
 from ..farm.bundle_names import FILES
 from ..farm.flamenco import job_type
 from ..farm.openjd import template
-from ..nodes.backend import backend_here
+from ..nodes.backend import branches_here
 from .session import blender, say
 
 
@@ -30,7 +30,7 @@ def farm(options) -> None:
     with _whole_folder(folder) as made, blender(report):
         from ..farm.bundle import write_files
 
-        backend_here(job.backend)
+        branches_here(job.backend)
         write_files(items, job.time_limit, made / FILES, report)
         write_text(made / "lamina_flamenco.js", job_type(job.name, len(items), options.chunk))
         write_text(made / "template.json", json.dumps(template(job.name, len(items), options.chunk), indent=2) + "\n")

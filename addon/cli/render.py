@@ -8,7 +8,7 @@ from pathlib import Path
 from ...reference_py.atomic import replacing, require_writable
 from ...reference_py.errors import LaminaError
 from ...reference_py.network import DEFAULT_TIER, require_tier
-from ..nodes.backend import OSL, backend_here, notice
+from ..nodes.backend import branches_here, notice
 from .numbers import load_stack, print_albedo, view_angles
 from .session import blender, say, tenths
 
@@ -128,21 +128,17 @@ def apply(options) -> None:
     with blender(report):
         import bpy
 
-        from ..blend_files import save_copy
-        from ..nodes.script_node import enable_osl
-        from ..nodes.shader_node import backend_of
+        from ..blend_files import open_file, save_copy
+        from ..nodes.material import make_renderable
 
-        backend_here(options.backend)
-        try:
-            bpy.ops.wm.open_mainfile(filepath=str(source.resolve()), load_ui=False)
-        except RuntimeError as error:
-            raise LaminaError(f"{source}: Blender cannot open it: {str(error).strip()}") from None
+        branches_here(options.backend)
+        open_file(source)
         target = bpy.data.objects.get(options.object)
         if target is None or not hasattr(target.data, "materials"):
             choices = sorted(o.name for o in bpy.data.objects if hasattr(o.data, "materials"))
             raise LaminaError(f"{source}: no object {options.object!r} that takes a material; choose {', '.join(choices) or 'none'}")
         material = _material(stack, tier, options.backend, report)
-        notices = enable_osl(bpy.context.scene) if backend_of(material) == OSL else []
+        notices = make_renderable(material, bpy.context.scene)
         if target.material_slots:
             target.material_slots[target.active_material_index].material = material
         else:

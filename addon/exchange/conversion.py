@@ -1,17 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A material with a Principled node becomes a stack; a stack gets a Principled copy. Textures stay linked."""
 
+from collections.abc import Iterator
+
 import bpy
 
+from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.openpbr import from_openpbr
 from ...reference_py.exchange.principled import PLACES, from_principled, to_principled
-from ...reference_py.exchange.report import Report
+from ...reference_py.exchange.report import LOST, Report
 from ...reference_py.stack import Stack
 from ..nodes import material as materials
-from ..nodes.backend import OSL
-from ..nodes.elements import kind_of, node_of, shown_parameters
-from ..nodes.shader_node import backend_of
-from .sources import PRINCIPLED, animated_parts, is_layer, link_through, linked_places, parameter_of, principled_of, read_principled
+from ..nodes.backend import NODES, OSL
+from ..nodes.elements import find_node, kind_of, node_of, shown_parameters
+from ..nodes.hand_over import MIX, VALUES
+from ..nodes.principled import COLOR, PRINCIPLED, has_linked_color, is_layer, link_through, linked_places, parameter_of, show_stack
+from ..nodes.reading import require_editable
+from ..nodes.record import drop_record
+from ..nodes.roles import ROLE, SWITCH, Roles
+from ..nodes.shader_node import backend_of, surface_of
+from .sources import animated_parts, principled_of, read_principled
 
 
 def to_lamina(material: bpy.types.Material) -> tuple[Report, list[str]]:
@@ -19,7 +27,7 @@ def to_lamina(material: bpy.types.Material) -> tuple[Report, list[str]]:
 
     Raises LaminaError, and leaves the material as it was, where there is no such node.
     """
-    materials.require_editable(material)
+    require_editable(material)
     principled = principled_of(material)
     values, sources = read_principled(principled)
     converted = from_principled(values, material.name, "Base Color" in sources, frozenset(sources))
@@ -66,7 +74,7 @@ def _link(socket: str, source, elements, converted, is_followed: bool) -> str:
         if parameter not in {p.name for p in shown_parameters(kind, element.given)} | {p.name for f in kind.features for p in f.parameters}:
             continue
         target = node_of(element).inputs[kind.parameter(parameter).label]
-        if socket == "Base Color":
+        if socket == COLOR:
             link_through(source, target, converted.colors)
         else:
             source.id_data.links.new(source, target)
@@ -81,38 +89,43 @@ def _link(socket: str, source, elements, converted, is_followed: bool) -> str:
 def principled_copy(material: bpy.types.Material) -> tuple[bpy.types.Material, Report, list[str]]:
     """A new material with a Principled node as bright as the stack, fed by the same textures. The old one stays as it is."""
     stack = materials.stack_of(material)
-    converted = to_principled(stack, textured=True) if _has_linked_color(material) else to_principled(stack)
+    converted = to_principled(stack, textured=has_linked_color(material))
     copy = material.copy()
     copy.name = f"{material.name} Principled"
     try:
-        told = _rebuild(copy, stack, converted)
+        told = _rebuild(copy, converted)
     except Exception:
         bpy.data.materials.remove(copy)
         raise
     return copy, converted.report, told
 
 
-def _has_linked_color(material) -> bool:
-    return any(socket == "Base Color" for socket, *_ in linked_places(material, {"base": -1}))
-
-
-def _rebuild(copy: bpy.types.Material, stack: Stack, converted) -> list[str]:
+def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
+    """Leave the Principled node of a copy, which is the hand-over's where there is one, in the place of its shading."""
     tree, lamina = copy.node_tree, copy.lamina
-    principled = tree.nodes.new(PRINCIPLED)
-    set_values(principled, converted.values)
-    told = []
-    for socket, element, parameter, source in linked_places(copy, converted.owners):
-        told.append(_link_back(socket, element, parameter, source, principled.inputs[socket], stack, converted))
-    found = len(told)
-    linked = sum(s.is_linked for e in (*lamina.shown_layers, lamina.base) for s in node_of(e).inputs)
-    if linked > found:
-        told.append(f"lost: {linked - found} more links of layers: Principled has no place for them")
+    roles = Roles(tree)
     output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
-    principled.location = (output.location.x - 320, output.location.y)
-    tree.links.new(principled.outputs["BSDF"], output.inputs["Surface"])
-    left = {element.node for element in (*lamina.layers, lamina.base)} | {lamina.shader_node}
-    for node in [node for node in tree.nodes if node.name in left]:
+    former = surface_of(copy)
+    targets = [link.to_socket for link in former.links] if former is not None else []
+    principled = roles.make(VALUES, PRINCIPLED, "", (output.location.x - 320, output.location.y))
+    principled.hide, principled.label = False, ""
+    linked = sum(s.is_linked for e in (*lamina.shown_layers, lamina.base) for s in node_of(e).inputs)
+    told = show_stack(principled, copy, converted.values, converted.owners, converted.colors)
+    if linked > len(told):
+        told.append(f"lost: {linked - len(told)} more links of layers: Principled has no place for them")
+    for name, element, parameter, source in linked_places(copy, converted.owners):
+        if is_layer(source.node):
+            told = [sentence for sentence in told if not sentence.startswith(f"kept: {name} ")]
+            told.append(f"lost: {element.name} {parameter.label}: it was linked to another layer")
+    for target in targets or [output.inputs["Surface"]]:
+        tree.links.new(principled.outputs["BSDF"], target)
+    values = [find_node(element) for element in (*lamina.layers, lamina.base)]
+    for node in [node for node in tree.nodes if node in values or node.get(ROLE) in (OSL, NODES, SWITCH, MIX)]:
         tree.nodes.remove(node)
+    drop_record(copy)
+    for node in tree.nodes:
+        if ROLE in node:  # a stack that is put here later makes its own
+            del node[ROLE]
     copy.property_unset("lamina")
     return told
 
@@ -123,24 +136,28 @@ def set_values(principled: bpy.types.Node, values: dict) -> None:
         principled.inputs[name].default_value = (*value, 1.0) if isinstance(value, tuple) else value
 
 
-def _link_back(socket: str, element, parameter, source, target, stack: Stack, converted) -> str:
-    tree = target.id_data
-    if is_layer(source.node):
-        return f"lost: {element.name} {parameter.label}: it was linked to another layer"
-    if socket == "Base Color":
-        link_through(source, target, converted.colors)
-        return "kept: Base Color texture: through nodes that keep the mean albedo"
-    if parameter.name == "tint" and len(stack.layers) > 1:
-        return f"lost: {element.name} {parameter.label} texture: the media of several layers share one tint"
-    if parameter.name == "tint":
-        power = 2.0 * node_of(element).inputs["Thickness"].default_value
-        gamma = tree.nodes.new("ShaderNodeGamma")
-        gamma.label, gamma.inputs["Gamma"].default_value = "Lamina round trip", power
-        gamma.location = (target.node.location.x - 200, target.node.location.y - 400)
-        tree.links.new(source, gamma.inputs["Color"])
-        source = gamma.outputs["Color"]
-    tree.links.new(source, target)
-    return f"kept: {socket} texture: linked"
+def principled_copies(replacing: bool) -> Iterator[tuple[bpy.types.Material, str]]:
+    """A Principled copy of every Lamina material of the file; yields each copy, or the material that has none, and what became of it.
+
+    With `replacing` the copies take the place and the names of the originals, which go.
+    """
+    for material in [m for m in bpy.data.materials if m.lamina.is_layered]:
+        try:
+            require_editable(material)
+            copy, report, _ = principled_copy(material)
+        except LaminaError as error:
+            yield material, f"left as it is: {error}"
+            continue
+        name = material.name
+        if replacing:
+            copy.use_fake_user = material.use_fake_user
+            material.user_remap(copy)
+            bpy.data.materials.remove(material)
+            copy.name = name
+        else:
+            copy.use_fake_user = True  # no object has it yet
+        lost = ", ".join(dict.fromkeys(loss.parameter for loss in report.of(LOST)))
+        yield copy, f"error {100.0 * report.match.soft_light:.1f} %{f'; lost: {lost}' if lost else ''}"
 
 
 def apply_openpbr(material: bpy.types.Material, name: str, values: dict) -> Report:

@@ -24,14 +24,18 @@ _POPUP_WIDTH = 110
 
 def tell(operator: bpy.types.Operator, title: str, report: Report, told: list[str] = ()) -> None:
     """Write a report into the text, say its summary, and show all of it where there is a window."""
-    lines = [*told, *report.lines()]
+    tell_lines(operator, title, [*told, *report.lines()], f": {report.summary}")
+
+
+def tell_lines(operator: bpy.types.Operator, title: str, lines: list[str], summary: str = "") -> None:
+    """The same with any lines."""
     text = bpy.data.texts.get(REPORT_TEXT) or bpy.data.texts.new(REPORT_TEXT)
     text.clear()
     text.write("\n".join([title, *lines]) + "\n")
     for line in lines:
         if line.startswith("lost"):
             operator.report({"WARNING"}, f"Lamina: {line}")
-    operator.report({"INFO"}, f"Lamina: {title}: {report.summary}")
+    operator.report({"INFO"}, f"Lamina: {title}{summary}")
     if bpy.app.background:
         return
 
@@ -77,6 +81,27 @@ class LAMINA_OT_principled_copy(ops.LayeredOperator, bpy.types.Operator):
         copy, report, told = conversion.principled_copy(ops.material_of(context))
         copy.use_fake_user = True  # no object has it yet
         tell(self, copy.name, report, told)
+
+
+class LAMINA_OT_principled_copies(ops.LaminaOperator, bpy.types.Operator):
+    bl_idname = "lamina.principled_copies"
+    bl_label = "Principled Copies"
+    bl_description = "Make a material with a Principled node of every Lamina material of the file, as bright and with its textures; those stay"
+
+    @classmethod
+    def poll(cls, _context):
+        if any(material.lamina.is_layered for material in bpy.data.materials):
+            return True
+        cls.poll_message_set(tip_("No material of this file has a Lamina stack"))
+        return False
+
+    def run(self, _context):
+        told = [(copy, sentence) for copy, sentence in conversion.principled_copies(replacing=False)]
+        made = sum(not copy.lamina.is_layered for copy, _ in told)
+        for left, sentence in told:
+            if left.lamina.is_layered:
+                self.report({"WARNING"}, f"Lamina: {left.name}: {sentence}")
+        tell_lines(self, rpt_("{count} Principled copies").format(count=made), [f"{copy.name}: {sentence}" for copy, sentence in told])
 
 
 class LAMINA_OT_export_mtlx(ops.LayeredOperator, ExportHelper, bpy.types.Operator):
@@ -133,6 +158,7 @@ class LAMINA_MT_exchange(bpy.types.Menu):
         layout = self.layout
         layout.operator(LAMINA_OT_convert_principled.bl_idname, icon="NODE_MATERIAL")
         layout.operator(LAMINA_OT_principled_copy.bl_idname, icon="DUPLICATE")
+        layout.operator(LAMINA_OT_principled_copies.bl_idname)
         layout.separator()
         layout.operator(LAMINA_OT_import_mtlx.bl_idname, text="Import MaterialX...", icon="IMPORT")
         layout.operator(LAMINA_OT_export_mtlx.bl_idname, text="Export MaterialX...", icon="EXPORT")
@@ -140,4 +166,4 @@ class LAMINA_MT_exchange(bpy.types.Menu):
         layout.operator("lamina.bake_textures", text="Bake to Textures...", icon="RENDER_STILL")
 
 
-CLASSES = (LAMINA_OT_convert_principled, LAMINA_OT_principled_copy, LAMINA_OT_export_mtlx, LAMINA_OT_import_mtlx, LAMINA_MT_exchange)
+CLASSES = (LAMINA_OT_convert_principled, LAMINA_OT_principled_copy, LAMINA_OT_principled_copies, LAMINA_OT_export_mtlx, LAMINA_OT_import_mtlx, LAMINA_MT_exchange)

@@ -19,9 +19,9 @@ from ...reference_py.atomic import output_folder
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.principled import DEFAULTS, to_principled
 from ..nodes import material as materials
+from ..nodes.principled import linked_places
 from ..rendering.images import require_pictures, write_png
 from ..rendering.settings import node_tree, remove_scene
-from .sources import linked_places
 
 _MARGIN, _SAMPLES = 8, 4
 _FLAT_NORMAL = 0.5, 0.5, 1.0

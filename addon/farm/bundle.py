@@ -12,7 +12,7 @@ from ..background.ahead import bake_ahead
 from ..batch.items import Item
 from ..batch.stage import Stage, own_texts
 from ..blend_files import save_copy, save_material
-from ..nodes.material import Wanted
+from ..nodes.state import Wanted
 from .bundle_names import ITEMS, SCRIPT
 
 _ADDON = Path(__file__).resolve().parents[1]

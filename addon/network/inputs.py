@@ -10,8 +10,8 @@ from ...reference_py.stack import Element, Stack
 BASE = "Base"
 # The direction that anisotropy of rotation 0 follows: a node of the material gives it.
 TANGENT = "Tangent"
-# Blender 5.2 aborts on a shader of more than 128 parameters, the output among them.
-MAX_INPUTS = 127
+# Blender 5.2 aborts on a shader of more than 128 parameters, both outputs among them.
+MAX_INPUTS = 126
 
 
 @dataclass(frozen=True)

@@ -46,7 +46,7 @@ def network_group(network: TableNetwork | PatchNetwork) -> bpy.types.NodeTree:
 
 def _group_with(content: str | None) -> bpy.types.NodeTree | None:
     """This file's group of a content, as long as nobody edited it."""
-    own = (group for group in bpy.data.node_groups if content and group.get(GROUP_KEY) == content)
+    own = (group for group in bpy.data.node_groups if content and group.library is None and group.get(GROUP_KEY) == content)
     return next((group for group in own if is_untouched(group)), None)
 
 
@@ -67,13 +67,13 @@ def _digest(network: TableNetwork | PatchNetwork) -> str:
 
 def drop_group(tree: bpy.types.NodeTree | None) -> None:
     """Remove a network's group that nothing uses any more. A group edited by hand stays."""
-    if tree is not None and GROUP_KEY in tree and tree.users == 0 and is_untouched(tree):
+    if tree is not None and tree.library is None and GROUP_KEY in tree and tree.users == 0 and is_untouched(tree):
         bpy.data.node_groups.remove(tree)
 
 
 def is_untouched(tree: bpy.types.NodeTree) -> bool:
     """Whether a network's group still is what its hash was taken of."""
-    return tree.library is None and tree.get(GROUP_KEY) == _content(tree)
+    return tree.get(GROUP_KEY) == _content(tree)
 
 
 def _content(tree) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The two ways to write a network in a material: an OSL shader, or a group of stock nodes. Does not need bpy."""
+"""The ways to write a network in a material: an OSL shader, a group of stock nodes, or both. Does not need bpy."""
 
 from collections.abc import Callable
 
@@ -8,9 +8,9 @@ from ..rendering import environment
 
 AUTO, OSL, NODES = "auto", "osl", "nodes"
 BACKENDS = {
-    AUTO: "An OSL shader where this Blender can make one, else stock nodes",
-    OSL: "An OSL shader that reads values and textures live; CPU and OptiX only",
-    NODES: "Stock nodes, for every device and for EEVEE; they hold the values that the layers had when they were made",
+    AUTO: "Both: an OSL shader for CPU and OptiX, and stock nodes that show wherever OSL does not run",
+    OSL: "An OSL shader alone, which reads values and textures live; black wherever OSL does not run",
+    NODES: "Stock nodes alone, for every device and for EEVEE; they hold the values that the layers had when they were made",
 }
 DEFAULT_BACKEND = AUTO
 
@@ -25,8 +25,8 @@ def require_osl() -> None:
         )
 
 
-def backend_here(wanted: str) -> str:
-    """What `wanted`, a key of BACKENDS, means in this Blender: "osl" or "nodes".
+def branches_here(wanted: str) -> tuple[str, ...]:
+    """The branches that `wanted`, a key of BACKENDS, means in this Blender, "osl" before "nodes".
 
     Raises LaminaError for an unknown backend and for "osl" where there is none.
     """
@@ -35,13 +35,13 @@ def backend_here(wanted: str) -> str:
     if wanted == OSL:
         require_osl()
     if wanted == AUTO:
-        return OSL if environment.osl_available()[0] else NODES
-    return wanted
+        return (OSL, NODES) if environment.osl_available()[0] else (NODES,)
+    return (wanted,)
 
 
 def notice(wanted: str, translated: Callable[[str], str] = str) -> str:
     """One line for the user where `wanted` leaves the choice and it fell on stock nodes; empty when it did not."""
-    if wanted != AUTO or backend_here(wanted) == OSL:
+    if wanted != AUTO or OSL in branches_here(wanted):
         return ""
     told = translated("made of stock nodes, because {reason}; of all textures and animation of layers only a coverage's has an effect")
     return told.format(reason=translated(environment.osl_available()[1]))

@@ -13,8 +13,13 @@ from ...reference_py.colour import artist_color, artist_index, conductor_rgb
 from ...reference_py.errors import LaminaError
 from ...reference_py.schema import COLOR, FLOAT, SCHEMA, Feature, Kind, Parameter
 from ...reference_py.stack import Element
-from .kind_groups import declare_missing, group_of
+from ..network.inputs import BASE, layer_owner
+from .backend import OSL
+from .kind_groups import KIND_KEY, declare_missing, group_of
+from .roles import node_with
 
+# The immutable id of a value node, which is the name that it was made with; users may rename nodes.
+ID_KEY = "lamina_id"
 _FLOAT32_DIGITS = 7
 
 
@@ -23,28 +28,54 @@ def kind_of(element) -> Kind:
     return SCHEMA.layers.get(element.kind) or SCHEMA.bases[element.kind]
 
 
+def find_node(element) -> bpy.types.ShaderNodeGroup | None:
+    """The group node that holds an element's values, also after somebody renamed it; None where it was deleted."""
+    tree = element.id_data.node_tree
+    if tree is None or not element.node:
+        return None
+    node = tree.nodes.get(element.node)
+    return node or next((n for n in tree.nodes if n.get(ID_KEY) == element.node), None) or _node_by_links(element)
+
+
+def _node_by_links(element) -> bpy.types.ShaderNodeGroup | None:
+    """The node that feeds the shader's sockets of an element: files of schema 1 and 2 have no ids."""
+    material = element.id_data
+    lamina, script = material.lamina, node_with(material, OSL)
+    owners = {BASE: lamina.base} | {layer_owner(i): layer for i, layer in enumerate(lamina.shown_layers)}
+    owner = next((name for name, one in owners.items() if one == element), None)
+    if script is None or owner is None:
+        return None
+    wanted = {owner + p.osl_name for p in kind_of(element).sockets}
+    for link in (link for s in script.inputs if s.identifier in wanted for link in s.links):
+        node = link.from_node
+        if node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None and KIND_KEY in node.node_tree and ID_KEY not in node:
+            return node
+    return None
+
+
 def node_of(element) -> bpy.types.ShaderNodeGroup:
     """The group node that holds an element's values. Raises LaminaError when somebody deleted it."""
-    material = element.id_data
-    node = material.node_tree.nodes.get(element.node)
+    node = find_node(element)
     if node is None:
         raise LaminaError(
-            f"material {material.name}: the node of {element.name!r} was deleted; undo, remove the layer, or pick a preset anew"
+            f"material {element.id_data.name}: the node of {element.name!r} was deleted; undo, remove the layer, or pick a preset anew"
         )
     return node
 
 
 def bring_up_to_date(element) -> None:
-    """Give an element's node the sockets that came after the version which made it."""
-    tree = node_of(element).node_tree
+    """Give an element's node the sockets that came after the version which made it, and its id."""
+    node = node_of(element)
+    tree = node.node_tree
+    if ID_KEY not in node:
+        node[ID_KEY] = element.node
     if tree is not None and tree.library is None:
         declare_missing(tree, kind_of(element))
 
 
 def show_name(element) -> None:
     """Write the element's name on its node, if it has one."""
-    tree = element.id_data.node_tree
-    node = tree.nodes.get(element.node) if tree is not None else None
+    node = find_node(element)
     if node is not None and node.label != element.name:
         node.label = element.name
 
@@ -81,11 +112,10 @@ def structure_dict(element, kind: Kind) -> dict:
     return {"kind": element.kind, **values}
 
 
-def new_node(tree: bpy.types.NodeTree, kind: Kind) -> bpy.types.ShaderNodeGroup:
-    """A node for the values of a kind, with the schema's defaults."""
+def new_node(tree: bpy.types.NodeTree, kind: Kind, former: str = "") -> bpy.types.ShaderNodeGroup:
+    """A node for the values of a kind, with the schema's defaults; under the id of a former one that is gone, or a new id."""
     node = tree.nodes.new("ShaderNodeGroup")
-    # the name is an identity: animation data and links refer to it, so it is never changed and never used twice
-    node.name = f"Lamina {uuid.uuid4().hex[:12]}"
+    node.name = node[ID_KEY] = former or f"Lamina {uuid.uuid4().hex[:12]}"
     node.node_tree = group_of(kind)
     return node
 

@@ -8,52 +8,85 @@ from bpy.app.handlers import persistent
 
 from ...reference_py.errors import LaminaError
 from ..background.ahead import bake_ahead
-from ..rendering import environment
-from .backend import OSL
-from .material import Wanted, is_settled, is_stale, refresh, wanted_network
-from .shader_node import backend_of, has_shader
+from . import state
+from .backend import NODES
+from .hand_over import is_handed_over
+from .live_values import live_values
+from .material import hand_over, refresh, refresh_stock
+from .osl_setting import shows_osl
+from .reading import is_own, stack_of
+from .record import adopt_pasted
+from .roles import node_with
+from .shader_node import shader_of
 
 
 @persistent
 def make_ready(*_) -> None:
-    """Make every material of this file what its tier stands for. With a window, bakes are left to `bakes`."""
+    """Make every material of this file what its tier stands for, and what exporters find. With a window, bakes are left to `bakes`."""
+    for material in bpy.data.materials:
+        adopt_pasted(material)
     if bpy.app.background:
-        wanted: list[Wanted] = []
-        _for_each(_is_unready, lambda material: wanted.append(wanted_network(material)))
+        wanted: list[state.Wanted] = []
+        _for_each(_needs_bake, lambda material: wanted.append(state.wanted_network(material)))
         bake_ahead(wanted, lambda told: print(f"Lamina: {told}"))
     _for_each(_is_unready, _make_ready)
+    _for_each(_is_behind, lambda material: hand_over(material, settle=bpy.app.background))
 
 
 def _is_unready(material) -> bool:
-    return is_stale(material) or not is_settled(material)
+    return _is_behind(material) or state.lags(material)
+
+
+def _needs_bake(material) -> bool:
+    # stock nodes beside a script that follows textures are the tier analytic's
+    return _is_behind(material) or (state.lags(material) and not live_values(material))
+
+
+def _is_behind(material) -> bool:
+    return state.is_stale(material) or not state.is_settled(material)
 
 
 def _make_ready(material) -> None:
+    alone = not _is_behind(material) and node_with(material, NODES) is not None
     if bpy.app.background:
-        print(f"Lamina: {material.name}: its shader is made for the present values")
-    refresh(material, settle=bpy.app.background)
+        told = "its stock nodes are made for the present values" if alone else "its shader is made for the present values"
+        print(f"Lamina: {material.name}: {told}")
+    (refresh_stock if alone else refresh)(material, settle=bpy.app.background)
+
+
+def _is_behind(material) -> bool:
+    return not is_handed_over(material, stack_of(material))
 
 
 @persistent
-def announce(*_) -> None:
-    """Name what a render shows with old values or provisionally. Blender 5.2 crashes when nodes change once a render has begun."""
-    _for_each(lambda material: not has_shader(material), lambda material: print(f"Lamina: {material.name}: its shader node is gone: press Update in its panel, or call bpy.ops.lamina.regenerate()"))
-    if not environment.renders_osl():
-        _for_each(
-            lambda material: has_shader(material) and backend_of(material) == OSL,
-            lambda material: print(f"Lamina: {material.name}: renders wrong: its shader is an OSL script, and this Blender has no OSL; choose the backend Stock Nodes"),
-        )
-    _for_each(is_stale, lambda material: print(f"Lamina: {material.name}: renders old values: save the file, press Update in its panel, or call bpy.ops.lamina.regenerate()"))
+def announce(scene=None, *_) -> None:
+    """Name what a render shows wrong, with old values or provisionally. Blender 5.2 crashes when nodes change once a render has begun."""
+    scene = scene if isinstance(scene, bpy.types.Scene) else bpy.context.scene
+    if not shows_osl(scene, bpy.context.preferences):
+        _for_each(_is_script_alone, lambda m: print(f"Lamina: {m.name}: renders black: it is an OSL script alone, and {scene.name} shows none; {_advice(m)}"), linked=True)
+        _for_each(state.lags, lambda m: print(f"Lamina: {m.name}: renders old values: its stock nodes are behind; save the file, or press Update in its panel"))
+    _for_each(lambda m: shader_of(m) is None, lambda m: print(f"Lamina: {m.name}: its shader node is gone: press Update in its panel, or call bpy.ops.lamina.regenerate()"))
+    _for_each(state.is_stale, lambda m: print(f"Lamina: {m.name}: renders old values: save the file, press Update in its panel, or call bpy.ops.lamina.regenerate()"))
     _for_each(
-        lambda material: not is_stale(material) and not is_settled(material),
-        lambda material: print(f"Lamina: {material.name}: renders with the tier analytic, as its bake is not done; a save without a window makes it"),
+        lambda m: not state.is_stale(m) and not state.is_settled(m),
+        lambda m: print(f"Lamina: {m.name}: renders with the tier analytic, as its bake is not done; a save without a window makes it"),
     )
 
 
-def _for_each(concerns: Callable[[bpy.types.Material], bool], act: Callable[[bpy.types.Material], None]) -> None:
+def _is_script_alone(material) -> bool:
+    return shader_of(material) is not None and node_with(material, NODES) is None
+
+
+def _advice(material) -> str:
+    if material.library is not None:
+        return f"open {material.library.filepath} in this version of Lamina and save it"
+    return "choose the backend Automatic, or save the file" if material.lamina.backend == "osl" else "save the file"
+
+
+def _for_each(concerns: Callable[[bpy.types.Material], bool], act: Callable[[bpy.types.Material], None], linked: bool = False) -> None:
     """Handlers cannot report, so what is done, or cannot be, is said on the console."""
     for material in bpy.data.materials:
-        if material.library is not None or not material.lamina.is_layered:
+        if not material.lamina.is_layered or not (linked or is_own(material)):
             continue
         try:
             if concerns(material):

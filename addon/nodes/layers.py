@@ -15,8 +15,9 @@ from ...reference_py.json_input import parse_json
 from ...reference_py.ready_layers import layers_of
 from ...reference_py.schema import SCHEMA, SCHEMA_VERSION
 from ...reference_py.stack import MAX_LAYERS, Element
-from .elements import fill_element, free_name, kind_of, node_of, read_element
-from .material import changing, require_editable, require_layered
+from .elements import fill_element, find_node, free_name, kind_of, node_of, read_element
+from .material import changing
+from .reading import require_editable, require_layered
 from .node_copy import copy_inputs
 
 COPIED_KEY = "lamina_layers"
@@ -141,6 +142,6 @@ def _source_of(layer: Element) -> tuple[bpy.types.Node, bool] | None:
     # copies of a material have the names of its nodes, so the material that was named comes first
     for material in (*filter(None, [named]), *bpy.data.materials):
         for element in material.lamina.layers:
-            if element.node == origin.get("node") and element.node in material.node_tree.nodes:
+            if element.node == origin.get("node") and find_node(element) is not None:
                 return node_of(element), element.visible
     return None

@@ -9,13 +9,11 @@ raises LaminaError, not at all.
 import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 
 import bpy
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.network import DEFAULT_TIER, HOLD_VALUES, PROVISIONAL_TIER, TIERS, AutoNetwork, make_network, require_tier
-from ...reference_py.network.choice import DEFAULT_TOLERANCE
+from ...reference_py.network import DEFAULT_TIER, HOLD_VALUES, PROVISIONAL_TIER, make_network, require_tier
 from ...reference_py.network.memory import content
 from ...reference_py.network.mixture import MAX_CLOSURES, estimated_cost, estimated_error, holds_values, tiers_of
 from ...reference_py.network.tabulate import tabulate
@@ -25,40 +23,26 @@ from ..network.inputs import BASE, layer_owner
 from ..network.osl import generate
 from ..network.stock_nodes import HAS_DIELECTRIC, closure_count, left_out
 from ..rendering.settings import node_tree
-from .backend import NODES, OSL, backend_here, notice
-from .elements import bring_up_to_date, carry_metal, fill_element, kind_of, node_of, read_element, show_name, shown_parameters, structure_dict
+from .backend import AUTO, NODES, OSL, branches_here, notice
+from .elements import bring_up_to_date, carry_metal, fill_element, find_node, kind_of, node_of, read_element, show_name, shown_parameters, structure_dict
+from .hand_over import follow_hand_over
 from .live_values import live_values
+from .osl_setting import prefer_osl
 from .properties import follow, quietly
-from .script_node import enable_osl
-from .shader_node import backend_of, group_with, script_with, tangent_owner
+from .reading import require_editable, require_layered, stack_of
+from .record import keep_record, keep_structure
+from .roles import node_with
+from .shader_node import Surface, backend_of, replacing_branches, shading_of
 from .snapshot import restore, snapshot
+from .state import SETTLED, TOLD, note_of, wanted_network
 
 _COLUMN, _ROW = 320, 240
-
-
-def require_editable(material: bpy.types.Material) -> None:
-    """Raise LaminaError for a material whose structure belongs to another file."""
-    if material.library is not None:
-        raise LaminaError(
-            f"material {material.name} is linked from {material.library.filepath}; make it local to edit it, "
-            "or a library override to edit its values"
-        )
-    if material.override_library is not None:
-        raise LaminaError(
-            f"material {material.name} is a library override: its values can be edited, its layers only after it is made local"
-        )
-
-
-def require_layered(material: bpy.types.Material) -> None:
-    """Raise LaminaError for a material without a Lamina stack."""
-    if not material.lamina.is_layered:
-        raise LaminaError(f"material {material.name} has no Lamina stack; pick a preset first")
 
 
 def apply_stack(material: bpy.types.Material, stack: Stack, tier: str = DEFAULT_TIER, backend: str | None = None) -> None:
     """Make `material` show `stack`, in place of what it showed. Without `backend` (a key of BACKENDS) its own one stays."""
     require_tier(tier)
-    backend_here(backend or material.lamina.backend)
+    branches_here(backend or material.lamina.backend)
     with changing(material) as tree:
         lamina = material.lamina
         lamina.backend = backend or lamina.backend
@@ -71,33 +55,12 @@ def apply_stack(material: bpy.types.Material, stack: Stack, tier: str = DEFAULT_
         fill_element(tree, lamina.base, stack.base, SCHEMA.bases[stack.base.kind])
 
 
-def stack_of(material: bpy.types.Material, hidden: bool = False) -> Stack:
-    """The stack that the sockets hold; layers that are not shown only if asked for. A linked socket counts with its own value.
-
-    Raises LaminaError when a socket holds what the schema does not allow.
-    """
-    require_layered(material)
-    lamina = material.lamina
-    return Stack.from_dict(
-        {
-            **json.loads(lamina.unknown or "{}"),
-            # older files' sockets mean what they mean now; a newer one's may not
-            "schema_version": max(lamina.schema_version, SCHEMA_VERSION),
-            "name": lamina.stack_name,
-            "source": lamina.source,
-            "layers": [read_element(e, kind_of(e)) for e in (lamina.layers if hidden else lamina.shown_layers)],
-            "base": read_element(lamina.base, kind_of(lamina.base)),
-        },
-        f"material {material.name}",
-    )
-
-
 def set_base(material: bpy.types.Material, kind: str) -> None:
     """Replace the base by one of another kind. Parameters that both have keep value and link; others take defaults."""
     require_layered(material)
     lamina = material.lamina
     new_kind, old_kind = SCHEMA.base(kind, f"material {material.name}"), kind_of(lamina.base)
-    old = material.node_tree.nodes.get(lamina.base.node)  # gone if somebody deleted it; then this is the way back
+    old = find_node(lamina.base)  # gone if somebody deleted it; then this is the way back
     old_values = read_element(lamina.base, old_kind) if old else {}
     kept = [p for p in shown_parameters(new_kind, "") if p.name in old_values]
     base = Stack.from_dict({"base": {"kind": kind, **{p.name: old_values[p.name] for p in kept}}}).base
@@ -117,9 +80,9 @@ def regenerate(material: bpy.types.Material) -> None:
 
 
 def make_renderable(material: bpy.types.Material, scene: bpy.types.Scene) -> list[str]:
-    """Set up a scene for a layered material's backend. Returns one sentence for each thing that the user should see."""
+    """Switch OSL on in a scene where nothing speaks against it. Returns one sentence for each thing that the user should see."""
     if backend_of(material) == OSL:
-        return enable_osl(scene)
+        return prefer_osl(scene, bpy.context.preferences)
     told = notice(material.lamina.backend)
     return [f"{material.name} is {told}"] if told else []
 
@@ -136,6 +99,7 @@ def structure_changed(material: bpy.types.Material, name: str) -> None:
     if name == "name":
         for element in (*lamina.layers, lamina.base):
             show_name(element)
+        keep_structure(material)
         return
     try:
         if name in ("given", "metal") and lamina.base.kind == CONDUCTOR.name:
@@ -168,7 +132,8 @@ def changing(material: bpy.types.Material) -> Iterator[bpy.types.NodeTree]:
 
 
 def _value_nodes(lamina) -> set[str]:
-    return {element.node for element in (*lamina.layers, lamina.base)}
+    """Present names of the nodes of all elements."""
+    return {node.name for element in (*lamina.layers, lamina.base) if (node := find_node(element)) is not None}
 
 
 def _remove_nodes(tree, names: set[str]) -> None:
@@ -177,91 +142,115 @@ def _remove_nodes(tree, names: set[str]) -> None:
 
 
 def refresh(material: bpy.types.Material, settle: bool = False, progress: Callable[[float], None] | None = None) -> None:
-    """Make the shader follow the structure, and, where it holds values (tables), the present values.
+    """Make both branches follow the structure, and, where they hold values (tables), the present values.
 
     Wires the visible layers to a shader that reads them. Tiers that compute the truth first take seconds: until that is
     done, here with `settle` or by `bakes` in the background, the shader is that of the tier analytic. `progress` gets the
-    share done and may raise to cancel. Raises LaminaError; then the shader is as before.
+    share done and may raise to cancel. Raises LaminaError; then the material is as before.
     """
-    lamina = material.lamina
-    backend = backend_here(lamina.backend)
-    layers = lamina.shown_layers
-    for element in (*layers, lamina.base):
-        bring_up_to_date(element)
-    owners = {layer_owner(i): node_of(e) for i, e in enumerate(layers)} | {BASE: node_of(lamina.base)}
+    lamina, branches = material.lamina, branches_here(material.lamina.backend)
+    owners = _owners(material)
     waits = lamina.tier in HOLD_VALUES
     wanted = wanted_network(material) if waits else None
-    if wanted:
-        told = wanted.stack
-    elif backend == NODES:
-        told = stack_of(material)
-    else:
-        elements = [structure_dict(e, kind_of(e)) for e in (*layers, lamina.base)]
-        told = Stack.from_dict({"layers": elements[:-1], "base": elements[-1]}, f"material {material.name}")
+    told = wanted.stack if wanted else _structure(material) if OSL in branches else stack_of(material)
     settled = wanted is None or settle or wanted.is_known()
     network = make_network(told, PROVISIONAL_TIER) if not settled else wanted.make(progress) if waits else make_network(told, lamina.tier)
-    if backend == NODES:
-        tables = tabulate(network.resolved, HAS_DIELECTRIC)
-        shader, lamina.lobe_count = group_with(material, tables, owners), closure_count(tables)
-    else:
-        text = generate(network)
-        shader, lamina.lobe_count = script_with(material, text, owners | tangent_owner(material, text.inputs)), text.lobe_count
-    holds = backend == NODES or holds_values(network)
-    lamina.told = content(told, live_values(material) if backend == OSL else ()) if holds else ""
-    lamina.settled = wanted.key if wanted and settled else ""
+    key = wanted.key if wanted and settled else ""
+    with replacing_branches(material) as surface:
+        if OSL in branches:
+            shader = generate(network)
+            script = surface.script(shader, owners)
+            _note(script, content(told, live_values(material)) if holds_values(network) else "", key)
+            lamina.lobe_count = shader.lobe_count
+        elif lamina.backend == AUTO and _script_serves(material, network):
+            surface.keep(OSL)
+        if NODES in branches:
+            same = OSL not in branches or waits and not wanted.live
+            tables = _make_stock(surface, material, owners, *((network, key) if same else (None, "")))
+            lamina.lobe_count = lamina.lobe_count if OSL in branches else closure_count(tables)
     others = ", ".join(sorted(tiers_of(network) - {lamina.tier}))
     stand_in = f"{others}, as the tier {lamina.tier} knows no thin films" if others and not waits else ""
     many = f"{lamina.lobe_count} closures, more than the {MAX_CLOSURES} that OptiX takes" if lamina.lobe_count > MAX_CLOSURES else ""
-    notes = [network.reason if wanted and settled else stand_in, left_out(told) if backend == NODES else "", many]
+    notes = [network.reason if wanted and settled else stand_in, left_out(told) if OSL not in branches else "", many]
     lamina.note = "; ".join(filter(None, notes))
     lamina.schema_version = max(lamina.schema_version, SCHEMA_VERSION)
     error = estimated_error(network)
     lamina.error, lamina.cost = -1.0 if error is None else 100.0 * error, estimated_cost(network)
-    _arrange(lamina, shader)
+    hand_over(material, settle)
+    _arrange(lamina, node_with(material, branches[0]))
+    keep_record(material)
 
 
-@dataclass(frozen=True)
-class Wanted:
-    """The network that a material's tier stands for, before it is made."""
-
-    stack: Stack
-    tier: str
-    live: tuple[tuple[int, str], ...] = ()
-    tolerance: float = DEFAULT_TOLERANCE
-
-    @property
-    def _options(self) -> dict:
-        return {"live": self.live} | ({"tolerance": self.tolerance} if self.tier == AutoNetwork.tier else {})
-
-    @property
-    def key(self) -> str:
-        return TIERS[self.tier].key(self.stack, **self._options)
-
-    def is_known(self) -> bool:
-        return TIERS[self.tier].is_known(self.stack, **self._options)
-
-    def make(self, progress: Callable[[float], None] | None = None):
-        return TIERS[self.tier](self.stack, progress=progress, **self._options)
+def hand_over(material: bpy.types.Material, settle: bool = False) -> None:
+    """Make what exporters find follow, where there is a shader. Values that the schema does not allow leave it as it is, and Check tells them."""
+    closure = shading_of(material)
+    try:
+        stack = stack_of(material)
+    except LaminaError:
+        return
+    if closure is not None:
+        follow_hand_over(material, closure, stack, settle)
 
 
-def wanted_network(material: bpy.types.Material) -> Wanted:
-    """What a material's tier, one of HOLD_VALUES, wants for its present values. Raises LaminaError for bad values."""
+def refresh_stock(material: bpy.types.Material, settle: bool = False) -> None:
+    """Make the stock nodes beside a script follow the present values. Raises LaminaError; then the material is as before.
+
+    Of tiers that compute first they are those of the tier analytic where nothing is computed yet, but for `settle`.
+    """
+    owners, network, key = _owners(material), None, ""
+    if material.lamina.tier in HOLD_VALUES:
+        wanted = wanted_network(material)
+        if not wanted.live and (settle or wanted.is_known()):
+            network, key = wanted.make(), wanted.key
+    with replacing_branches(material) as surface:
+        surface.keep(OSL)
+        _make_stock(surface, material, owners, network, key)
+    keep_record(material)
+
+
+def _owners(material) -> dict[str, bpy.types.Node]:
+    """The nodes of the values, which get what a later version than theirs has."""
     lamina = material.lamina
-    live = live_values(material) if backend_here(lamina.backend) == OSL else ()
-    return Wanted(stack_of(material), lamina.tier, live, 0.01 * lamina.tolerance)
+    layers = lamina.shown_layers
+    for element in (*layers, lamina.base):
+        bring_up_to_date(element)
+    return {layer_owner(i): node_of(e) for i, e in enumerate(layers)} | {BASE: node_of(lamina.base)}
 
 
-def is_stale(material: bpy.types.Material) -> bool:
-    """Whether the shader holds values that are no longer those of the sockets."""
-    if not material.lamina.told:
+def _structure(material) -> Stack:
+    """The stack without its values."""
+    lamina = material.lamina
+    *layers, base = [structure_dict(e, kind_of(e)) for e in (*lamina.shown_layers, lamina.base)]
+    return Stack.from_dict({"layers": layers, "base": base}, f"material {material.name}")
+
+
+def _make_stock(surface: Surface, material, owners, network, key: str):
+    """The branch of stock nodes, of a network for the present values; without one, of a live tier's. Returns its tables.
+
+    Stock nodes follow no textures, so what a bake over live values becomes is the tier analytic at the sockets' own.
+    """
+    stack = stack_of(material)
+    if network is None:
+        tier = material.lamina.tier
+        network = make_network(stack, PROVISIONAL_TIER if tier in HOLD_VALUES else tier)
+    tables = tabulate(network.resolved, HAS_DIELECTRIC)
+    _note(surface.stock(tables, owners), content(stack), key)
+    return tables
+
+
+def _note(node: bpy.types.Node, told: str, settled: str) -> None:
+    """Write on a branch's node what it was made for."""
+    node[TOLD], node[SETTLED] = told, settled
+
+
+def _script_serves(material, network) -> bool:
+    """Whether the script of a material is right for its present values, in a Blender that cannot make another."""
+    script = node_with(material, OSL)
+    if script is None or script.script is None:
         return False
-    live = live_values(material) if backend_here(material.lamina.backend) == OSL else ()
-    return material.lamina.told != content(stack_of(material), live)
-
-
-def is_settled(material: bpy.types.Material) -> bool:
-    """Whether the shader is what its tier stands for, and not what stands in for it."""
-    return material.lamina.tier not in HOLD_VALUES or material.lamina.settled == wanted_network(material).key
+    if held := note_of(script, TOLD, material):
+        return held == content(stack_of(material), live_values(material))
+    return script.script.as_string() == generate(network).text
 
 
 def _arrange(lamina, shader) -> None:

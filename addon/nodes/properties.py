@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import bpy
-from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty, StringProperty
 
 from ...reference_py.network import DEFAULT_TIER, TIERS
 from ...reference_py.network.choice import DEFAULT_TOLERANCE
@@ -157,11 +157,14 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     source: StringProperty(name="Source", description="Where the stack's numbers come from")
     unknown: StringProperty(description="JSON of the keys that this version does not know")
     schema_version: IntProperty(default=SCHEMA_VERSION)
-    shader_node: StringProperty(description="Name of the node that is the shader")
-    told: StringProperty(description="Hash of the values that the shader holds; empty where it reads them")
-    settled: StringProperty(description="What the shader was computed for, in tiers that compute first; empty until it is done")
+    shader_node: StringProperty(description="Of files of schema 1 and 2: name of the node that is the shader")
+    told: StringProperty(description="Of files of schema 1 and 2: hash of the values that the shader holds; empty where it reads them")
+    settled: StringProperty(description="Of files of schema 1 and 2: what the shader was computed for, in tiers that compute first; empty until it is done")
     note: StringProperty(description="What was chosen, and why")
     error: FloatProperty(default=-1.0, description="Estimated error of what was chosen, in percent; negative where there is no estimate")
+    handed: StringProperty(description="Hash of the values and links that exporters find; empty until the base color is solved for them")
+    hand_over_error: FloatProperty(default=-1.0, description="Error of what exporters find, in percent; negative until it is known")
+    viewport: FloatVectorProperty(size=5, description="Viewport color, metallic and roughness as they were set last")
     cost: FloatProperty(description="Estimated render time, over that of a plain glossy node; 0 before the first shader")
     lobe_count: IntProperty(description="Lobes of the generated shader")
     problem: StringProperty(description="Why the shader does not follow the structure", options={"SKIP_SAVE"})

@@ -12,36 +12,6 @@ import bpy
 
 from ...reference_py.errors import LaminaError
 from ..network.osl import Shader
-from .backend import require_osl
-
-
-def enable_osl(scene: bpy.types.Scene) -> list[str]:
-    """Switch a scene to Cycles with OSL. Returns one sentence per thing that was changed, for the user to see."""
-    require_osl()
-    notices = []
-    if scene.render.engine != "CYCLES":
-        notices.append(f"render engine of {scene.name} set to Cycles (was {scene.render.engine})")
-        scene.render.engine = "CYCLES"
-    if not scene.cycles.shading_system:
-        notices.append(f"Open Shading Language switched on in {scene.name}")
-        scene.cycles.shading_system = True
-    return notices
-
-
-def scene_problem(scene: bpy.types.Scene) -> str:
-    """Which setting of a scene `enable_osl` would change for Script nodes to render; empty when none."""
-    if scene.render.engine != "CYCLES":
-        return "The render engine is not Cycles"
-    return "" if scene.cycles.shading_system else "Open Shading Language is switched off"
-
-
-def device_problem(scene: bpy.types.Scene, preferences: bpy.types.Preferences) -> str:
-    """Why a scene's render device would ignore Script nodes; empty when it does not."""
-    cycles = preferences.addons.get("cycles")
-    device = cycles.preferences.compute_device_type if cycles else "NONE"
-    if scene.cycles.device == "GPU" and device not in ("NONE", "OPTIX"):
-        return f"{device} devices cannot run Open Shading Language; render on the CPU or with OptiX, or choose the backend Stock Nodes"
-    return ""
 
 
 def text_of(shader: Shader) -> bpy.types.Text:
@@ -155,4 +125,4 @@ def _anonymise(node) -> None:
 def _missing(node, shader: Shader) -> list[str]:
     """Sockets that the shader needs and the node has not."""
     present = {socket.identifier for socket in (*node.inputs, *node.outputs)}
-    return sorted({"BSDF", *(i.osl_name for i in shader.inputs)} - present)
+    return sorted({"BSDF", "Live", *(i.osl_name for i in shader.inputs)} - present)

@@ -1,52 +1,61 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node that is a material's shader: a Script node, or a group of stock nodes. It is replaced, never changed."""
+"""What a material shows: stock nodes and an OSL script under one Mix Shader, so that it is right on every device.
 
-from collections.abc import Callable, Sequence
+The Mix Shader's factor is linked to an output of the script that is always 1, and is 0 by itself: where Cycles runs
+OSL it shows the script, everywhere else (GPUs but OptiX, EEVEE, OSL switched off, a script without bytecode) the stock
+nodes. A backend that has one branch alone needs no Mix Shader. Branches are replaced, never changed.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import bpy
 
-from ...reference_py.errors import LaminaError
 from ...reference_py.network.mixture import PatchNetwork
 from ...reference_py.network.table import TableNetwork
 from ..network.inputs import TANGENT, ShaderInput
 from ..network.node_groups import drop_group, network_group
 from ..network.osl import Shader
 from ..network.stock_nodes import group_inputs
+from ..rendering import environment
 from .backend import NODES, OSL
+from .entry import entry_of
+from .hand_over import MIX, tail
+from .roles import ROLE, SWITCH, node_with
 from .script_node import drop_text, holds, set_script
 
-_DISTANCE = 320
-_SCRIPT, _GROUP = "ShaderNodeScript", "ShaderNodeGroup"
+_LABELS = {OSL: "Lamina Shader", NODES: "Lamina Stock Nodes", SWITCH: "Lamina OSL or Stock Nodes"}
+_TYPES = {OSL: "ShaderNodeScript", NODES: "ShaderNodeGroup", SWITCH: "ShaderNodeMixShader"}
+# Places left of the output.
+_PLACES = {OSL: (-740, 0), NODES: (-740, -320), SWITCH: (-500, 0)}
 _TANGENT_NODE = "Lamina Tangent"
+# Schema 2 showed EEVEE stock nodes at an output of its own.
+_FORMER_PREVIEW = ("Lamina Preview", "Lamina Preview Output")
 
 
 def backend_of(material: bpy.types.Material) -> str:
-    """What a material's shader is made of now, "osl" or "nodes"; "osl" when it has none yet."""
-    tree = material.node_tree
-    node = tree.nodes.get(material.lamina.shader_node) if tree is not None else None
-    return NODES if node is not None and node.bl_idname == _GROUP else OSL
+    """What Cycles with OSL shows of a material, "osl" or "nodes"; "osl" when it has no shader yet."""
+    return NODES if node_with(material, OSL) is None and node_with(material, NODES) is not None else OSL
 
 
-def has_shader(material: bpy.types.Material) -> bool:
-    """Whether the material's shader node is still there."""
-    return material.node_tree is not None and material.lamina.shader_node in material.node_tree.nodes
+def shader_of(material: bpy.types.Material) -> bpy.types.Node | None:
+    """The branch that this Blender renders: the script where it has OSL; None where somebody deleted both."""
+    script, stock = node_with(material, OSL), node_with(material, NODES)
+    return script or stock if environment.renders_osl() else stock or script
 
 
-def script_with(material: bpy.types.Material, shader: Shader, owners: dict[str, bpy.types.Node]) -> bpy.types.ShaderNodeScript:
-    """The material's Script node with this shader, wired to the nodes of the values by owner."""
-    script = _shader_node(material, _SCRIPT, lambda node: holds(node, shader), lambda node: set_script(node, shader))
-    links, kept = material.node_tree.links, set()
-    wanted = {i.osl_name: owners[i.owner].outputs[i.parameter.label] for i in shader.inputs}
-    # each change makes Blender look through the whole tree
-    for link in [link for link in links if link.to_node == script]:
-        if link.from_socket == wanted.get(link.to_socket.identifier):
-            kept.add(link.to_socket.identifier)
-        else:
-            links.remove(link)
-    for socket in script.inputs:
-        if socket.identifier in wanted and socket.identifier not in kept:
-            links.new(wanted[socket.identifier], socket)
-    return script
+def surface_of(material: bpy.types.Material) -> bpy.types.NodeSocket | None:
+    """The closure that Lamina gives to the surface, or to the user's own mix."""
+    closure = shading_of(material)
+    return tail(closure) if closure is not None else None
+
+
+def shading_of(material: bpy.types.Material) -> bpy.types.NodeSocket | None:
+    """The closure of the branches, below what exporters find."""
+    switch, shader = node_with(material, SWITCH), shader_of(material)
+    if switch is not None:
+        return switch.outputs[0]
+    return shader.outputs["BSDF"] if shader is not None else None
 
 
 def tangent_owner(material: bpy.types.Material, inputs: Sequence[ShaderInput]) -> dict[str, bpy.types.Node]:
@@ -65,66 +74,129 @@ def tangent_owner(material: bpy.types.Material, inputs: Sequence[ShaderInput]) -
     return {TANGENT: node}
 
 
-def group_with(
-    material: bpy.types.Material, network: TableNetwork | PatchNetwork, owners: dict[str, bpy.types.Node]
-) -> bpy.types.ShaderNodeGroup:
-    """The material's group node of this network, wired to the nodes of the values that it reads live."""
-    group = network_group(network)
+class Surface:
+    """The branches of one material while they are replaced: new ones are made beside the old, then take their place."""
 
-    def give(node) -> None:
-        node.node_tree = group
+    def __init__(self, material: bpy.types.Material):
+        self._material, self._tree = material, material.node_tree
+        self._old = {role: node_with(material, role) for role in _TYPES}
+        self._new: dict[str, bpy.types.Node] = {}
 
-    node = _shader_node(material, _GROUP, lambda node: node.node_tree == group, give)
-    inputs = group_inputs(network)
-    owners = owners | tangent_owner(material, inputs)
-    for given in inputs:
-        material.node_tree.links.new(owners[given.owner].outputs[given.parameter.label], node.inputs[given.osl_name])
-    return node
+    def script(self, shader: Shader, owners: dict[str, bpy.types.Node]) -> bpy.types.Node:
+        """The Script node with this shader, wired to the nodes of the values by owner. Raises LaminaError."""
+        node = self._branch(OSL, lambda node: holds(node, shader), lambda node: set_script(node, shader))
+        self._wire(node, shader.inputs, owners)
+        return node
+
+    def stock(self, network: TableNetwork | PatchNetwork, owners: dict[str, bpy.types.Node]) -> bpy.types.Node:
+        """The group node of this network, wired to the nodes of the values that it reads live."""
+        group = network_group(network)
+        node = self._branch(NODES, lambda node: node.node_tree == group, lambda node: setattr(node, "node_tree", group))
+        self._wire(node, group_inputs(network), owners)
+        return node
+
+    def keep(self, role: str) -> None:
+        """Leave a branch as it is."""
+        if self._old[role] is not None:
+            self._new[role] = self._old[role]
+
+    def _branch(self, role: str, holds_it, give) -> bpy.types.Node:
+        old = self._old[role]
+        if old is not None and holds_it(old):
+            self._new[role] = old
+        else:
+            self._new[role] = self._made(role)
+            give(self._new[role])
+        return self._new[role]
+
+    def _made(self, role: str) -> bpy.types.Node:
+        node = self._tree.nodes.new(_TYPES[role])
+        node.name = node.label = _LABELS[role]
+        node[ROLE] = role
+        return node
+
+    def _wire(self, node, inputs: Sequence[ShaderInput], owners) -> None:
+        owners = owners | tangent_owner(self._material, inputs)
+        wanted = {i.osl_name: owners[i.owner].outputs[i.parameter.label] for i in inputs}
+        # sockets of a group have identifiers of Blender's own, and no labels
+        _link_exactly(self._tree, node, {s.identifier: wanted[name] for s in node.inputs for name in {s.identifier, s.name} if name in wanted})
+
+    def finish(self) -> None:
+        """Let the new branches feed what the old ones fed; at first the surface. What is not kept goes."""
+        tree, old = self._tree, [node for node in self._old.values() if node is not None]
+        targets = [link.to_socket for node in old for socket in node.outputs for link in socket.links if ROLE not in link.to_node]
+        place = _place_of(tree, old)
+        script, stock = self._new.get(OSL), self._new.get(NODES)
+        if script is not None and stock is not None:
+            switch = self._new[SWITCH] = self._old[SWITCH] or self._made(SWITCH)
+            switch.inputs[0].default_value = 0.0
+            _link_exactly(tree, switch, {switch.inputs[0].identifier: script.outputs["Live"], switch.inputs[1].identifier: stock.outputs["BSDF"],
+                                         switch.inputs[2].identifier: script.outputs["BSDF"]})
+            closure = switch.outputs[0]
+        else:
+            closure = (script or stock).outputs["BSDF"]
+        mix = node_with(self._material, MIX)
+        if mix is not None and mix.outputs[0].is_linked:  # it feeds what they fed
+            targets = targets or [mix.inputs[1]]
+        for target in targets or entry_of(tree):
+            if not any(link.from_socket == closure for link in target.links):
+                tree.links.new(closure, target)
+        for role, node in self._new.items():
+            if node not in old or ROLE not in node:  # new, or of an older file
+                node[ROLE] = role
+                node.location = place[0] + _PLACES[role][0], place[1] + _PLACES[role][1]
+        self._remove([node for node in old if node not in self._new.values()])
+        _remove_preview(tree)
+
+    def abandon(self) -> None:
+        """Remove what was made."""
+        self._remove([node for role, node in self._new.items() if node != self._old[role]])
+
+    def _remove(self, nodes) -> None:
+        for node in nodes:
+            text, group = getattr(node, "script", None), getattr(node, "node_tree", None)
+            self._tree.nodes.remove(node)
+            drop_text(text)
+            drop_group(group)
 
 
-def _shader_node(material, kind: str, holds_it: Callable[[bpy.types.Node], bool], give: Callable[[bpy.types.Node], None]):
-    """The material's shader node if it is of this kind and holds the shader already, else a new one in its place."""
-    lamina, tree = material.lamina, material.node_tree
-    old = tree.nodes.get(lamina.shader_node)
-    if old is not None and old.bl_idname == kind and holds_it(old):
-        return old
-    node = tree.nodes.new(kind)
+@contextmanager
+def replacing_branches(material: bpy.types.Material) -> Iterator[Surface]:
+    """Make branches in the block. At its end they take their place; on an error the old ones stay."""
+    surface = Surface(material)
     try:
-        give(node)
-    except LaminaError:
-        _remove_shader(tree, node)
+        yield surface
+    except Exception:
+        surface.abandon()
         raise
-    closure = node.outputs["BSDF"]
-    if old is None:
-        _connect(tree, node, closure)
-    else:
-        for target in [link.to_socket for socket in old.outputs for link in socket.links]:
-            tree.links.new(closure, target)
-        node.location = old.location
-        _remove_shader(tree, old)
-    node.name = node.label = "Lamina Shader"
-    lamina.shader_node = node.name
-    return node
+    surface.finish()
 
 
-def _remove_shader(tree, node) -> None:
-    """Remove a shader node, and its text or group if nothing else uses it."""
-    text, group = getattr(node, "script", None), getattr(node, "node_tree", None)
-    tree.nodes.remove(node)
-    drop_text(text)
+def _link_exactly(tree, node, wanted: dict[str, bpy.types.NodeSocket]) -> None:
+    """Give a node's sockets, by identifier, these links and no others. Each change makes Blender look through the whole tree."""
+    kept = set()
+    for link in [link for link in tree.links if link.to_node == node]:
+        if link.from_socket == wanted.get(link.to_socket.identifier):
+            kept.add(link.to_socket.identifier)
+        else:
+            tree.links.remove(link)
+    for socket in node.inputs:
+        if socket.identifier in wanted and socket.identifier not in kept:
+            tree.links.new(wanted[socket.identifier], socket)
+
+
+def _place_of(tree, old) -> tuple[float, float]:
+    """Where the output is, seen from which branches have their places."""
+    if old and ROLE in old[0]:
+        dx, dy = _PLACES[old[0][ROLE]]
+        return old[0].location.x - dx, old[0].location.y - dy
+    output = tree.get_output_node("ALL")
+    return (output.location.x, output.location.y) if output is not None else (0.0, 0.0)
+
+
+def _remove_preview(tree) -> None:
+    group = tree.nodes[_FORMER_PREVIEW[0]].node_tree if _FORMER_PREVIEW[0] in tree.nodes else None
+    for name in _FORMER_PREVIEW:
+        if name in tree.nodes:
+            tree.nodes.remove(tree.nodes[name])
     drop_group(group)
-
-
-def _connect(tree, shader, closure) -> None:
-    """Let a first shader feed the surface. An untouched Principled node there, as in every new material, goes."""
-    output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
-    surface = output.inputs["Surface"]
-    former = surface.links[0].from_node if surface.is_linked else None
-    tree.links.new(closure, surface)
-    if former is not None and former.bl_idname == "ShaderNodeBsdfPrincipled" and _is_alone(former):
-        tree.nodes.remove(former)
-    shader.location = (output.location.x - _DISTANCE, output.location.y)
-
-
-def _is_alone(node) -> bool:
-    return not any(socket.is_linked for socket in (*node.inputs, *node.outputs))

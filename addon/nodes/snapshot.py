@@ -13,13 +13,17 @@ def snapshot(group: bpy.types.PropertyGroup) -> dict:
             value = [snapshot(item) for item in value]
         elif prop.type == "POINTER":
             value = snapshot(value)
+        elif getattr(prop, "is_array", False):
+            value = list(value)
         data[prop.identifier] = value
     return data
 
 
 def restore(group: bpy.types.PropertyGroup, data: dict) -> None:
-    """Set a group to what `snapshot` returned."""
+    """Set a group to what `snapshot` returned, here or in another version, whose own properties are left alone."""
     for prop in _properties(group):
+        if prop.identifier not in data:
+            continue
         value = data[prop.identifier]
         if prop.type == "COLLECTION":
             collection = getattr(group, prop.identifier)

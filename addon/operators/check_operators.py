@@ -24,9 +24,10 @@ class LAMINA_OT_check(LayeredOperator, bpy.types.Operator):
     bl_options = {"REGISTER"}
 
     def run(self, context):
-        for finding in _found(context):
-            self.report({"WARNING"}, f"Lamina: {_said(finding)}")
-        if not _found(context):
+        found = _found(context)
+        for finding in found:
+            self.report({"INFO" if finding.level == check.NOTE else "WARNING"}, f"Lamina: {_said(finding)}")
+        if not found:
             self.report({"INFO"}, bpy.app.translations.pgettext_rpt("Lamina: nothing is wrong with the material"))
 
 
@@ -44,11 +45,11 @@ class LAMINA_OT_mend(LayeredOperator, bpy.types.Operator):
 class LAMINA_OT_mend_all(LayeredOperator, bpy.types.Operator):
     bl_idname = "lamina.mend_all"
     bl_label = "Mend All"
-    bl_description = "Mend everything that Check found and that can be mended"
+    bl_description = "Mend everything that Check found and that can be mended; the scene's engine and OSL stay as they are"
 
     def run(self, context):
         material, tried = material_of(context), set()
-        while left := [f for f in _found(context) if f.mending and f.key not in tried]:
+        while left := [f for f in _found(context) if f.mending and f.level != check.NOTE and f.code != "without_osl" and f.key not in tried]:
             tried.add(left[0].key)
             try:
                 check.mend(material, context.scene, context.preferences, left[0].key)

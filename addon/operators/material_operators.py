@@ -16,7 +16,7 @@ from ...reference_py.stack import Stack
 from ..background import bakes
 from ..library import user_presets
 from ..nodes import material as materials
-from ..nodes.script_node import enable_osl
+from ..nodes.osl_setting import enable_osl
 
 _JSON = "*.json"
 _UNNAMED = "Lamina"

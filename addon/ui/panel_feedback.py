@@ -7,8 +7,10 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.network import AutoNetwork
 from ..background import bakes
 from ..check import check
-from ..nodes import material as materials
-from ..nodes.backend import OSL, backend_here, notice
+from ..nodes.backend import NODES, OSL, branches_here, notice
+from ..nodes.hand_over import has_hand_over
+from ..nodes.reading import require_editable
+from ..nodes.roles import node_with
 from ..nodes.shader_node import backend_of
 from ..operators import check_operators as check_ops
 from ..operators import material_operators as ops
@@ -21,15 +23,15 @@ def draw_status(layout, context, material) -> None:
     """What keeps the material from being edited or rendered, in words, with the button that helps if there is one."""
     try:
         if material is not None:
-            materials.require_editable(material)
+            require_editable(material)
             if not material.lamina.is_layered:
-                backend_here(material.lamina.backend)
+                branches_here(material.lamina.backend)
     except LaminaError as error:
         draw_message(layout, context, str(error), "ERROR")
         return
     if material is None or not material.lamina.is_layered:
         return
-    found = check.find(material, context.scene, context.preferences)
+    found = [finding for finding in check.find(material, context.scene, context.preferences) if finding.level != check.NOTE]
     problem = material.lamina.problem
     if problem and problem not in [finding.text() for finding in found]:
         draw_message(layout, context, problem, "ERROR")
@@ -75,18 +77,38 @@ def draw_shader(layout, context, material) -> None:
     if lamina.tier == AutoNetwork.tier:
         layout.prop(lamina, "tolerance")
     layout.prop(lamina, "backend")
-    backend = backend_of(material)
-    node = material.node_tree.nodes.get(lamina.shader_node)
-    code = node and (node.script if backend == OSL else node.node_tree)
+    script, stock = node_with(material, OSL), node_with(material, NODES)
+    code = [what.name for what in (script and script.script, stock and stock.node_tree) if what is not None]
     if lamina.note:
         draw_message(layout, context, iface_("chosen: {note}").format(note=lamina.note), "INFO")
-    draw_fact(layout, "Made Of", iface_("OSL" if backend == OSL else "Stock Nodes"))
+    draw_fact(layout, "Made Of", iface_("OSL and Stock Nodes" if script and stock else "OSL" if script else "Stock Nodes"))
     draw_fact(layout, "Lobes", str(lamina.lobe_count))
     if lamina.error >= 0.0:
         draw_fact(layout, "Estimated Error", f"{lamina.error:.2g} %")
     if lamina.cost > 0.0:
         draw_fact(layout, "Relative Cost", iface_("{times} of a glossy node").format(times=f"{lamina.cost:.1f}\N{MULTIPLICATION SIGN}"))
-    draw_fact(layout, "Code", code.name if code is not None else iface_("missing; regenerate the shader"))
+    draw_fact(layout, "Hand-over", _hand_over(material))
+    draw_fact(layout, "Code", ", ".join(code) if code else iface_("missing; regenerate the shader"))
     if lamina.source:
         draw_fact(layout, "Source", lamina.source)
+    _draw_without_osl(layout, context, material)
     layout.operator(check_ops.LAMINA_OT_check.bl_idname, icon="VIEWZOOM")
+
+
+def _hand_over(material) -> str:
+    """What exporters find of a material."""
+    error = material.lamina.hand_over_error
+    if not has_hand_over(material):
+        return iface_("none until the next change or save")
+    if error < 0.0:
+        return iface_("Principled, error not known until values rest")
+    return iface_("Principled, error {percent} %").format(percent=f"{error:.2g}")
+
+
+def _draw_without_osl(layout, context, material) -> None:
+    """Why the scene shows stock nodes, and the button that changes it. Where that costs nothing the status does not say it."""
+    for finding in check.find(material, context.scene, context.preferences):
+        if finding.code == "without_osl" and finding.level == check.NOTE:
+            box = draw_message(layout, context, finding.text(iface_), "INFO")
+            if finding.mending:
+                box.operator(ops.LAMINA_OT_enable_osl.bl_idname)

@@ -6,7 +6,7 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ...reference_py.optics.microfacet import slope_deg_from_roughness
 from ...reference_py.schema import COLOR, CONDUCTOR
-from ..nodes.elements import kind_of
+from ..nodes.elements import find_node, kind_of
 from ..nodes.properties import choice_label
 from ..operators import layer_operators as layer_ops
 from ..operators import material_operators as ops
@@ -43,7 +43,7 @@ class LAMINA_UL_layers(bpy.types.UIList):
 
 def draw_facts(context, layout, element) -> None:
     """Roughness in degrees and thickness as numbers, and the color, as far as no texture gives them."""
-    node = element.id_data.node_tree.nodes.get(element.node)
+    node = find_node(element)
     if node is None:
         return
     width = context.region.width / context.preferences.system.ui_scale

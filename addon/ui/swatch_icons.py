@@ -6,7 +6,7 @@ import bpy.utils.previews
 import numpy as np
 
 from ...reference_py.schema import CONDUCTOR, COVERAGE
-from ..nodes.elements import kind_of
+from ..nodes.elements import find_node, kind_of
 from .swatch import SIZE, base_picture, layer_picture
 
 # Looks that are kept; then all are drawn anew.
@@ -18,7 +18,7 @@ _icons: bpy.utils.previews.ImagePreviewCollection | None = None
 
 def icon_of(element) -> int:
     """The number of an icon that shows a layer or a base from the side; 0 where its node is gone."""
-    node = element.id_data.node_tree.nodes.get(element.node)
+    node = find_node(element)
     if node is None or _icons is None:
         return 0
     look = _look(element, node)

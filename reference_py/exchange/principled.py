@@ -24,6 +24,8 @@ _NO_PLACE = {
     "Subsurface Weight": "a stack's base is opaque", "Transmission Weight": "a stack's base is opaque",
     "Sheen Weight": "a stack has no sheen", "Emission Strength": "a stack does not emit; add an Emission node", "Alpha": "a stack is opaque; mix with a Transparent node",
 }  # fmt: skip
+# What a stack says something about; the rest of the node is its user's.
+WRITTEN = {socket: default for socket, default in DEFAULTS.items() if socket not in _NO_PLACE}
 # Where the inputs of the node are in a stack: socket, slots in order of preference, parameter. Base Color goes through a map.
 PLACES = (
     ("Base Color", (BASE,), "color"), ("Roughness", (GLOSS, BASE), "roughness"), ("Normal", (BASE, GLOSS), "normal"),
@@ -37,10 +39,10 @@ PLACES = (
 def to_principled(stack: Stack, textured: bool = False) -> Converted:
     """Socket values as bright as the stack. `textured`: with a map for textures of the base color, which takes seconds."""
     slots, owners, report, colors = stack_to_slots(stack, PrincipledCoat.name, NAME, textured=textured)
-    return Converted(stack, _values(slots), slots, owners, report, colors)
+    return Converted(stack, values_of(slots), slots, owners, report, colors)
 
 
-def _values(slots: Slots) -> dict:
+def values_of(slots: Slots) -> dict:
     """Values by socket name; what is not named is at its default."""
     values = {"Base Color": tuple(slots.color)}
     coat, gloss = slots.coat, slots.gloss

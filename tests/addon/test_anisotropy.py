@@ -7,6 +7,7 @@ import pytest
 pytest.importorskip("bpy")
 
 from lamina.addon.nodes import material  # noqa: E402
+from lamina.addon.nodes.shader_node import shader_of  # noqa: E402
 from lamina.addon.network.stock_nodes import HAS_DIELECTRIC  # noqa: E402
 from lamina.addon.rendering.measure import render_sun_sphere  # noqa: E402
 from lamina.reference_py.models import make_model  # noqa: E402
@@ -90,4 +91,4 @@ def test_a_bake_falls_back_and_says_why(blender):
     material.apply_stack(new, Stack.from_dict({"base": {**STEEL, **BRUSHED}}), "baked")
     material.refresh(new, settle=True)
     assert new.lamina.note == "analytic, as a bake cannot follow the anisotropy of the base"
-    assert "Anisotropy" in new.node_tree.nodes[new.lamina.shader_node].script.as_string()
+    assert "Anisotropy" in shader_of(new).script.as_string()

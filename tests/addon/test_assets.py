@@ -104,6 +104,7 @@ def test_the_library_holds_every_preset_as_it_is_now(catalogue):
     """What is committed is not stale: names, stacks, catalogues, previews."""
     import bpy
     from lamina.addon.nodes.material import stack_of
+    from lamina.addon.nodes.state import is_settled
 
     assert catalogue.CATALOGUE_FILE.read_text() == catalogue.catalogue_text()
     with bpy.data.libraries.load(str(catalogue.ASSETS), link=False, assets_only=True) as (there, here):
@@ -114,7 +115,7 @@ def test_the_library_holds_every_preset_as_it_is_now(catalogue):
         for name in names:
             material = found[presets.label(name)]
             assert stack_of(material).to_dict() == presets.load(name).to_dict(), name
-            assert material.lamina.settled, name
+            assert is_settled(material), name
             assert material.asset_data.catalog_id == catalogue.catalogue_id(group)
             assert tuple(material.preview.image_size) == (128, 128)
     assert catalogue.ASSETS.stat().st_size < 3_000_000
@@ -132,6 +133,7 @@ def test_a_dropped_preset_renders_as_it_should_and_can_be_edited(catalogue):
     from lamina.addon.nodes.elements import node_of
     from lamina.addon.nodes.layers import add_layer
     from lamina.addon.nodes.material import stack_of
+    from lamina.addon.nodes.state import is_settled
 
     dropped = appended("urushi_lacquer")
     assert dropped.library is None
@@ -190,6 +192,7 @@ def test_a_saved_preset_is_in_the_menu_and_comes_back(layered, own, icons):
     import bpy
     from lamina.addon.nodes.elements import node_of
     from lamina.addon.nodes.material import stack_of
+    from lamina.addon.nodes.state import is_settled
 
     node_of(layered.lamina.base).inputs["Color"].default_value = (0.5, 0.25, 0.125, 1.0)
     saved = stack_of(layered)

@@ -8,11 +8,15 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from lamina.addon.background import ahead, bakes  # noqa: E402
+from lamina.addon.background import ahead, bakes, conversions  # noqa: E402
 from lamina.addon.network.node_groups import network_group  # noqa: E402
 from lamina.addon.network.stock_nodes import HAS_DIELECTRIC  # noqa: E402
 from lamina.addon.nodes import elements, material  # noqa: E402
+from lamina.addon.nodes.hand_over import MIX  # noqa: E402
 from lamina.addon.nodes.live_values import live_values  # noqa: E402
+from lamina.addon.nodes.shader_node import shader_of  # noqa: E402
+from lamina.addon.nodes.state import is_settled, is_stale, lags, wanted_network  # noqa: E402
+from lamina.addon.nodes.roles import ROLE  # noqa: E402
 from lamina.reference_py.network import memory  # noqa: E402
 from lamina.reference_py.network.tabulate import tabulate  # noqa: E402
 from lamina.reference_py.suite import suite_stack  # noqa: E402
@@ -29,6 +33,7 @@ def window(blender, monkeypatch, tmp_path):
     monkeypatch.setenv("LAMINA_CACHE", str(tmp_path))
     monkeypatch.setattr(memory, "_memory", {})
     yield blender
+    conversions.stop()
     if bakes._state.bake is not None:
         bakes._state.bake.cancel()
         bakes._state.bake = None
@@ -43,7 +48,7 @@ def coated(bpy, tier="baked"):
 
 def is_live(owner) -> bool:
     """Whether the shader reads the sockets."""
-    return bool(owner.node_tree.nodes[owner.lamina.shader_node].inputs)
+    return bool(shader_of(owner).inputs)
 
 
 def rest(owner) -> None:
@@ -56,33 +61,40 @@ def rest(owner) -> None:
 
 def test_a_material_is_live_until_its_bake_is_done(window):
     owner = coated(window, "auto")
-    assert is_live(owner) and not material.is_settled(owner)
+    assert is_live(owner) and not is_settled(owner)
     bakes.tick()
     bakes.tick()
     assert bakes.bake_of(owner) is not None
     rest(owner)
-    assert material.is_settled(owner) and not material.is_stale(owner)
+    assert is_settled(owner) and not is_stale(owner)
     assert "error" in owner.lamina.note and bakes.bake_of(owner) is None
 
 
 def shown_by(owner, engine: str):
-    """The node that an engine takes for the surface."""
-    return owner.node_tree.get_output_node(engine).inputs["Surface"].links[0].from_node
+    """The branch that an engine shows: EEVEE and Cycles have one output, and EEVEE gets 0 for the factor of the Mix Shader."""
+    hand_over = owner.node_tree.get_output_node(engine).inputs["Surface"].links[0].from_node
+    assert hand_over[ROLE] == MIX and not hand_over.inputs[0].is_linked and hand_over.inputs[0].default_value == 0.0
+    mix = hand_over.inputs[1].links[0].from_node
+    assert mix.inputs[0].default_value == 0.0 and mix.inputs[0].links[0].from_socket.name == "Live"
+    return mix.inputs[2 if engine == "CYCLES" else 1].links[0].from_node
 
 
 def test_eevee_shows_the_same_network_in_stock_nodes(window):
     owner = coated(window)
     rest(owner)
     preview = shown_by(owner, "EEVEE")
-    assert preview.bl_idname == "ShaderNodeGroup" and shown_by(owner, "CYCLES").name == owner.lamina.shader_node
+    assert preview.bl_idname == "ShaderNodeGroup" and shown_by(owner, "CYCLES") == shader_of(owner)
     tables = preview.node_tree.name  # a removed group's place may be the next one's
-    assert preview.node_tree == network_group(tabulate(material.wanted_network(owner).make().resolved, HAS_DIELECTRIC))
+    assert preview.node_tree == network_group(tabulate(wanted_network(owner).make().resolved, HAS_DIELECTRIC))
     elements.node_of(owner.lamina.base).inputs["Color"].default_value = (0.1, 0.1, 0.1, 1.0)
     rest(owner)
     assert shown_by(owner, "EEVEE").node_tree.name != tables
     owner.lamina.tier = "weidlich_wilkie"
+    live = shown_by(owner, "EEVEE").node_tree.name
+    elements.node_of(owner.lamina.base).inputs["Color"].default_value = (0.4, 0.1, 0.1, 1.0)
+    assert lags(owner)
     rest(owner)
-    assert shown_by(owner, "EEVEE") == shown_by(owner, "CYCLES")
+    assert shown_by(owner, "EEVEE").node_tree.name != live and not lags(owner)
 
 
 def test_a_changed_value_is_shown_at_once_and_baked_when_it_rests(window):
@@ -95,7 +107,7 @@ def test_a_changed_value_is_shown_at_once_and_baked_when_it_rests(window):
         bakes.tick()
         assert is_live(owner) and bakes.bake_of(owner) is None
     rest(owner)
-    assert not is_live(owner) and material.is_settled(owner)
+    assert not is_live(owner) and is_settled(owner)
     color.default_value = (0.1, 0.1, 0.1, 1.0)
     bakes.tick()
     assert is_live(owner)
@@ -105,7 +117,7 @@ def test_what_was_baked_before_is_there_at_once(window):
     rest(coated(window))
     memory._memory.clear()  # as in a new session: the folder remains
     owner = coated(window)
-    assert not is_live(owner) and material.is_settled(owner)
+    assert not is_live(owner) and is_settled(owner)
 
 
 def test_a_save_without_a_window_bakes_all_that_it_needs_side_by_side(window, monkeypatch, tmp_path, capsys):
@@ -115,7 +127,7 @@ def test_a_save_without_a_window_bakes_all_that_it_needs_side_by_side(window, mo
     elements.node_of(owners[1].lamina.base).inputs["Color"].default_value = (0.5, 0.2, 0.1, 1.0)
     window.ops.wm.save_as_mainfile(filepath=str(tmp_path / "two.blend"))
     assert len(set(started)) == len(started) == 2 and "2 of 2 bakes are done" in capsys.readouterr().out
-    assert all(material.is_settled(owner) and not is_live(owner) for owner in owners)
+    assert all(is_settled(owner) and not is_live(owner) for owner in owners)
 
 
 def test_a_cancelled_bake_stays_live_until_asked_for(window):
@@ -123,8 +135,9 @@ def test_a_cancelled_bake_stays_live_until_asked_for(window):
     bakes.tick()
     bakes.tick()
     bakes.cancel(owner)
-    assert bakes.given_up(owner) == "cancelled" and bakes.tick() is None
-    assert is_live(owner)
+    assert bakes.given_up(owner) == "cancelled"
+    rest(owner)
+    assert is_live(owner) and bakes.given_up(owner) == "cancelled"
     bakes.retry(owner)
     rest(owner)
     assert not is_live(owner) and not bakes.given_up(owner)
@@ -148,7 +161,7 @@ def test_a_texture_on_a_layer_is_followed(window):
     tree.links.new(noise.outputs["Color"], elements.node_of(owner.lamina.base).inputs["Color"])
     assert live_values(owner) == ((-1, "color"),)
     rest(owner)
-    assert is_live(owner) and material.is_settled(owner)
+    assert is_live(owner) and is_settled(owner)
     assert "a bake cannot follow the color of the base" in owner.lamina.note
 
 

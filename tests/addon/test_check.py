@@ -7,8 +7,10 @@ bpy = pytest.importorskip("bpy")
 
 from lamina.addon.background import bakes  # noqa: E402
 from lamina.addon.check import check, check_mends  # noqa: E402
-from lamina.addon.nodes import layers, material  # noqa: E402
+from lamina.addon.nodes import layers, material, osl_setting, properties, record  # noqa: E402
 from lamina.addon.nodes.elements import node_of  # noqa: E402
+from lamina.addon.nodes.roles import node_with  # noqa: E402
+from lamina.addon.nodes.shader_node import shader_of, surface_of  # noqa: E402
 from lamina.addon.rendering import environment  # noqa: E402
 from lamina.reference_py.errors import LaminaError  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
@@ -26,7 +28,7 @@ def owner(blender):
     """A material that nothing is wrong with, of OSL."""
     new = bpy.data.materials.new("owner")
     material.apply_stack(new, STACK, "weidlich_wilkie")
-    material.enable_osl(bpy.context.scene)
+    osl_setting.enable_osl(bpy.context.scene)
     assert found(new) == []
     return new
 
@@ -48,7 +50,7 @@ def coat(owner):
 
 
 def shader(owner):
-    return owner.node_tree.nodes[owner.lamina.shader_node]
+    return shader_of(owner)
 
 
 def link_closure(owner):
@@ -94,10 +96,33 @@ def spare_node(owner):
     node.node_tree, node.name = coat(owner).node_tree, "Lamina 0123456789ab"
 
 
+def without_osl(owner):
+    """A texture, which stock nodes do not follow."""
+    noise = owner.node_tree.nodes.new("ShaderNodeTexNoise")
+    owner.node_tree.links.new(noise.outputs[0], coat(owner).inputs["Roughness"])
+    bpy.context.scene.cycles.shading_system = False
+
+
+def script_alone(owner):
+    owner.lamina.backend = "osl"
+    bpy.context.scene.cycles.shading_system = False
+
+
+def hide(owner):
+    """An output of the user's own, which Cycles prefers."""
+    output, glow = owner.node_tree.nodes.new("ShaderNodeOutputMaterial"), owner.node_tree.nodes.new("ShaderNodeEmission")
+    output.target = "CYCLES"
+    owner.node_tree.links.new(glow.outputs[0], output.inputs["Surface"])
+
+
+# What one click mends, and what is not for "Mend All", as it is the scene's.
 FAULTS = {
-    "scene_without_osl": lambda owner: setattr(bpy.context.scene.cycles, "shading_system", False),
-    "shader_gone": lambda owner: owner.node_tree.nodes.remove(shader(owner)),
-    "shader_unused": lambda owner: owner.node_tree.links.remove(shader(owner).outputs["BSDF"].links[0]),
+    "without_osl": without_osl,
+    "script_alone": script_alone,
+    "one_branch": lambda owner: owner.node_tree.nodes.remove(node_with(owner, "nodes")),
+    "output_hides": hide,
+    "shader_gone": lambda owner: [owner.node_tree.nodes.remove(node_with(owner, role)) for role in ("osl", "nodes")],
+    "shader_unused": lambda owner: owner.node_tree.links.remove(surface_of(owner).links[0]),
     "shader_muted": lambda owner: setattr(shader(owner), "mute", True),
     "shader_edited": lambda owner: shader(owner).script.write("// mine\n"),
     "shader_unlinked": unlink_value,
@@ -126,8 +151,8 @@ def test_a_fault_is_found_and_mended_with_one_click(owner, code):
     assert code not in codes(owner)
     with bpy.context.temp_override(material=owner):
         bpy.ops.lamina.mend_all("EXEC_DEFAULT")
-    assert codes(owner) == []
-    if code not in ("node_gone", "node_shared", "out_of_range"):
+    assert [f.code for f in found(owner) if f.level != check.NOTE] == []
+    if code not in ("node_shared", "out_of_range"):
         assert material.stack_of(owner) == stack
 
 
@@ -141,28 +166,42 @@ def test_values_that_reach_the_wrong_input_are_found(owner):
 
 def test_faults_without_osl(owner, monkeypatch):
     coat(owner).inputs["Roughness"].driver_add("default_value").driver.expression = ".2"
-    monkeypatch.setattr(check, "device_problem", lambda *_: "HIP devices cannot")
-    assert codes(owner) == ["device_without_osl"]
-    monkeypatch.setattr(environment, "osl_available", lambda: (False, "this Blender was built without OSL"))
+    for module in (check, osl_setting):
+        monkeypatch.setattr(module, "device_problem", lambda *_: "HIP devices cannot")
+    assert sorted(codes(owner)) == ["texture_ignored", "without_osl"]
+    shown = next(f for f in found(owner) if f.code == "without_osl")
+    assert not shown.mending and shown.text() == "Shown by stock nodes, as HIP devices cannot; OSL would add the roughness of Coat"
+    owner.lamina.backend = "osl"
+    assert codes(owner) == ["script_alone"]
+    without(monkeypatch)
+    with properties.quietly():
+        owner.lamina.backend = "auto"
     assert codes(owner) == ["osl_missing"]
     check.mend(owner, bpy.context.scene, bpy.context.preferences, "osl_missing//")
-    (ignored,) = found(owner)
-    assert ignored.code == "texture_ignored" and not ignored.mending
+    ignored = next(f for f in found(owner) if f.code == "texture_ignored")
+    assert not ignored.mending
     with pytest.raises(LaminaError, match="cannot be mended here: Coat: Roughness has a texture"):
         check.mend(owner, bpy.context.scene, bpy.context.preferences, ignored.key)
     with pytest.raises(LaminaError, match="no finding 'shader_gone//' any more"):
         check.mend(owner, bpy.context.scene, bpy.context.preferences, "shader_gone//")
-    owner.node_tree.nodes.remove(owner.node_tree.nodes[owner.lamina.shader_node])
+    for role in ("osl", "nodes"):
+        owner.node_tree.nodes.remove(node_with(owner, role))
     assert codes(owner) == ["shader_gone"]
 
 
-def test_osl_that_was_asked_for_and_is_missing_has_a_button(owner, monkeypatch):
+def without(monkeypatch) -> None:
+    """This Blender as one that was built without OSL."""
     monkeypatch.setattr(environment, "osl_available", lambda: (False, "this Blender was built without OSL"))
+    monkeypatch.setattr(environment, "renders_osl", lambda: False)
+
+
+def test_osl_that_was_asked_for_and_is_missing_has_a_button(owner, monkeypatch):
+    without(monkeypatch)
     owner.lamina.backend = "osl"
     (missing,) = found(owner)
     assert missing.code == "backend_missing" and "built without OSL" in missing.text()
     check.mend(owner, bpy.context.scene, bpy.context.preferences, missing.key)
-    assert owner.lamina.backend == "auto" and codes(owner) in ([], ["osl_missing"])
+    assert owner.lamina.backend == "auto" and codes(owner) == ["without_osl"]
 
 
 def test_a_normal_that_stock_nodes_leave_out_is_named(owner):
@@ -174,10 +213,64 @@ def test_a_normal_that_stock_nodes_leave_out_is_named(owner):
     assert codes(owner) == []
 
 
-def test_a_device_without_osl_gets_stock_nodes(owner, monkeypatch):
-    monkeypatch.setattr(check, "device_problem", lambda *_: "HIP devices cannot")
-    check.mend(owner, bpy.context.scene, bpy.context.preferences, "device_without_osl//")
-    assert codes(owner) == [] and owner.lamina.backend == "nodes"
+def test_a_note_is_of_what_does_not_show(owner):
+    """Stock nodes beside a script that shows: what they leave out is said and not drawn in the panel."""
+    without_osl(owner)
+    assert [f.level for f in found(owner)] == [check.WARNING, check.WARNING]
+    bpy.context.scene.cycles.shading_system = True
+    assert [(f.code, f.level) for f in found(owner)] == [("texture_ignored", check.NOTE)]
+
+
+def test_stock_nodes_that_are_behind_say_by_how_much(owner):
+    coat(owner).inputs["Roughness"].default_value = 0.7
+    (behind,) = found(owner)
+    assert (behind.code, behind.level) == ("stock_behind", check.NOTE)
+    assert behind.text() == "The stock nodes are behind: 1 values changed since, the first is Coat: Roughness"
+    bpy.context.scene.cycles.shading_system = False
+    assert next(f for f in found(owner) if f.code == "stock_behind").level == check.WARNING
+    check.mend(owner, bpy.context.scene, bpy.context.preferences, behind.key)
+    assert "stock_behind" not in codes(owner)
+
+
+def test_a_deleted_node_comes_back_with_its_values_and_its_texture(owner):
+    noise = owner.node_tree.nodes.new("ShaderNodeTexNoise")
+    owner.node_tree.links.new(noise.outputs[0], coat(owner).inputs["Tint"])
+    coat(owner).inputs["Roughness"].default_value = 0.37
+    material.regenerate(owner)
+    owner.node_tree.nodes.remove(coat(owner))
+    (finding,) = [f for f in found(owner) if f.code == "node_gone"]
+    check.mend(owner, bpy.context.scene, bpy.context.preferences, finding.key)
+    assert coat(owner).inputs["Roughness"].default_value == pytest.approx(0.37)
+    assert coat(owner).inputs["Tint"].links[0].from_node == noise
+    assert material.live_values(owner) == ((0, "tint"),)
+
+
+def test_a_node_whose_values_nobody_knows_gets_defaults_and_says_so(owner):
+    del owner.node_tree[record.KEY]
+    owner.node_tree.nodes.remove(coat(owner))
+    (finding,) = [f for f in found(owner) if f.code == "node_lost"]
+    assert finding.mending == "Make It Anew with Default Values"
+    check.mend(owner, bpy.context.scene, bpy.context.preferences, finding.key)
+    assert coat(owner).inputs["Roughness"].default_value == 0.0
+
+
+def test_a_renamed_node_is_still_the_layers(owner):
+    stack = material.stack_of(owner)
+    coat(owner).name = "Clear"
+    shader_of(owner).name = "Mine"
+    assert codes(owner) == [] and coat(owner).name == "Clear"
+    layers.move_layer(owner, 0, 1)
+    layers.move_layer(owner, 1, 0)
+    assert codes(owner) == [] and material.stack_of(owner) == stack
+    layers.remove_layer(owner, 0)
+    assert codes(owner) == [] and "Clear" not in owner.node_tree.nodes
+
+
+def test_a_renamed_node_of_an_older_file_is_found_by_its_links(owner):
+    stack, node = material.stack_of(owner), coat(owner)
+    del owner.node_tree[record.KEY], node["lamina_id"]
+    node.name = "Clear"
+    assert coat(owner) == node and codes(owner) == [] and material.stack_of(owner) == stack
 
 
 def test_a_stale_shader_and_a_bake_that_was_given_up(owner, monkeypatch):
@@ -202,14 +295,14 @@ def test_a_linked_material_is_looked_at_and_not_touched(owner, tmp_path):
     with bpy.data.libraries.load(path, link=True) as (_, wanted):
         wanted.materials = ["owner"]
     linked = bpy.data.materials["owner"]
-    material.enable_osl(bpy.context.scene)
+    osl_setting.enable_osl(bpy.context.scene)
     assert sorted(codes(linked)) == ["not_editable", "out_of_range"]
     with pytest.raises(LaminaError, match="is linked from"):
         check.mend(linked, bpy.context.scene, bpy.context.preferences, next(f.key for f in found(linked) if f.code == "out_of_range"))
 
 
 def test_every_code_is_tested_and_every_button_works():
-    tested = {*FAULTS, "backend_missing", "normal_ignored", "osl_missing", "device_without_osl", "texture_ignored", "shader_stale", "not_baked", "not_editable"}
+    tested = {*FAULTS, "backend_missing", "node_lost", "normal_ignored", "osl_missing", "stock_behind", "texture_ignored", "shader_stale", "not_baked", "not_editable"}
     assert set(check.CODES) == tested
     assert set(check_mends.MENDS) == {code for code, (_, _, mending) in check.CODES.items() if mending}
 

@@ -16,6 +16,8 @@ from lamina.addon.nodes.elements import node_of  # noqa: E402
 from lamina.addon.exchange import conversion, texture_operator, textures  # noqa: E402
 from lamina.addon.exchange.operators import REPORT_TEXT  # noqa: E402
 from lamina.addon.exchange.sources import PRINCIPLED, principled_of  # noqa: E402
+from lamina.addon.nodes.hand_over import VALUES  # noqa: E402
+from lamina.addon.nodes.roles import ROLE  # noqa: E402
 from lamina.addon.rendering.geometry import plane_mesh  # noqa: E402
 from lamina.addon.rendering.images import read_png  # noqa: E402
 from lamina.addon.rendering.measure import render_furnace  # noqa: E402
@@ -99,7 +101,7 @@ def test_a_principled_material_becomes_a_stack_with_its_textures(plane):
     assert names[0] in feeding(base.inputs["Color"])
     assert names[1] in feeding(gloss.inputs["Roughness"]) and names[1] in feeding(coat.inputs["Roughness"])
     assert names[2] in feeding(base.inputs["Normal"]) and names[2] in feeding(gloss.inputs["Normal"])
-    assert not [n for n in material.node_tree.nodes if n.bl_idname == PRINCIPLED]
+    assert [n[ROLE] for n in material.node_tree.nodes if n.bl_idname == PRINCIPLED] == [VALUES]
     told = bpy.data.texts[REPORT_TEXT].as_string()
     assert "lost: Sheen Weight 0.5" in told and "lost: Metallic texture" in told and "worst albedo error" in told
 

@@ -7,6 +7,8 @@ import pytest
 pytest.importorskip("bpy")
 
 from lamina.addon.nodes import elements, material  # noqa: E402
+from lamina.addon.nodes.shader_node import shader_of  # noqa: E402
+from lamina.addon.nodes.state import is_settled, is_stale  # noqa: E402
 from lamina.addon.network.stock_nodes import HAS_DIELECTRIC  # noqa: E402
 from lamina.addon.rendering.measure import render_furnace, render_sun_sphere  # noqa: E402
 from lamina.reference_py.errors import LaminaError  # noqa: E402
@@ -88,8 +90,8 @@ def test_a_mask_is_live_in_a_bake(blender, backend):
     mask = new.node_tree.nodes.new("ShaderNodeValue")
     mask.outputs[0].default_value = 0.0
     new.node_tree.links.new(mask.outputs[0], node.inputs["Coverage"])
-    assert not material.is_stale(new) and material.is_settled(new)
-    shader = new.node_tree.nodes[new.lamina.shader_node]
+    assert not is_stale(new) and is_settled(new)
+    shader = shader_of(new)
     assert shader.inputs["Layer1Coverage"].links[0].from_node == node
     assert [s.name for s in shader.inputs] == ["Layer1Coverage"]
     bare = picture([], GREY, "baked", backend)
@@ -98,9 +100,9 @@ def test_a_mask_is_live_in_a_bake(blender, backend):
 
 def test_too_many_covered_layers_leave_all_as_it_was(blender):
     new = layered([{**GLAZE, "coverage": 0.5}] * 3 + [GLAZE], GREY, "weidlich_wilkie")
-    script = new.node_tree.nodes[new.lamina.shader_node].script
+    script = shader_of(new).script
     new.lamina.layers[3].use_coverage = True
     assert "4 layers have a coverage (layers 0, 1, 2, 3); choose at most 3" in new.lamina.problem
-    assert new.node_tree.nodes[new.lamina.shader_node].script == script
+    assert shader_of(new).script == script
     with pytest.raises(LaminaError, match="choose at most 3"):
         make_network(material.stack_of(new), "analytic")

@@ -122,6 +122,7 @@ import sys
 from pathlib import Path
 import numpy as np
 from lamina.addon.cli.session import blender
+from lamina.addon.nodes.shader_node import shader_of
 with blender(lambda text: None):
     from lamina.addon.batch import task
     from lamina.reference_py.atomic import write_text
@@ -195,7 +196,7 @@ def test_a_file_whose_shader_was_edited_by_hand_opens_and_keeps_the_edit(tmp_pat
     owner = blender.data.materials.new("edited")
     owner.use_fake_user = True
     material.apply_stack(owner, presets.load("clean_copper"), "weidlich_wilkie", "osl")
-    text = owner.node_tree.nodes[owner.lamina.shader_node].script
+    text = shader_of(owner).script
     edited = text.as_string().replace("BSDF = lobe_0;", "BSDF = 0.5 * lobe_0; // mine")
     text.from_string(edited)
     name = text.name
@@ -204,7 +205,7 @@ def test_a_file_whose_shader_was_edited_by_hand_opens_and_keeps_the_edit(tmp_pat
     owner = blender.data.materials["edited"]
     assert "shader_edited" in [finding.code for finding in check.find(owner, blender.context.scene, blender.context.preferences)]
     material.regenerate(owner)
-    assert owner.node_tree.nodes[owner.lamina.shader_node].script.name != name
+    assert shader_of(owner).script.name != name
     assert blender.data.texts[name].as_string() == edited  # nothing of the user's is lost
 
 

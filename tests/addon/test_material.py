@@ -11,7 +11,13 @@ import pytest
 pytest.importorskip("bpy")
 
 from lamina.addon.nodes import elements, kind_groups, layers, material, properties, script_node  # noqa: E402
+from lamina.addon.nodes.roles import node_with  # noqa: E402
+from lamina.addon.nodes.shader_node import shader_of, surface_of  # noqa: E402
+from lamina.addon.nodes.state import is_stale  # noqa: E402
 from lamina.addon.network.osl import generate  # noqa: E402
+from lamina.addon.nodes.hand_over import MIX, VALUES  # noqa: E402
+from lamina.addon.nodes.principled import PRINCIPLED  # noqa: E402
+from lamina.addon.nodes.roles import ROLE  # noqa: E402
 from lamina.addon.rendering import environment  # noqa: E402
 from lamina.addon.rendering.measure import render_furnace  # noqa: E402
 from lamina.addon.rendering.settings import node_tree  # noqa: E402
@@ -50,7 +56,7 @@ def socket(owner, layer, label):
 
 
 def script(owner):
-    return owner.node_tree.nodes[owner.lamina.shader_node]
+    return shader_of(owner)
 
 
 def state(owner) -> dict:
@@ -80,8 +86,8 @@ def test_preset_reads_back_as_written(blender, name):
     material.apply_stack(new, stack)
     assert material.stack_of(new) == stack
     output = new.node_tree.get_output_node("CYCLES")
-    assert output.inputs["Surface"].links[0].from_node == script(new)
-    assert "Principled BSDF" not in new.node_tree.nodes
+    assert output.inputs["Surface"].links[0].from_socket == surface_of(new)
+    assert [n[ROLE] for n in new.node_tree.nodes if n.bl_idname == PRINCIPLED] == [VALUES]
     assert all(s.is_linked for s in script(new).inputs)
 
 
@@ -104,7 +110,7 @@ def test_applying_again_leaves_nothing_of_the_former_stack(layered, blender):
     material.apply_stack(layered, presets.load(presets.names()[0]))
     once = len(layered.node_tree.nodes), len(blender.data.texts)
     material.apply_stack(layered, presets.load(presets.names()[0]))
-    assert (len(layered.node_tree.nodes), len(blender.data.texts)) == once == (len(layered.lamina.layers) + 3, 1)
+    assert (len(layered.node_tree.nodes), len(blender.data.texts)) == once == (len(layered.lamina.layers) + 7, 1)
 
 
 def test_add_remove_move_hide(layered):
@@ -235,12 +241,12 @@ def test_what_the_user_wired_around_the_shader_stays(layered):
     tree = layered.node_tree
     mix = tree.nodes.new("ShaderNodeMixShader")
     output = tree.get_output_node("CYCLES")
-    tree.links.new(script(layered).outputs["BSDF"], mix.inputs[1])
+    tree.links.new(surface_of(layered), mix.inputs[1])
     tree.links.new(mix.outputs[0], output.inputs["Surface"])
     layers.add_layer(layered, "dielectric", 0)
     material.apply_stack(layered, presets.load(presets.names()[0]))
     assert output.inputs["Surface"].links[0].from_node == mix
-    assert mix.inputs[1].links[0].from_node == script(layered)
+    assert mix.inputs[1].links[0].from_socket == surface_of(layered)
 
 
 def test_a_text_edited_by_hand_is_neither_used_nor_removed(layered, blender):
@@ -399,18 +405,19 @@ def test_a_render_of_old_values_is_announced_until_they_are_refreshed(blender, c
     material.apply_stack(baked, suite_stack("plastic_grey_0"), "baked")
     material.refresh(baked, settle=True)
     elements.node_of(baked.lamina.base).inputs["Color"].default_value = (0.9, 0.9, 0.9, 1.0)
-    assert material.is_stale(baked)
+    assert is_stale(baked)
     render_furnace(baked, (0.0,), samples=1, size=8)
     assert "baked: renders old values" in capsys.readouterr().out
     material.refresh(baked, settle=True)
     measured, _ = render_furnace(baked, (0.0,), samples=64, size=16)
-    assert not material.is_stale(baked) and "old values" not in capsys.readouterr().out
+    assert not is_stale(baked) and "old values" not in capsys.readouterr().out
     truth = Adding(material.stack_of(baked)).albedo(np.array([0.0, 0.0, 1.0]))
     assert measured[0] == pytest.approx(truth, rel=0.01)
 
 
 def test_a_render_without_the_shader_node_is_announced(layered, capsys):
-    layered.node_tree.nodes.remove(script(layered))
+    for role in ("osl", "nodes"):
+        layered.node_tree.nodes.remove(node_with(layered, role))
     render_furnace(layered, (0.0,), samples=1, size=8)
     assert f"{layered.name}: its shader node is gone" in capsys.readouterr().out
     material.regenerate(layered)
@@ -424,10 +431,10 @@ def test_a_save_refreshes_what_is_stale_and_leaves_the_rest(blender, tmp_path, c
     material.apply_stack(live, suite_stack("lambert_grey"), "analytic")
     for each in (baked, live):
         elements.node_of(each.lamina.base).inputs["Color"].default_value = (0.1, 0.2, 0.3, 1.0)
-    before = live.node_tree.nodes[live.lamina.shader_node].script.as_string()
+    before = shader_of(live).script.as_string()
     blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "stale.blend"))
-    assert not material.is_stale(baked) and not material.is_stale(live)
-    assert live.node_tree.nodes[live.lamina.shader_node].script.as_string() == before
+    assert not is_stale(baked) and not is_stale(live)
+    assert shader_of(live).script.as_string() == before
     assert "baked: its shader is made" in capsys.readouterr().out
 
 

@@ -16,6 +16,7 @@ from hypothesis import strategies as st  # noqa: E402
 from lamina.addon.check import check  # noqa: E402
 from lamina.addon.nodes import material as materials  # noqa: E402
 from lamina.addon.nodes.elements import node_of  # noqa: E402
+from lamina.addon.nodes.shader_node import shader_of  # noqa: E402
 from lamina.reference_py.coverage import MAX_COVERED  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
 
@@ -234,7 +235,7 @@ def consistent(seen: dict) -> None:
     assert len(nodes) == len(seen["layers"]) + 1
     assert {node.name: node.label for node in nodes} == {e.node: e.name for e in (*material.lamina.layers, material.lamina.base)}
     shown = [row["node"] for row in seen["layers"] if (row["node"] == seen["solo"] if seen["solo"] else row["visible"])]
-    script = material.node_tree.nodes[material.lamina.shader_node]
+    script = shader_of(material)
     wired = [s.links[0].from_node.name for s in script.inputs if s.identifier.endswith("Roughness")]
     assert wired == [*shown, material.lamina.base.node]
 

@@ -12,10 +12,12 @@ from lamina.addon.nodes import material as materials  # noqa: E402
 from lamina.addon.check import check  # noqa: E402
 from lamina.addon.operators import material_operators  # noqa: E402
 from lamina.addon.ui import panel  # noqa: E402
-from lamina.addon.nodes import properties, script_node  # noqa: E402
+from lamina.addon.nodes import osl_setting, properties  # noqa: E402
 from lamina.addon import registration  # noqa: E402
 from lamina.addon.nodes.elements import node_of  # noqa: E402
+from lamina.addon.rendering.settings import node_tree  # noqa: E402
 from lamina.addon.rendering import environment  # noqa: E402
+from lamina.addon.nodes.roles import node_with  # noqa: E402
 from lamina.addon.nodes.shader_node import backend_of  # noqa: E402
 from lamina.reference_py import presets  # noqa: E402
 from lamina.reference_py.schema import SCHEMA  # noqa: E402
@@ -54,7 +56,7 @@ def state() -> dict:
     found = {"engine": scene.render.engine, "osl": scene.cycles.shading_system, "texts": sorted(t.name for t in bpy.data.texts)}
     for material in bpy.data.materials:
         tree, lamina = material.node_tree, material.lamina
-        script = tree.nodes.get(lamina.shader_node) if tree else None
+        script = node_with(material, "osl")
         found[material.name] = {
             "stack": materials.stack_of(material, hidden=True).to_dict() if lamina.is_layered else None,
             "layers": [(e.name, e.node, e.visible) for e in lamina.layers],
@@ -117,17 +119,50 @@ def test_undo_of_a_first_preset_leaves_no_material(bare):
     assert len(bpy.data.materials) == 0 and bpy.context.object.active_material is None
 
 
-def test_preset_switches_cycles_and_osl_on_and_says_so(bare):
+def _multiscatter(bare) -> None:
+    """A half mixed Glossy node of Multiscatter GGX on another object."""
+    material = bpy.data.materials.new("gold leaf")
+    tree = node_tree(material)
+    glossy, mix = tree.nodes.new("ShaderNodeBsdfAnisotropic"), tree.nodes.new("ShaderNodeMixShader")
+    glossy.distribution = "MULTI_GGX"
+    tree.links.new(glossy.outputs[0], mix.inputs[1])
+    other = bpy.data.objects.new("other", bpy.data.meshes.new("other"))
+    other.data.materials.append(material)
+    bpy.context.collection.objects.link(other)
+
+
+SPEAKS_AGAINST_OSL = {
+    "the render engine is not Cycles": lambda _: setattr(bpy.context.scene.render, "engine", "BLENDER_WORKBENCH"),
+    "the shader AOV hue would be black under Open Shading Language": lambda _: setattr(bpy.context.view_layer.aovs.add(), "name", "hue"),
+    "gold leaf mixes a Multiscatter GGX node": _multiscatter,
+}
+
+
+def test_a_preset_switches_osl_on_and_says_so(bare):
     said = []
-    assert bpy.context.scene.render.engine != "CYCLES"
+    bpy.context.scene.render.engine = "CYCLES"
     operator = SimpleNamespace(stack=lambda: STACK, report=lambda kind, text: said.append((kind, text)))
     material_operators.StackOperator.run(operator, bpy.context)
-    assert bpy.context.scene.render.engine == "CYCLES" and bpy.context.scene.cycles.shading_system
-    assert [kind for kind, _ in said] == [{"INFO"}, {"INFO"}]
-    assert "set to Cycles" in said[0][1] and "Open Shading Language switched on" in said[1][1]
+    assert bpy.context.scene.cycles.shading_system
+    assert [kind for kind, _ in said] == [{"INFO"}] and "Open Shading Language switched on" in said[0][1]
     said.clear()
     material_operators.StackOperator.run(operator, bpy.context)
     assert said == []
+
+
+@pytest.mark.parametrize("reason", SPEAKS_AGAINST_OSL)
+def test_osl_is_left_off_where_something_speaks_against_it(bare, reason):
+    bpy.context.scene.render.engine = "CYCLES"
+    SPEAKS_AGAINST_OSL[reason](bare)
+    engine = bpy.context.scene.render.engine
+    STRUCTURE_OPERATORS["apply_preset"]()
+    assert not bpy.context.scene.cycles.shading_system and bpy.context.scene.render.engine == engine
+    words = " ".join(drawn("label"))
+    assert reason in words and "OSL would add nothing to this picture" in words and "lamina.enable_osl" in drawn("operator")
+    bpy.ops.lamina.mend_all()
+    assert not bpy.context.scene.cycles.shading_system
+    bpy.ops.lamina.enable_osl()
+    assert bpy.context.scene.cycles.shading_system
 
 
 def test_buttons_do_what_they_say(layered):
@@ -325,34 +360,40 @@ def test_panel_draws_every_value_of_the_schema(layered):
     layered.active_material.lamina.base.given = "eta+k"
     assert {"IOR", "Extinction"} <= set(drawn("socket")[4:]) and "metal" not in drawn("prop")
     assert "Mean slope 8.0\N{DEGREE SIGN}" in drawn("label")  # tan(8.0 deg) = .3^2 pi/2
-    assert {"3", layered.active_material.node_tree.nodes["Lamina Shader"].script.name} <= set(drawn("label"))
+    assert "3" in drawn("label") and layered.active_material.node_tree.nodes["Lamina Shader"].script.name in " ".join(drawn("label"))
 
 
 def test_a_device_without_osl_is_named():
     def problem(device, kind):
         scene = SimpleNamespace(cycles=SimpleNamespace(device=device))
         cycles = SimpleNamespace(preferences=SimpleNamespace(compute_device_type=kind))
-        return script_node.device_problem(scene, SimpleNamespace(addons={"cycles": cycles}))
+        return osl_setting.device_problem(scene, SimpleNamespace(addons={"cycles": cycles}))
 
     assert problem("GPU", "HIP").startswith("HIP devices cannot run Open Shading Language")
     assert problem("GPU", "OPTIX") == problem("CPU", "HIP") == problem("GPU", "NONE") == ""
 
 
 def test_panel_says_what_keeps_it_from_working(layered, monkeypatch):
-    assert "The render engine is not Cycles" in drawn("label") and "lamina.mend" in drawn("operator")
+    assert "lamina.mend" not in drawn("operator")
+    layered.active_material.lamina.backend = "osl"
+    assert "Black: the shader is an OSL script alone, and the render engine is not Cycles" in " ".join(drawn("label"))
+    assert "lamina.mend" in drawn("operator")
     bpy.ops.lamina.enable_osl()
     assert "lamina.mend" not in drawn("operator")
-    monkeypatch.setattr(check, "device_problem", lambda *_: "HIP devices cannot")
-    assert "HIP devices cannot" in drawn("label") and "lamina.mend" in drawn("operator")
+    monkeypatch.setattr(osl_setting, "device_problem", lambda *_: "HIP devices cannot")
+    assert "HIP devices cannot" in " ".join(drawn("label")) and "lamina.mend" in drawn("operator")
+    with properties.quietly():
+        layered.active_material.lamina.backend = "auto"
     layered.active_material.lamina.problem = "something went wrong"
     assert "Something went wrong" in drawn("label")
     monkeypatch.setattr(environment, "osl_available", lambda: MISSING)
+    monkeypatch.setattr(environment, "renders_osl", lambda: False)
     layered.active_material.lamina.problem = ""
-    assert "The shader is an OSL script, and this Blender was built without OSL" in " ".join(drawn("label"))
+    assert "the shader is an OSL script alone, and this Blender was built without OSL" in " ".join(drawn("label"))
     assert "lamina.mend" in drawn("operator")
     bpy.ops.lamina.mend(finding="osl_missing//")
-    assert "Made of stock nodes" in " ".join(drawn("label"))
-    assert layered.active_material.node_tree.nodes["Lamina Shader"].node_tree.name in drawn("label")
+    assert "Shown by stock nodes, as this Blender was built without OSL" in " ".join(drawn("label"))
+    assert node_with(layered.active_material, "nodes").node_tree.name in " ".join(drawn("label"))
     with properties.quietly():
         layered.active_material.lamina.backend = "osl"
     assert "Backend osl needs Cycles with OSL" in " ".join(drawn("label"))

@@ -10,6 +10,7 @@ from lamina.reference_py import presets
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.network import make_network
 from lamina.reference_py.stack import Stack
+from lamina.addon.nodes.shader_node import shader_of
 
 COAT = {"kind": "dielectric", "ior": 1.4, "roughness": 0.2}
 LAMBERT = {"kind": "lambert"}
@@ -73,5 +74,5 @@ def test_any_number_of_layers_compiles(blender, layers):
     for base in (LAMBERT, {"kind": "oren_nayar"}, {"kind": "conductor", "reflectance": [0.9, 0.5, 0.3], "edge_color": [1, 1, 1]}):
         material = bpy.data.materials.new("compiled")
         apply_stack(material, Stack.from_dict({"layers": [COAT] * layers, "base": base}))
-        script = material.node_tree.nodes[material.lamina.shader_node]
+        script = shader_of(material)
         assert script.bytecode

@@ -9,6 +9,7 @@ from lamina.reference_py.frame import spherical
 from lamina.reference_py.models import make_model
 from lamina.reference_py.stack import Stack
 from lamina.reference_py.suite import suite_stack
+from lamina.addon.nodes.shader_node import shader_of
 from support.goniometer import SUN_THETA_DEG, beckmann_sampling_bias, highlight_window, parity, tolerance
 
 pytestmark = pytest.mark.blender
@@ -107,8 +108,8 @@ def test_a_bake_over_live_values_equals_its_network(blender, links):
         source.outputs[0].default_value = socket.default_value = value
         material.node_tree.links.new(source.outputs[0], socket)
     refresh(material, settle=True)
-    assert len(material.node_tree.nodes[material.lamina.shader_node].inputs) == len(links)
-    text = material.node_tree.nodes[material.lamina.shader_node].script.as_string()
+    assert len(shader_of(material).inputs) == len(links)
+    text = shader_of(material).script.as_string()
     network = make_network(stack_of(material), "baked", live=live_values(material)).resolved
     for theta in SUN_THETA_DEG:
         result = parity(material, lambda wo, wi: sum(lobe_f(lobe, wo, wi) for lobe in network.lobes(wo[..., 2])), theta)

@@ -82,7 +82,7 @@ def test_a_bundle_of_osl_shaders_is_refused_where_there_is_no_osl(blender, tmp_p
     has_osl = osl_of(blender)
     told, _ = blender("--factory-startup", "--python", files / "render_items.py", "--", "--items", files / "items.json", "--range", "0",
                       "--output", tmp_path / "farmed", code=0 if has_osl else 1)  # fmt: skip
-    assert has_osl or any("is an OSL script, and this Blender was built without OSL; give the job the backend nodes" in line for line in told)
+    assert has_osl or any("is an OSL script alone, and this Blender was built without OSL; give the job the backend auto or nodes" in line for line in told)
     assert len(list((tmp_path / "farmed").glob("*.exr"))) == has_osl
 
 

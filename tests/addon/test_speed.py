@@ -11,6 +11,7 @@ from lamina.addon.check import check  # noqa: E402
 from lamina.addon.nodes import material  # noqa: E402
 from lamina.addon.ui import swatch_icons  # noqa: E402
 from lamina.addon.nodes.elements import node_of  # noqa: E402
+from lamina.addon.nodes.shader_node import shader_of  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
 
 pytestmark = pytest.mark.blender
@@ -60,7 +61,7 @@ def test_a_change_of_ten_layers_takes_at_most_a_tenth_of_a_second(ten, act):
 
 
 def test_a_slider_drag_regenerates_nothing(ten, monkeypatch):
-    shader = ten.node_tree.nodes[ten.lamina.shader_node]
+    shader = shader_of(ten)
     before = shader.as_pointer(), shader.script.name, shader.bytecode_hash
     monkeypatch.setattr(material, "refresh", None)  # called by whatever makes a shader
     roughness = node_of(ten.lamina.layers[3]).inputs["Roughness"]

@@ -11,7 +11,7 @@ from lamina.addon.nodes import material as materials  # noqa: E402
 from lamina.addon.network.node_groups import network_group  # noqa: E402
 from lamina.addon.network.stock_nodes import HAS_DIELECTRIC  # noqa: E402
 from lamina.addon.rendering import environment, settings  # noqa: E402
-from lamina.addon.nodes.shader_node import backend_of  # noqa: E402
+from lamina.addon.nodes.shader_node import backend_of, shader_of, surface_of  # noqa: E402
 from lamina.reference_py import presets  # noqa: E402
 from lamina.reference_py.errors import LaminaError  # noqa: E402
 from lamina.reference_py.models import make_model  # noqa: E402
@@ -27,6 +27,11 @@ pytestmark = pytest.mark.blender
 # Below alpha .03 Glossy nodes have no exact isotropic lobe, see addon/network/stock_nodes.py; measured 1.3e-3.
 NARROW_TOLERANCE = 2e-3
 MISSING = (False, "this Blender was built without OSL")
+
+
+def shading(socket):
+    """The node that a socket shows by way of the hand-over, whose factor is 0."""
+    return socket.links[0].from_node.inputs[1].links[0].from_node
 
 
 @pytest.fixture
@@ -167,7 +172,7 @@ def layered(no_osl):
 
 
 def group_of(material):
-    return material.node_tree.nodes[material.lamina.shader_node].node_tree
+    return shader_of(material).node_tree
 
 
 def tables_of(material):
@@ -179,7 +184,7 @@ def test_without_osl_a_stack_is_made_of_stock_nodes_and_says_so(no_osl, capfd):
     materials.apply_stack(material, STACK, "analytic")
     assert capfd.readouterr().out.count("new is made of stock nodes, because this Blender was built without OSL") == 1
     assert backend_of(material) == "nodes" and material.lamina.backend == "auto"
-    assert material.node_tree.get_output_node("ALL").inputs["Surface"].links[0].from_node.node_tree == network_group(tables_of(material))
+    assert shading(material.node_tree.get_output_node("ALL").inputs["Surface"]).node_tree == network_group(tables_of(material))
     assert materials.stack_of(material) == STACK
     assert material.lamina.lobe_count == 3
 
@@ -246,12 +251,12 @@ def test_backends_can_be_changed_and_wires_stay(blender):
     materials.apply_stack(material, STACK, "analytic", backend="nodes")
     tree = material.node_tree
     mix, output = tree.nodes.new("ShaderNodeMixShader"), tree.get_output_node("ALL")
-    tree.links.new(tree.nodes[material.lamina.shader_node].outputs["BSDF"], mix.inputs[1])
+    tree.links.new(surface_of(material), mix.inputs[1])
     tree.links.new(mix.outputs[0], output.inputs["Surface"])
-    for backend, made_of in (("osl", "osl"), ("nodes", "nodes"), ("auto", "osl")):
+    for backend, made_of in (("osl", "osl"), ("nodes", "nodes"), ("auto", "osl"), ("osl", "osl")):
         material.lamina.backend = backend
         assert material.lamina.problem == "" and backend_of(material) == made_of
-        assert mix.inputs[1].links[0].from_node.name == material.lamina.shader_node
+        assert mix.inputs[1].links[0].from_socket == surface_of(material)
     assert [g.name for g in blender.data.node_groups if g.name.startswith("Lamina Network")] == []
     with pytest.raises(LaminaError, match="unknown backend 'cuda'; choose auto, osl, nodes"):
         materials.apply_stack(material, STACK, backend="cuda")

@@ -83,7 +83,8 @@ def _scene(study: str, n: int) -> dict:
 
     from ...background.ahead import bake_ahead
     from ...nodes.backend import NODES, OSL
-    from ...nodes.material import Wanted, apply_stack, refresh
+    from ...nodes.material import apply_stack, refresh
+    from ...nodes.state import Wanted
     from ...rendering.geometry import plane_mesh
     from ...rendering.settings import add_object, measurement_settings, node_tree, render_to
 

@@ -1,0 +1,313 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What other programs get of a material: Blender's own exporters and importers bring back the conversion's values and the textures."""
+
+import time
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from lamina.addon.background import bakes, conversions  # noqa: E402
+from lamina.addon.check import check  # noqa: E402
+from lamina.addon.cli.main import run  # noqa: E402
+from lamina.addon.nodes import material as materials  # noqa: E402
+from lamina.addon.nodes.elements import node_of  # noqa: E402
+from lamina.addon.nodes.hand_over import MIX, VALUES, follow_hand_over, is_handed_over  # noqa: E402
+from lamina.addon.nodes.principled import PRINCIPLED  # noqa: E402
+from lamina.addon.nodes.roles import ROLE, Roles  # noqa: E402
+from lamina.addon.nodes.shader_node import shading_of  # noqa: E402
+from lamina.addon.rendering.geometry import plane_mesh  # noqa: E402
+from lamina.addon.rendering.measure import render_sun_sphere  # noqa: E402
+from lamina.reference_py import presets  # noqa: E402
+from lamina.reference_py.exchange.principled import to_principled  # noqa: E402
+from lamina.reference_py.stack import Stack  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+STACKS = ("glazed_mug", "lacquered_brass", "clean_copper", "glossy_plastic")
+EXPORTERS = {
+    "gltf": (lambda f: bpy.ops.export_scene.gltf(filepath=f, export_format="GLTF_SEPARATE"), lambda f: bpy.ops.import_scene.gltf(filepath=f)),
+    "usda": (lambda f: bpy.ops.wm.usd_export(filepath=f), lambda f: bpy.ops.wm.usd_import(filepath=f)),
+    "obj": (lambda f: bpy.ops.wm.obj_export(filepath=f), lambda f: bpy.ops.wm.obj_import(filepath=f)),
+    "fbx": (lambda f: bpy.ops.export_scene.fbx(filepath=f), lambda f: bpy.ops.import_scene.fbx(filepath=f)),
+}  # fmt: skip
+ADDONS = {"gltf": "io_scene_gltf2", "fbx": "io_scene_fbx"}
+
+
+def layered(name: str, settle: bool = True, backend: str | None = None) -> bpy.types.Material:
+    """A preset on a plane with UVs."""
+    material = bpy.data.materials.new(name)
+    materials.apply_stack(material, presets.load(name), backend=backend)
+    mesh = plane_mesh(name, 1.0)
+    mesh.materials.append(material)
+    bpy.context.collection.objects.link(bpy.data.objects.new(name, mesh))
+    if settle:
+        materials.hand_over(material, settle=True)
+    return material
+
+
+def handed(material) -> bpy.types.Node:
+    return Roles(material.node_tree).get(VALUES)
+
+
+def mix_of(material) -> bpy.types.Node:
+    return Roles(material.node_tree).get(MIX)
+
+
+def image(material) -> bpy.types.Node:
+    """A texture of 8 x 8 pixels, packed into the file."""
+    picture = bpy.data.images.new("wood", 8, 8)
+    picture.pixels.foreach_set(np.tile(np.array([0.5, 0.3, 0.2, 1.0], np.float32), 64))
+    picture.pack()
+    node = material.node_tree.nodes.new("ShaderNodeTexImage")
+    node.image = picture
+    return node
+
+
+def round_trip(ending: str, folder) -> dict[str, bpy.types.Material]:
+    """Export all, forget all, import again: the materials by name."""
+    if ending in ADDONS:
+        import addon_utils
+
+        assert addon_utils.enable(ADDONS[ending])
+    path = str(folder / f"a.{ending}")
+    export, load = EXPORTERS[ending]
+    export(path)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    if ending in ADDONS:
+        addon_utils.enable(ADDONS[ending])
+    load(path)
+    return {m.name: m for m in bpy.data.materials}
+
+
+def principled_in(material) -> bpy.types.Node:
+    (node,) = [n for n in material.node_tree.nodes if n.bl_idname == PRINCIPLED]
+    return node
+
+
+@pytest.mark.parametrize("ending", EXPORTERS)
+def test_a_file_that_goes_out_and_comes_back_has_the_conversions_color(blender, tmp_path, ending):
+    """Base color within 2 %, metallic as it is, roughness within .01 but in FBX, whose shininess is coarse."""
+    for name in STACKS:
+        layered(name)
+    found = round_trip(ending, tmp_path)
+    for name in STACKS:
+        values, node = to_principled(presets.load(name)).values, principled_in(found[name])
+        color = np.array(node.inputs["Base Color"].default_value[:3])
+        print(ending, name, color, values["Base Color"], node.inputs["Metallic"].default_value, node.inputs["Roughness"].default_value)
+        np.testing.assert_allclose(color, values["Base Color"], rtol=0.02, atol=5e-4)
+        assert node.inputs["Metallic"].default_value == pytest.approx(values.get("Metallic", 0.0), abs=1e-3)
+        if values.get("Metallic") and ending != "fbx":
+            assert node.inputs["Roughness"].default_value == pytest.approx(values["Roughness"], abs=0.01)
+
+
+@pytest.mark.parametrize("ending", ("gltf", "usda"))
+def test_textures_are_there(blender, tmp_path, ending):
+    """glTF has the factor too by which a texture of the layer's own color becomes the conversion's; USD has no room for it."""
+    material = layered("glossy_plastic", settle=False)
+    picture, base, coat = image(material), node_of(material.lamina.base), node_of(material.lamina.layers[0])
+    material.node_tree.links.new(picture.outputs["Color"], base.inputs["Color"])
+    material.node_tree.links.new(picture.outputs["Color"], coat.inputs["Roughness"])
+    materials.hand_over(material, settle=True)
+    own = presets.load("glossy_plastic")
+    factor = np.array(to_principled(own).values["Base Color"]) / own.base["color"]
+    node = principled_in(round_trip(ending, tmp_path)["glossy_plastic"])
+    sources = [_textures(node.inputs[name]) for name in ("Base Color", "Roughness")]
+    assert all(s and s[0].image.size[0] == 8 for s in sources)
+    if ending == "gltf":
+        (mix,) = [link.from_node for link in node.inputs["Base Color"].links]
+        constant = next(s for s in mix.inputs if s.type == "RGBA" and not s.is_linked)
+        np.testing.assert_allclose(constant.default_value[:3], factor, rtol=0.02)
+
+
+def _textures(socket) -> list:
+    found = [link.from_node for link in socket.links]
+    return [n for n in found if n.bl_idname == "ShaderNodeTexImage"] + [t for n in found for s in n.inputs for t in _textures(s)]
+
+
+@pytest.mark.parametrize("backend", ("osl", "nodes"))
+def test_a_render_is_the_same_to_the_last_digit(blender, backend):
+    material = layered("lacquered_brass", backend=backend)
+    there = render_sun_sphere(material, 30.0, 48)["radiance"]
+    mix, tree = mix_of(material), material.node_tree
+    tree.links.new(mix.inputs[1].links[0].from_socket, tree.get_output_node("CYCLES").inputs["Surface"])
+    for node in (mix, handed(material)):
+        tree.nodes.remove(node)
+    gone = render_sun_sphere(material, 30.0, 48)["radiance"]
+    assert np.max(gone) > 0.1 and np.max(np.abs(there - gone)) == 0.0
+
+
+def test_what_is_equal_writes_nothing(blender):
+    """Blender would restart a viewport's render."""
+    material = layered("glossy_plastic")
+    picture = image(material)
+    material.node_tree.links.new(picture.outputs["Color"], node_of(material.lamina.base).inputs["Color"])
+    materials.hand_over(material, settle=True)
+    seen = []
+    listener = lambda *_: seen.append(1)  # noqa: E731
+    bpy.app.handlers.depsgraph_update_post.append(listener)
+    try:
+        bpy.context.view_layer.update()
+        seen.clear()
+        materials.hand_over(material, settle=True)
+        materials.hand_over(material)
+        bpy.context.view_layer.update()
+        assert not seen
+        node_of(material.lamina.layers[0]).inputs["Roughness"].default_value = 0.4
+        bpy.context.view_layer.update()
+        assert seen, "the listener hears of changes"
+    finally:
+        bpy.app.handlers.depsgraph_update_post.remove(listener)
+
+
+def test_renamed_and_pasted_nodes_are_found_and_a_users_mix_stays(blender):
+    material = layered("glazed_mug")
+    tree, output = material.node_tree, material.node_tree.get_output_node("CYCLES")
+    mix_of(material).name, handed(material).name = "mine", "also mine"
+    glow, mine = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeMixShader")
+    tree.links.new(shading_of(material), mine.inputs[1])  # beside the hand-over
+    tree.links.new(glow.outputs[0], mine.inputs[2])
+    tree.links.new(mine.outputs[0], output.inputs["Surface"])
+    count = len(tree.nodes)
+    materials.apply_stack(material, presets.load("clean_copper"))
+    assert mine.inputs[1].links[0].from_node == mix_of(material) and output.inputs["Surface"].links[0].from_node == mine
+    assert mix_of(material).name == "mine" and mix_of(material).inputs[1].links[0].from_socket == shading_of(material)
+    assert len(tree.nodes) == count - 1, "copper has one layer less, nothing was made twice"
+    assert handed(material).inputs["Metallic"].default_value == 1.0
+
+
+def test_check_and_convert_leave_the_hand_over_alone(blender):
+    material = layered("glazed_mug")
+    materials.make_renderable(material, bpy.context.scene)
+    assert [f.code for f in check.find(material, bpy.context.scene, bpy.context.preferences)] == ["without_osl"]
+    bpy.context.view_layer.objects.active = bpy.data.objects["glazed_mug"]
+    assert not bpy.ops.lamina.convert_principled.poll()
+    tree = material.node_tree
+    tree.links.remove(tree.get_output_node("CYCLES").inputs["Surface"].links[0])
+    finding = check.find(material, bpy.context.scene, bpy.context.preferences)[0]
+    assert finding.code == "shader_unused"
+    check.mend(material, bpy.context.scene, bpy.context.preferences, finding.key)
+    assert tree.get_output_node("CYCLES").inputs["Surface"].links[0].from_node == mix_of(material)
+
+
+def test_a_viewport_color_of_the_users_own_stays(blender):
+    material = bpy.data.materials.new("m")
+    material.diffuse_color = (1.0, 0.0, 1.0, 0.5)
+    materials.apply_stack(material, presets.load("clean_copper"))
+    assert material.metallic == 1.0 and material.diffuse_color[0] < 1.0 and material.diffuse_color[3] == 0.5
+    material.diffuse_color = (0.0, 1.0, 0.0, 1.0)
+    materials.apply_stack(material, presets.load("glazed_mug"))
+    assert tuple(material.diffuse_color) == (0.0, 1.0, 0.0, 1.0)
+
+
+def test_one_undo_takes_the_hand_over_away(blender):
+    item = bpy.data.objects.new("plane", plane_mesh("plane", 1.0))
+    bpy.context.collection.objects.link(item)
+    bpy.context.view_layer.objects.active = item
+    item.data.materials.append(bpy.data.materials.new("m"))
+    before = tuple(bpy.data.materials["m"].diffuse_color)
+    bpy.ops.ed.undo_push(message="before")
+    assert bpy.ops.lamina.apply_preset("EXEC_DEFAULT", True, preset="clean_copper") == {"FINISHED"}
+    assert mix_of(bpy.data.materials["m"]) is not None
+    bpy.ops.ed.undo()
+    material = bpy.data.materials["m"]
+    assert not material.lamina.is_layered and tuple(material.diffuse_color) == before
+    assert material.node_tree is None or mix_of(material) is None
+
+
+def test_what_fails_leaves_all_as_it_was(blender):
+    material = layered("glazed_mug")
+    node_of(material.lamina.base).inputs["Color"].default_value = (5.0, 0.0, 0.0, 1.0)
+    before = list(handed(material).inputs["Base Color"].default_value), material.lamina.hand_over_error
+    materials.hand_over(material, settle=True)
+    assert (list(handed(material).inputs["Base Color"].default_value), material.lamina.hand_over_error) == before
+
+
+def test_with_a_window_it_follows_when_values_rest(blender):
+    material = layered("glazed_mug")
+    material.lamina.tier = "analytic"
+    node_of(material.lamina.base).inputs["Color"].default_value = (0.5, 0.2, 0.1, 1.0)
+    materials.regenerate(material)
+    assert material.lamina.hand_over_error < 0.0, "not known yet"
+    np.testing.assert_allclose(handed(material).inputs["Base Color"].default_value[:3], (0.5, 0.2, 0.1), err_msg="the stack's own until then")
+    limit = time.monotonic() + 60.0
+    try:
+        while bakes.tick() is not None:
+            assert time.monotonic() < limit
+            time.sleep(0.05)
+    finally:
+        conversions.stop()
+    stack = materials.stack_of(material)
+    assert is_handed_over(material, stack) and material.lamina.hand_over_error >= 0.0
+    np.testing.assert_allclose(handed(material).inputs["Base Color"].default_value[:3], to_principled(stack).values["Base Color"], rtol=1e-5)
+
+
+def test_a_save_without_a_window_hands_over_what_is_there(blender, tmp_path):
+    material = layered("glazed_mug")
+    material.lamina.tier = "analytic"
+    node_of(material.lamina.base).inputs["Color"].default_value = (0.4, 0.2, 0.1, 1.0)
+    assert not is_handed_over(material, materials.stack_of(material))
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    assert is_handed_over(material, materials.stack_of(material))
+
+
+def test_opening_an_older_file_changes_nothing_and_a_save_hands_over(blender, tmp_path):
+    material = layered("glazed_mug")
+    material.lamina.tier = "analytic"
+    for node in (mix_of(material), handed(material)):
+        material.node_tree.nodes.remove(node)
+    material.lamina.property_unset("handed")
+    count = len(material.node_tree.nodes)
+    assert bakes.tick() is None and len(material.node_tree.nodes) == count
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    assert mix_of(material) is not None and is_handed_over(material, materials.stack_of(material))
+
+
+def test_principled_copies_of_a_file(blender):
+    for name in STACKS[:2]:
+        layered(name)
+    node_of(bpy.data.materials["glazed_mug"].lamina.base).inputs["Color"].default_value = (5.0, 0.0, 0.0, 1.0)
+    before = sorted(m.name for m in bpy.data.materials)
+    assert bpy.ops.lamina.principled_copies("EXEC_DEFAULT") == {"FINISHED"}
+    assert sorted(m.name for m in bpy.data.materials) == sorted([*before, "lacquered_brass Principled"])
+    copy = bpy.data.materials["lacquered_brass Principled"]
+    assert copy.use_fake_user and not copy.lamina.is_layered and [n.bl_idname for n in copy.node_tree.nodes].count(PRINCIPLED) == 1
+    assert not any(ROLE in n for n in copy.node_tree.nodes) and len(copy.node_tree.nodes) == 2
+    text = bpy.data.texts["Lamina Conversion"].as_string()
+    assert "lacquered_brass Principled: error 6." in text and "glazed_mug: left as it is: " in text
+
+
+def test_the_command_writes_a_file_of_principled_materials(blender, tmp_path, capsys):
+    layered("glazed_mug")
+    library, file, out = tmp_path / "library.blend", tmp_path / "a.blend", tmp_path / "out.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(library))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    layered("lacquered_brass")
+    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
+        wanted.objects = ["glazed_mug"]
+    bpy.context.collection.objects.link(wanted.objects[0])
+    bpy.ops.wm.save_as_mainfile(filepath=str(file))
+    capsys.readouterr()
+    assert run(["principled", str(file), "-o", str(out)]) == 1
+    said = sorted(line for line in capsys.readouterr().out.splitlines() if not line.startswith("Info: "))  # Blender's own
+    assert said[0].startswith("glazed_mug: left as it is: material glazed_mug is linked from //library.blend") and said[1:] == ["lacquered_brass: error 6.4 %"]
+    bpy.ops.wm.open_mainfile(filepath=str(out))
+    material = bpy.data.objects["lacquered_brass"].data.materials[0]
+    assert material.name == "lacquered_brass" and not material.lamina.is_layered and principled_in(material)
+    for arguments in (["principled"], ["principled", str(file)], ["principled", str(file), "-o", str(tmp_path / "a.txt")],
+                      ["principled", str(tmp_path / "no.blend"), "-o", str(out)], ["principled", str(out), "-o", str(tmp_path / "again.blend")],
+                      ["principled", "--presets", "-o", str(out)]):
+        capsys.readouterr()
+        assert run(arguments) == 2, arguments
+        lines = [line for line in capsys.readouterr().err.splitlines() if line.startswith("lamina: ")]
+        assert len(lines) == 1, lines
+    assert not (tmp_path / "again.blend").exists()
+
+
+def test_values_that_the_stack_says_nothing_about_are_the_users(blender):
+    material = layered("glazed_mug")
+    handed(material).inputs["Alpha"].default_value = 0.25
+    closure = mix_of(material).inputs[1].links[0].from_socket
+    follow_hand_over(material, closure, Stack.from_dict({"base": {"kind": "lambert"}}), settle=True)
+    assert handed(material).inputs["Alpha"].default_value == 0.25 and handed(material).inputs["Coat Weight"].default_value == 0.0
