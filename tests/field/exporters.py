@@ -158,11 +158,13 @@ def textured(trial: Trial, write, read, suffix: str) -> None:
     write(path)
     trial.stage()
     read(path)
-    sources = []
-    for made in bpy.data.materials:
-        node = next((n for n in made.node_tree.nodes if n.type == "BSDF_PRINCIPLED"), None) if made.node_tree else None
-        sources += [link.from_node.type for link in node.inputs["Base Color"].links] if node else []
-    trial.require("an image came back in Base Color", "TEX_IMAGE" in sources)
+    nodes = [n for made in bpy.data.materials if made.node_tree for n in made.node_tree.nodes if n.type == "BSDF_PRINCIPLED"]
+    trial.require("an image came back in Base Color", any(_has_image(n.inputs["Base Color"]) for n in nodes))
+
+
+def _has_image(socket: bpy.types.NodeSocket) -> bool:
+    """Whether an image is before a socket, at once or, with a factor, behind a Mix."""
+    return any(link.from_node.type == "TEX_IMAGE" or any(map(_has_image, link.from_node.inputs)) for link in socket.links)
 
 
 @case("glTF with a texture", quick=False)

@@ -455,7 +455,7 @@ def fifty(trial):
     import time
 
     material = trial.material()
-    many = Stack.from_dict({"layers": [{"kind": "dielectric", "roughness": 0.1 + 0.01 * i} for i in range(50)], "base": {"kind": "lambert"}})
+    many = Stack.from_dict({"layers": [{"kind": "dielectric", "ior": 1.5 + 0.001 * i, "roughness": 0.1} for i in range(50)], "base": {"kind": "lambert"}})
     begin = time.monotonic()
     with suppress(LaminaError):
         materials.apply_stack(material, many)
