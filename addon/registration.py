@@ -12,7 +12,7 @@ from .exchange import texture_operator
 from .library import asset_library
 from .nodes import freshness, properties
 from .operators import check_operators, layer_operators, material_operators, preset_operators
-from .ui import panel, preset_icons, swatch_icons, translation
+from .ui import panel, panel_layers, preset_icons, swatch_icons, translation
 
 # Kept for unregister: Blender gives the command as a handle.
 _command = None
@@ -26,6 +26,7 @@ def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.Material.lamina = bpy.props.PointerProperty(type=properties.LaminaMaterial)
+    bpy.types.WindowManager.lamina = bpy.props.PointerProperty(type=panel_layers.LaminaWindow)
     _command = bpy.utils.register_cli_command("lamina", run)
     translation.register()
     swatch_icons.register()
@@ -46,6 +47,7 @@ def unregister() -> None:
     swatch_icons.unregister()
     translation.unregister()
     bpy.utils.unregister_cli_command(_command)
+    del bpy.types.WindowManager.lamina
     del bpy.types.Material.lamina
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

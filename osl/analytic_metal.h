@@ -18,34 +18,45 @@ struct Lobe {
     color back_again;
 };
 
-// A node of the cap and the share of the lobe that it stands for; p: where it goes.
-void lobe_node(output Lobe m, float u, float weight, float turn_x, float turn_y, float alpha, int beckmann, int spread_beckmann,
-               color eta, color k, output color share, output float radius)
+// Smith's Lambda of a GGX surface where alpha tan of the direction is known.
+float stretched_lambda(float stretched)
+{
+    return 0.5 * (sqrt(1.0 + stretched * stretched) - 1.0);
+}
+
+// A node of the cap and the share of the lobe that it stands for; p: where it goes. Alphas along and across the plane of incidence.
+void lobe_node(output Lobe m, float u, float weight, float turn_x, float turn_y, float alpha_along, float alpha_across, int beckmann,
+               int spread_beckmann, color eta, color k, output color share, output float radius)
 {
     float ggx = sqrt(u / (1.0 - u));
     float gauss = sqrt(-log(1.0 - u));
     float own = beckmann ? gauss : ggx;
     float above = m.widened * (spread_beckmann ? gauss : ggx);
-    float stretch = alpha * own / ggx;
-    float apart = sqrt(alpha * alpha * own * own + above * above) - alpha * own;
-    float size = sqrt(stretch * stretch * m.s * m.s + m.c * m.c);
-    float ax = stretch * m.s / size;
+    float along = alpha_along * own / ggx;
+    float side = alpha_across * own / ggx;
+    float apart_x = sqrt(alpha_along * alpha_along * own * own + above * above) - alpha_along * own;
+    float apart_y = sqrt(alpha_across * alpha_across * own * own + above * above) - alpha_across * own;
+    float size = sqrt(along * along * m.s * m.s + m.c * m.c);
+    float ax = along * m.s / size;
     float az = m.c / size;
     float hz = (1.0 - u) * (1.0 + az);
     float ring = sqrt(max(1.0 - (hz - az) * (hz - az), 0.0));
-    float hx = stretch * (ring * turn_x + ax);
-    float hy = stretch * ring * turn_y;
+    float hx = along * (ring * turn_x + ax);
+    float hy = side * ring * turn_y;
     size = sqrt(hx * hx + hy * hy + hz * hz);
     hx /= size;
     hy /= size;
     hz /= size;
     float cos_om = m.s * hx + m.c * hz;
     float iz = 2.0 * cos_om * hz - m.c;
-    float lambda_o = smith_lambda(m.c, stretch, 0);
-    float seen = iz > 0.0 ? (1.0 + lambda_o) / (1.0 + lambda_o + smith_lambda(max(iz, LEAST_COS), stretch, 0)) : 0.0;
+    float ix = 2.0 * cos_om * hx - m.s;
+    float iy = 2.0 * cos_om * hy;
+    float lambda_o = stretched_lambda(along * m.s / m.c);
+    float lambda_i = stretched_lambda(sqrt(along * along * ix * ix + side * side * iy * iy) / max(iz, LEAST_COS));
+    float seen = iz > 0.0 ? (1.0 + lambda_o) / (1.0 + lambda_o + lambda_i) : 0.0;
     color fresnel = fresnel_conductor(min(cos_om, 1.0), eta, k);
-    float ix = 2.0 * cos_om * hx - m.s + 2.0 * m.c * apart * turn_x;
-    float iy = 2.0 * cos_om * hy + 2.0 * m.c * apart * turn_y;
+    ix += 2.0 * m.c * apart_x * turn_x;
+    iy += 2.0 * m.c * apart_y * turn_y;
     radius = min(sqrt(ix * ix + iy * iy), MOST_LOBE_SHARE);
     m.seen += weight * seen;
     m.hidden += weight * (1.0 - seen);
@@ -70,10 +81,9 @@ void start_lobe(output Lobe m, float p, float variance, float n, float alpha)
     m.back_again = color(0.0);
 }
 
-// What facets let go only after they met another, and `keep`: the nodes know the lobe's shape, the table its energy.
-color later_facets(float table[], int kind, Lobe m, float alpha, color eta, color k, output float keep)
+// What facets let go only after they met another, and `keep`: the nodes know the lobe's shape, `energy` is what white ones let go at once.
+color later_facets(Lobe m, float energy, float alpha, color eta, color k, output float keep)
 {
-    float energy = closure_energy(table, kind, m.c, alpha);
     keep = energy / m.seen;
     color mean_fresnel = @MEAN@;
     float lost = BASE_LOSS * alpha * alpha / (1.0 + (1.0 + BASE_LOSS) * alpha * alpha);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Directional albedo of Cycles' Oren-Nayar closure (Fujii 2012, OpenPBR 1.0); sigma is its roughness.
+// Directional albedo of the energy-preserving Oren-Nayar model (Fujii 2012, OpenPBR 1.0); sigma is its roughness.
 color oren_nayar_albedo(float cos_theta, color c, float sigma)
 {
     float g0 = M_PI_2 - 2.0 / 3.0;
@@ -10,5 +10,5 @@ color oren_nayar_albedo(float cos_theta, color c, float sigma)
     float g = s * (acos(z) - 2.0 / 3.0 - s * z) + 2.0 / 3.0 * (s / z) * (1.0 - s * s * s);
     float mean = a * M_PI + (2.0 * M_PI - 5.6) / 3.0 * b;
     float single = a * M_PI + b * g;
-    return c * single + c * c * c * mean * (1.0 - single) / (1.0 - c * (1.0 - mean));
+    return c * single + c * c * mean * (1.0 - single) / (1.0 - c * (1.0 - mean));
 }

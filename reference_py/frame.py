@@ -17,6 +17,11 @@ def normalize(v: np.ndarray) -> np.ndarray:
     return v / np.where(length > 0.0, length, 1.0)
 
 
+def azimuth(w: np.ndarray) -> np.ndarray:
+    """Angle (...) in radians of directions (..., 3) from x; 0 along z."""
+    return np.arctan2(w[..., 1], w[..., 0])
+
+
 def spherical(theta, phi) -> np.ndarray:
     """Unit directions (..., 3) from polar angle theta (from z) and azimuth phi, in radians."""
     theta, phi = np.broadcast_arrays(np.asarray(theta, float), np.asarray(phi, float))

@@ -123,6 +123,10 @@ class Kind:
         """Names of the alternatives, such as "metal" and "eta+k"."""
         return tuple("+".join(group) for group in self.alternatives)
 
+    def given_label(self, choice: str) -> str:
+        """What an alternative gives, in words: "IOR and Extinction"."""
+        return " and ".join(self.parameter(name).label for name in choice.split("+"))
+
     @property
     def structure(self) -> tuple[Parameter, ...]:
         """The parameters that change the generated shader's text."""

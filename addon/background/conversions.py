@@ -41,7 +41,10 @@ def follow(material: bpy.types.Material) -> bool:
     """
     if not has_hand_over(material):
         return False
-    stack = stack_of(material)
+    try:
+        stack = stack_of(material)
+    except LaminaError:
+        return False  # Check names the value, and exporters find the last right ones
     if is_handed_over(material, stack):
         _state.resting.pop(material.name_full, None)
         return False

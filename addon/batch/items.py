@@ -14,6 +14,7 @@ from ... import version
 from ...reference_py.errors import LaminaError
 from ...reference_py.schema import SCHEMA
 from ...reference_py.stack import Element, Stack
+from ..nodes.limits import require_shader
 from .job import BALL, MAX_VALUES, Job, Look, Scene, Sweep, inside
 
 BALL_SAMPLES, BALL_SIZE = 64, (256, 256)
@@ -71,6 +72,11 @@ def expand(job: Job) -> list[Item]:
         for look in job.stacks
         for combination in product(*([(sweep, value) for value in sweep.values] for sweep in job.sweeps))
     ]
+    for look, _, stack in variants:
+        try:
+            require_shader(stack, job.backend)
+        except LaminaError as error:
+            raise LaminaError(f"stack {look.name!r}: {error}") from None
     items = []
     for scene in job.scenes:
         blend = inside(scene.blend, f"scene {scene.name!r}", job.folder) if scene.blend else None

@@ -8,8 +8,9 @@ import bpy
 
 from ... import version
 from ...reference_py.errors import LaminaError
+from ..nodes.holders import can_hold_material
 from ..nodes.material import apply_stack, make_renderable, refresh
-from ..nodes.script_node import drop_text
+from ..nodes.shader_node import remove_material
 from ..rendering.studio import build_ball_scene
 from .estimate import estimate
 from .items import BALL_SAMPLES, Item
@@ -100,9 +101,9 @@ def open_scene(item: Item):
         raise SceneError(f"{item.scene.blend}: Blender cannot open it: {' '.join(str(error).split())}") from None
     scene = bpy.context.scene
     target = scene.objects.get(item.scene.object)
-    if target is None or not hasattr(target.data, "materials"):
-        choices = sorted(o.name for o in scene.objects if hasattr(o.data, "materials"))
-        raise SceneError(f"{item.scene.blend}: no object {item.scene.object!r} that takes a material; choose {', '.join(choices) or 'none'}")
+    if not can_hold_material(target):
+        choices = sorted(o.name for o in scene.objects if can_hold_material(o))
+        raise SceneError(f"{item.scene.blend}: no object {item.scene.object!r} that takes a surface material; choose {', '.join(choices) or 'none'}")
     if scene.camera is None:
         raise SceneError(f"{item.scene.blend}: the scene {scene.name} has no camera")
     if scene.render.engine != "CYCLES":
@@ -118,11 +119,3 @@ def put_on(target: bpy.types.Object, material: bpy.types.Material) -> int:
     index = target.active_material_index
     target.material_slots[index].material = material
     return index
-
-
-def remove_material(material: bpy.types.Material) -> None:
-    """Remove a material that is used no more, and its text."""
-    texts = [node.script for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeScript"]
-    bpy.data.materials.remove(material)
-    for text in texts:
-        drop_text(text)

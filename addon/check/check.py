@@ -21,12 +21,13 @@ from ..nodes import state
 from ..nodes.backend import AUTO, NODES, OSL, branches_here
 from ..nodes.elements import find_node, kind_of, node_of
 from ..nodes.entry import surface_output
+from ..nodes.hand_over import usd_takes
 from ..nodes.kind_groups import KIND_KEY, hands_on
-from ..nodes.live_values import live_values
+from ..nodes.live_values import live_values, resting_values
 from ..nodes.osl_setting import device_problem, why_stock_nodes
 from ..nodes.reading import require_editable, require_layered, stack_of
 from ..nodes.record import changed_values, recorded
-from ..nodes.roles import SWITCH, node_with
+from ..nodes.roles import SWITCH, TEST, node_with
 from ..nodes.script_node import is_untouched
 from ..nodes.shader_node import shader_of, surface_of
 from ..rendering import environment
@@ -63,6 +64,8 @@ CODES = {
     "image_missing": (ERROR, "{layer}: {label} has a texture without an image", "Remove the Link"),
     "normal_ignored": (WARNING, "{layer}: stock nodes leave its normal out", ""),
     "texture_ignored": (WARNING, "{layer}: {label} has a texture or animation, which stock nodes cannot follow", ""),
+    "value_rests": (WARNING, "{layer}: the texture or animation of {label} has no effect, as it is given by {given}", ""),
+    "usd_misled": (WARNING, "USD export takes the node {node}, which was there before; delete it if it is of no use", ""),
     "out_of_range": (ERROR, "{layer}: {label} is {value}; allowed is {allowed}", "Bring into Range"),
 }  # fmt: skip
 
@@ -107,6 +110,8 @@ def find(material: bpy.types.Material, scene: bpy.types.Scene, preferences: bpy.
     if material.node_tree is None:
         return found
     found += [*_machine(material, scene, preferences), *_elements(material), *_shader(material), *_stock(material, not why_stock_nodes(scene, preferences))]
+    if before := usd_takes(material):
+        found.append(Finding("usd_misled", {"node": before.name}, before.name, is_note=True))
     return sorted(found, key=lambda f: (ERROR, WARNING, NOTE).index(f.level))
 
 
@@ -166,6 +171,9 @@ def _elements(material) -> Iterator[Finding]:
             yield Finding("group_broken", name | words, element.node)
             continue
         yield from _values(element, node, is_shown, links)
+        for parameter in resting_values(element):
+            about = {"label": parameter.label, "given": kind_of(element).given_label(element.given)}
+            yield Finding("value_rests", name | about, element.node, parameter.label)
     for node in tree.nodes:
         if node.bl_idname == "ShaderNodeGroup" and node.name not in seen and _is_value_node(node):
             yield Finding("node_spare", {"node": node.name}, node.name)
@@ -239,7 +247,8 @@ def _shader(material) -> Iterator[Finding]:
         yield Finding("shader_edited")
     lost = [name for node in branches for name in _unlinked(material, node)]
     if switch is not None:
-        lost += [socket.name for socket in switch.inputs if not socket.is_linked]
+        test = node_with(material, TEST)
+        lost += [socket.name for socket in (*switch.inputs, *(test.inputs[:1] if test is not None else ())) if not socket.is_linked]
     if lost:
         yield Finding("shader_unlinked", {"count": len(lost), "first": lost[0]})
     if reason := bakes.given_up(material):

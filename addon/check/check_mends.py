@@ -12,7 +12,7 @@ from ..nodes.backend import AUTO
 from ..nodes.elements import kind_of, new_node, node_of
 from ..nodes.entry import entry_of, surface_output
 from ..nodes.kind_groups import fresh_group
-from ..nodes.node_copy import copy_inputs
+from ..nodes.node_copy import animation_by_name, copy_inputs
 from ..nodes.osl_setting import enable_osl
 from ..nodes.record import give_recorded
 from ..nodes.shader_node import surface_of
@@ -94,7 +94,7 @@ def _remove_node(material, _scene, finding) -> None:
 
 
 def _replace_group(material, _scene, finding) -> None:
-    """A fresh group for every node that has the broken one, in every material of this file; links and values stay."""
+    """A fresh group for every node that has the broken one, in every material of this file; links, values and animation stay."""
     element = _element(material, finding)
     broken, group = node_of(element).node_tree, fresh_group(kind_of(element))
     nodes = [node_of(element)]
@@ -103,16 +103,17 @@ def _replace_group(material, _scene, finding) -> None:
         nodes = [n for tree in trees for n in tree.nodes if n.bl_idname == "ShaderNodeGroup" and n.node_tree == broken]
     for node in nodes:
         values = {s.name: _plain(s.default_value) for s in node.inputs if hasattr(s, "default_value")}
-        sources = [(k.from_socket, s.name) for s in node.inputs for k in s.links]
+        sources = [(k.from_socket, s.name, k.is_muted) for s in node.inputs for k in s.links]
         targets = [(s.name, k.to_socket) for s in node.outputs for k in s.links]
-        node.node_tree = group
+        with animation_by_name(node):
+            node.node_tree = group
         for name, value in values.items():
             if name in node.inputs:
                 node.inputs[name].default_value = value
         tree = node.id_data
-        for source, name in sources:
+        for source, name, is_muted in sources:
             if name in node.inputs:
-                tree.links.new(source, node.inputs[name])
+                tree.links.new(source, node.inputs[name]).is_muted = is_muted
         for name, target in targets:
             if name in node.outputs:
                 tree.links.new(node.outputs[name], target)

@@ -11,14 +11,15 @@ from ...reference_py.coverage import Patch, patches
 from ...reference_py.errors import LaminaError
 from ...reference_py.network import WeidlichWilkieNetwork
 from ...reference_py.network.baking import MAX_GLOSSY
-from ...reference_py.network.choice import DEFAULT_TOLERANCE, AutoNetwork, Choice, choose
+from ...reference_py.network.choice import DEFAULT_TOLERANCE, AutoNetwork, Choice, choose, with_anisotropy
 from ...reference_py.network.judge import SOFT_LIGHT_DEG
 from ...reference_py.network.memory import truth_of
 from ...reference_py.network.mixture import glossy_of_each
 from ...reference_py.network.unbaked import unbaked, without_unbaked
-from ...reference_py.schema import THIN_FILM
+from ...reference_py.schema import ANISOTROPY, THIN_FILM
 from ...reference_py.stack import Stack
-from ..network.inputs import shader_inputs
+from ..nodes.backend import OSL
+from ..nodes.limits import require_shader
 from .numbers import load_stack
 from .session import blender, say, tenths
 
@@ -26,7 +27,7 @@ from .session import blender, say, tenths
 def explain(options) -> None:
     """Print every candidate's closures, cost and errors, and which is chosen, and why."""
     stack = load_stack(options.stack)
-    shader_inputs(stack)  # refuses more layers than a shader can have
+    require_shader(stack, OSL)
     report = say(options.command)
     if bool(options.blend) != bool(options.object):
         raise LaminaError("--blend FILE and --object NAME go together")
@@ -52,11 +53,13 @@ def explain(options) -> None:
 
 
 def _choice(stack: Stack, tolerance: float, glossy: int, sight, progress) -> Choice:
-    """What auto chooses for one patch; features that no bake can hold leave the live tiers, judged without them."""
+    """What auto chooses for one patch; features that no bake can hold leave the live tiers, judged with anisotropy, without others."""
     live, plain = unbaked(stack), without_unbaked(stack)
     choice = _choice_of_plain(plain, live, tolerance, glossy, sight, progress)
-    if not any(element.has(THIN_FILM) for element in (*stack.layers, stack.base)):
-        return choice
+    elements = (*stack.layers, stack.base)
+    if not any(element.has(THIN_FILM) for element in elements):
+        brushed = any(element.has(ANISOTROPY) for element in elements)
+        return with_anisotropy(choice, stack, tolerance, None if sight is None else sight.cosines) if brushed else choice
     able = next(c for c in choice.tried if c.label == WeidlichWilkieNetwork.tier)
     return replace(choice, chosen=able, reason="the one tier that knows thin films; the errors are those without the film")
 

@@ -117,8 +117,12 @@ def shader(options) -> None:
     """The generated OSL text."""
     from ...reference_py.network import DEFAULT_TIER, make_network
     from ..network.osl import generate
+    from ..nodes.backend import OSL
+    from ..nodes.limits import require_shader
 
-    network = make_network(load_stack(options.stack), options.tier or DEFAULT_TIER, progress=tenths(say(options.command)))
+    stack = load_stack(options.stack)
+    require_shader(stack, OSL)
+    network = make_network(stack, options.tier or DEFAULT_TIER, progress=tenths(say(options.command)))
     sys.stdout.write(generate(network).text)
 
 

@@ -9,6 +9,7 @@ from ...reference_py.atomic import replacing, require_writable
 from ...reference_py.errors import LaminaError
 from ...reference_py.network import DEFAULT_TIER, require_tier
 from ..nodes.backend import branches_here, notice
+from ..nodes.limits import require_shader
 from .numbers import load_stack, print_albedo, view_angles
 from .session import blender, say, tenths
 
@@ -20,6 +21,7 @@ def render(options) -> None:
     """One stack in one scene, to a picture or, for the furnace, to numbers."""
     stack, tier = load_stack(options.stack), _tier(options)
     _refuse_what_has_no_effect(options)
+    require_shader(stack, options.backend)
     options.size = options.size or SIZE[options.scene]
     if options.scene == "furnace":
         _furnace(options, stack, tier)
@@ -117,6 +119,7 @@ def _ball(material, output: Path, options) -> None:
 def apply(options) -> None:
     """Open IN.blend, give the object a new material with the stack, and write OUT.blend."""
     stack, tier = load_stack(options.stack), _tier(options)
+    require_shader(stack, options.backend)
     source, output = Path(options.input), Path(options.output)
     if output.suffix.lower() != ".blend":
         raise LaminaError(f"{output}: apply writes a Blender file; choose a name that ends in .blend")
@@ -129,14 +132,15 @@ def apply(options) -> None:
         import bpy
 
         from ..blend_files import open_file, save_copy
+        from ..nodes.holders import can_hold_material
         from ..nodes.material import make_renderable
 
         branches_here(options.backend)
         open_file(source)
         target = bpy.data.objects.get(options.object)
-        if target is None or not hasattr(target.data, "materials"):
-            choices = sorted(o.name for o in bpy.data.objects if hasattr(o.data, "materials"))
-            raise LaminaError(f"{source}: no object {options.object!r} that takes a material; choose {', '.join(choices) or 'none'}")
+        if not can_hold_material(target):
+            choices = sorted(o.name for o in bpy.data.objects if can_hold_material(o))
+            raise LaminaError(f"{source}: no object {options.object!r} that takes a surface material; choose {', '.join(choices) or 'none'}")
         material = _material(stack, tier, options.backend, report)
         notices = make_renderable(material, bpy.context.scene)
         if target.material_slots:

@@ -17,7 +17,7 @@ from ..nodes.hand_over import MIX, VALUES
 from ..nodes.principled import COLOR, PRINCIPLED, has_linked_color, is_layer, link_through, linked_places, parameter_of, show_stack
 from ..nodes.reading import require_editable
 from ..nodes.record import drop_record
-from ..nodes.roles import ROLE, SWITCH, Roles
+from ..nodes.roles import ROLE, SWITCH, TEST, Roles
 from ..nodes.shader_node import backend_of, surface_of
 from .sources import animated_parts, principled_of, read_principled
 
@@ -120,7 +120,7 @@ def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
     for target in targets or [output.inputs["Surface"]]:
         tree.links.new(principled.outputs["BSDF"], target)
     values = [find_node(element) for element in (*lamina.layers, lamina.base)]
-    for node in [node for node in tree.nodes if node in values or node.get(ROLE) in (OSL, NODES, SWITCH, MIX)]:
+    for node in [node for node in tree.nodes if node in values or node.get(ROLE) in (OSL, NODES, SWITCH, TEST, MIX)]:
         tree.nodes.remove(node)
     drop_record(copy)
     for node in tree.nodes:
@@ -128,12 +128,6 @@ def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
             del node[ROLE]
     copy.property_unset("lamina")
     return told
-
-
-def set_values(principled: bpy.types.Node, values: dict) -> None:
-    """Set a Principled node's sockets by name."""
-    for name, value in values.items():
-        principled.inputs[name].default_value = (*value, 1.0) if isinstance(value, tuple) else value
 
 
 def principled_copies(replacing: bool) -> Iterator[tuple[bpy.types.Material, str]]:

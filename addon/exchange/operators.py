@@ -58,6 +58,8 @@ class LAMINA_OT_convert_principled(ops.LaminaOperator, bpy.types.Operator):
         try:
             if material is None:
                 raise LaminaError(tip_("Select a material"))
+            if why := ops.why_no_material(context):
+                raise LaminaError(why)
             principled_of(material)
         except LaminaError as error:
             cls.poll_message_set(str(error))

@@ -16,6 +16,9 @@ CATALOGUES = {
     "Weathered and Wet": ("patina_copper", "blued_steel", "oil_filmed_metal", "rusted_steel", "wet_asphalt"),
 }
 
+# That of the presets which users save.
+OWN = "Own Presets"
+
 _NAMESPACE = uuid.UUID("6f5b1a38-2c6e-5d0e-9a3f-6c616d696e61")
 
 
@@ -26,10 +29,18 @@ def catalogue_id(catalogue: str) -> str:
 
 def catalogue_text() -> str:
     """What `blender_assets.cats.txt` of the asset library says."""
-    lines = ["# Asset catalogues of Lamina's presets", "", "VERSION 1", ""]
     paths = ["Lamina", *(f"Lamina/{name}" for name in CATALOGUES)]
-    lines += [f"{catalogue_id(path.rpartition('/')[2])}:{path}:{path.replace('/', '-')}" for path in paths]
-    return "\n".join(lines) + "\n"
+    return catalogue_head("Asset catalogues of Lamina's presets") + "".join(f"{catalogue_line(path)}\n" for path in paths)
+
+
+def catalogue_head(title: str) -> str:
+    """What a file of catalogues begins with."""
+    return f"# {title}\n\nVERSION 1\n\n"
+
+
+def catalogue_line(path: str) -> str:
+    """A catalogue in such a file, by its path."""
+    return f"{catalogue_id(path.rpartition('/')[2])}:{path}:{path.replace('/', '-')}"
 
 
 def thumbnail_of(preset: str) -> Path:

@@ -2,6 +2,7 @@
 """Small pictures of materials: the studio's ball, as the preset menu and the asset library show it."""
 
 import os
+import struct
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,7 +11,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..rendering.images import read_png, write_png
+from ...reference_py.atomic import replacing
 from ..rendering.settings import render_to
 from ..rendering.studio import build_ball_scene
 
@@ -28,9 +29,33 @@ def render_thumbnail(material: bpy.types.Material, path: str | os.PathLike, size
         with tempfile.TemporaryDirectory() as folder, _slot_of_its_own():
             picture = Path(folder, "thumbnail.png")
             render_to(studio.scene, picture)
-            write_png(path, read_png(picture)[0])  # the pixels alone: no date, no file's name
+            with replacing(path) as temporary:
+                temporary.write_bytes(_without_texts(picture.read_bytes()))
     finally:
         studio.remove()
+
+
+def _without_texts(png: bytes) -> bytes:
+    """A PNG's pixels alone: no date, no file's name. Needs no OpenImageIO, which some Blenders' Python lacks."""
+    kept, place = [png[:8]], 8
+    while place < len(png):
+        end = place + 12 + struct.unpack(">I", png[place : place + 4])[0]
+        if png[place + 4 : place + 5].isupper():  # what a reader needs; the rest is written in small letters
+            kept.append(png[place:end])
+        place = end
+    return b"".join(kept)
+
+
+def pixels_of(path: str | os.PathLike) -> np.ndarray:
+    """(h, w, 3) uint8 pixels of a PNG as stored, top row first, by Blender's own reader."""
+    image = bpy.data.images.load(str(path))
+    try:
+        pixels = np.empty(len(image.pixels), np.float32)
+        image.pixels.foreach_get(pixels)
+        width, height = image.size
+        return np.rint(255.0 * pixels.reshape(height, width, -1)[::-1, :, :3]).astype(np.uint8)
+    finally:
+        bpy.data.images.remove(image)
 
 
 @contextmanager

@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets that users save: one JSON stack and one picture each, in a folder that updates of Lamina leave alone."""
+"""Presets that users save: a JSON stack, a .blend with its textures and a picture each, in a folder that updates of Lamina leave alone."""
 
 import re
 from collections.abc import Callable
 from pathlib import Path
 
 from ...reference_py import presets
-from ...reference_py.atomic import output_folder
+from ...reference_py.atomic import output_folder, write_text
 from ...reference_py.errors import LaminaError
+from ...reference_py.json_input import read_text
 from ...reference_py.stack import Stack
 from ..user_folders import presets_folder
+from .preset_catalogues import CATALOGUE_FILE, OWN, catalogue_head, catalogue_id, catalogue_line
 
 LONGEST = 60
 # Names that Windows keeps for devices, with any ending.
@@ -27,8 +29,13 @@ def load(name: str) -> Stack:
 
 
 def picture_of(name: str) -> Path:
-    """Where the picture of a user's preset is; older or copied ones may have none."""
+    """Where the picture of a user's preset is; some have none."""
     return presets_folder() / f"{name}.png"
+
+
+def asset_of(name: str) -> Path:
+    """Where the material asset of a user's preset is, which has its textures; older or copied ones may have none."""
+    return presets_folder() / f"{name}.blend"
 
 
 def free_name(label: str) -> str:
@@ -53,29 +60,45 @@ def free_name(label: str) -> str:
     return name
 
 
-def save(label: str, stack: Stack, draw: Callable[[Path], None]) -> str:
-    """Keep `stack` as a preset, with the picture that `draw` writes to a path; returns its name.
+def save(label: str, stack: Stack, draw: Callable[[Path], None], keep: Callable[[Path], None]) -> tuple[str, str]:
+    """Keep `stack` as a preset, with the picture that `draw` and the asset that `keep` writes to a path, in this order.
 
-    Raises LaminaError; then there is neither file.
+    Returns its name, and why there is no picture, empty if there is one. Raises LaminaError; then no file is left.
     """
-    name = free_name(label)
+    name, why = free_name(label), ""
     output_folder(presets_folder())
-    picture = picture_of(name)
+    _add_catalogue()
+    files = picture_of(name), asset_of(name)
     try:
-        draw(picture)
+        try:
+            draw(files[0])
+        except LaminaError as error:
+            files[0].unlink(missing_ok=True)
+            why = str(error)
+        keep(files[1])
         stack.save(presets_folder() / f"{name}.json")
     except BaseException:
-        picture.unlink(missing_ok=True)
+        for file in files:
+            file.unlink(missing_ok=True)
         raise
-    return name
+    return name, why
+
+
+def _add_catalogue() -> None:
+    """Name the catalogue of own presets in the folder's list; what the user made of the list stays."""
+    path = presets_folder() / CATALOGUE_FILE.name
+    text = read_text(path, "asset catalogues") if path.exists() else catalogue_head("Asset catalogues of your presets")
+    if catalogue_id(OWN) not in text:
+        write_text(path, text.rstrip("\n") + f"\n{catalogue_line(f'Lamina/{OWN}')}\n")
 
 
 def remove(name: str) -> None:
-    """Delete a user's preset and its picture. Raises LaminaError."""
+    """Delete a user's preset, its picture and its asset. Raises LaminaError."""
     path = _existing(name)
     try:
         path.unlink()
         picture_of(name).unlink(missing_ok=True)
+        asset_of(name).unlink(missing_ok=True)
     except OSError as error:
         raise LaminaError(f"{path}: cannot delete it: {error.strerror or error}") from None
 

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the tier `analytic` writes for a stack: every value comes in through a parameter, tables are an array parameter.
 
-Of a stack's features, an anisotropic layer shapes its own lobe, its energies are those of the isotropic surface that stands
-for it; a layer with a normal of its own has the energy of that normal's view.
+Of a stack's features, an anisotropic surface has the energy of the view's azimuth (reference_py/network/featured.py); a layer with
+a normal of its own has the energy of that normal's view.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from ...reference_py.network.analytic import base
 from ...reference_py.network.analytic.network import ALBEDO_NODES
@@ -18,7 +18,7 @@ from .analytic_tables import Tables, constants
 from .block import Block, Closure
 from .inputs import BASE
 from .parts import beckmann, fill
-from .surface import Surface, diffuse_closure, surface_of, top_closure
+from .surface import BaseClosures, Surface, diffuse_closures, surface_of, top_closure
 
 NOTE = "Adding over the interfaces at every shading point."
 
@@ -30,29 +30,36 @@ def analytic_block(stack: Stack, owners: Sequence[str]) -> Block:
     body, closures = [], []
     if stack.layers:
         body.append(layers_text(stack, owners, surfaces, told))
-        body += [view_text(stack, told, view) for view in dict.fromkeys((surfaces[1].view, surfaces[-1].view))]
-        weight = f"top_gain({told.arguments(stack.layers[0]['distribution'])}, {surfaces[0].view}, alpha_0, n_1)"
+        seen = "alpha_0"
+        if stack.layers[0].has(ANISOTROPY):
+            seen, top = "alpha_seen", surfaces[0]
+            body.append(fill("analytic_seen.osl", OWNER=owners[0], ALPHA_X=top.alpha_x, ALPHA_Y=top.alpha_y, VIEW=top.view))
+        body += [view_text(stack, told, view, seen) for view in dict.fromkeys((surfaces[1].view, surfaces[-1].view))]
+        weight = f"top_gain({told.arguments(stack.layers[0]['distribution'])}, {surfaces[0].view}, {seen}, n_1)"
         closures.append(Closure(weight, top_closure(surfaces[0], stack.layers[0], owners[0])))
     if len(stack.layers) > 1:
         layer, surface = stack.layers[1], surfaces[1]
-        table = told.arguments(layer["distribution"])
-        body.append(fill("analytic_inner.osl", BEAM=beam_of(surface.view), VIEW=surface.view, TABLE=table))
-        closures.append(Closure("weight_inner", _wider(layer, surface, "alpha_inner", "n_1"), is_local=True))
-    text, closure, common = _metal(stack, surfaces[-1], told) if stack.base.kind == "conductor" else _diffuse(stack, surfaces[-1])
+        lobe = _Lobe.of(layer, surface, owners[1], "inner", "n_1", told)
+        body.append(fill("analytic_inner.osl", BEAM=beam_of(surface.view), VIEW=surface.view, WIDTHS=lobe.widths, CLOSURE_ENERGY=lobe.energy))
+        closures.append(Closure("weight_inner", lobe.closure, is_local=True))
+    text, base_closures = _metal(stack, surfaces[-1], told) if stack.base.kind == "conductor" else _diffuse(stack, surfaces[-1])
     return Block(
-        functions=(*(text for surface in surfaces for text in surface.functions), *_functions(stack)),
+        functions=(*(text for surface in surfaces for text in surface.functions), *base_closures.functions, *_functions(stack)),
         arrays=told.arrays,
-        common=(*(text for surface in surfaces for text in surface.common), *common),
+        common=(*(text for surface in surfaces for text in surface.common), *_azimuths(stack, owners, surfaces), *base_closures.common),
         body="".join([*body, text]),
-        closures=(*closures, closure),
+        closures=(*closures, *base_closures.closures),
     )
 
 
 def _functions(stack: Stack) -> list[str]:
     """The parts that this structure calls, callees first."""
     texts = []
+    brushed = any(element.has(ANISOTROPY) for element in (*stack.layers, stack.base))
     if stack.layers or stack.base.kind == "conductor":
-        texts += [constants(), fill("fresnel_dielectric.h"), _own("analytic_tables.h"), _own("analytic_cosine.h")]
+        texts += [constants(brushed), fill("fresnel_dielectric.h"), _own("analytic_tables.h"), _own("analytic_cosine.h")]
+    if brushed:
+        texts.append(_own("analytic_brushed.h"))
     if stack.layers:
         texts += [fill("medium.h", TINT_FLOOR=f"{TINT_FLOOR:g}"), _own("analytic_beam.h"), _own("analytic_lobe.h")]
         if any(element.has(ANISOTROPY) for element in (*stack.layers[1:2], stack.base)):
@@ -62,6 +69,8 @@ def _functions(stack: Stack) -> list[str]:
     if stack.base.kind == "conductor":
         mean = " + ".join(f"{w:g} * fresnel_conductor({c:g}, eta, k)" for c, w in zip(base.MEAN_COSINES, base.MEAN_WEIGHTS))
         texts += [fill("masking.h"), fill("fresnel_conductor.h"), _own("analytic_metal.h", MEAN=mean)]
+        if stack.base.has(ANISOTROPY):
+            texts.append(_own("analytic_brushed_metal.h"))
         if stack.layers:
             texts += [_own("analytic_below.h", **below_text()), _own("analytic_coated_metal.h")]
         if "reflectance" in stack.base:
@@ -74,62 +83,96 @@ def _own(name: str, **values: str) -> str:
     return "".join(line for line in fill(name, **values).splitlines(keepends=True) if not line.lstrip().startswith("//"))
 
 
-def _wider(element: Element, surface: Surface, alpha: str, n: str) -> str:
-    """The closure of a lobe of width `alpha` that an element below index n makes: along its axes as far as the width is its own."""
-    widths = alpha, f"across({alpha})"
-    if element.has(ANISOTROPY):
-        widths = tuple(
-            f"brushed_alpha({alpha}, {surface.alpha}, {own} / max({surface.alpha}, 1e-12), {n}, {surface.view})"
-            for own in (surface.alpha_x, surface.alpha_y)
-        )
-    return replace(surface, alpha_x=widths[0], alpha_y=widths[1]).microfacet(element["distribution"])
+def _azimuths(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface]) -> list[str]:
+    told = zip((*stack.layers, stack.base), (*owners, BASE), surfaces)
+    return [fill("analytic_azimuth.osl", OWNER=owner, NORMAL=surface.normal) for element, owner, surface in told if element.has(ANISOTROPY)]
 
 
-def _diffuse(stack: Stack, surface: Surface) -> tuple[str, Closure, tuple[str, ...]]:
-    """Statements for the weight of a diffuse base, its closure, and the statements at the shader's top that it needs besides."""
-    closure, color, common = diffuse_closure(stack.base, surface)
+@dataclass(frozen=True)
+class _Lobe:
+    """What leaves an element below others: statements of its widths, its closure, and the directional albedo of that."""
+
+    widths: str
+    closure: str
+    energy: str
+
+    @classmethod
+    def of(cls, element: Element, surface: Surface, owner: str, name: str, n: str | None, told: Tables) -> "_Lobe":
+        """The lobe of width `alpha_{name}` of an element below index n, or bare: along its axes as far as the width is its own."""
+        alpha, kind = f"alpha_{name}", element["distribution"]
+        table = told.arguments(kind)
+        if not element.has(ANISOTROPY):
+            shaped = surface if n is None else replace(surface, alpha_x=alpha, alpha_y=f"across({alpha})")
+            return cls("", shaped.microfacet(kind), f"closure_energy({table}, {surface.view}, {alpha})")
+        statements = []
+        if n is not None:
+            own = {f"alpha_x_{name}": surface.alpha_x, f"alpha_y_{name}": surface.alpha_y}
+            for lobe_alpha, width in own.items():
+                value = f"brushed_alpha({alpha}, {surface.alpha}, {width} / max({surface.alpha}, 1e-12), {n}, {surface.view})"
+                statements.append(f"    float {lobe_alpha} = {value};\n")
+            surface = replace(surface, **dict(zip(("alpha_x", "alpha_y"), own)))
+        return cls("".join(statements), surface.microfacet(kind), _brushed_energy(table, surface.view, owner, surface))
+
+
+def _brushed_energy(table: str, cosine: str, owner: str, surface: Surface) -> str:
+    return f"brushed_energy({table}, {cosine}, cos_2phi_{owner}, {surface.alpha_x}, {surface.alpha_y})"
+
+
+def _diffuse(stack: Stack, surface: Surface) -> tuple[str, BaseClosures]:
+    """Statements for the weight of a diffuse base, and its closures."""
+    closures = diffuse_closures(stack.base, surface)
     if not stack.layers:
-        return "", Closure(color, closure), common
+        return "", closures
     beam = beam_of(surface.view)
     if stack.base.kind == "lambert":
-        return "", Closure(f"{beam}.transmitted * escaped / (1.0 - {color} * reflected) * {color}", closure), common
+        return "", closures.below(f"{beam}.transmitted * escaped / (1.0 - BaseColor * reflected)")
     u, w = base.gauss(ALBEDO_NODES)
     mean = " + ".join(f"{2.0 * wi * ui:.9g} * oren_nayar_albedo({ui:.9g}, BaseColor, base_sigma)" for ui, wi in zip(u, w))
     text = fill("analytic_oren_nayar.osl", BEAM=beam, VIEW=surface.view, N_BASE=f"n_{len(stack.layers)}", MEAN=mean)
-    return text, Closure("weight_base", closure), common
+    return text, closures.below("weight_base")
 
 
-def _metal(stack: Stack, surface: Surface, told: Tables) -> tuple[str, Closure, tuple[str, ...]]:
+def _metal(stack: Stack, surface: Surface, told: Tables) -> tuple[str, BaseClosures]:
     """The same of a metal base."""
     element, count = stack.base, len(stack.layers)
+    table = told.arguments(element["distribution"])
     if count:
         n, beam = f"n_{count}", beam_of(surface.view)
         arrives = f"{beam}.p, {beam}.variance"
         energy = f"{beam}.transmitted * metal_energy(lobe, facets, keep, {surface.alpha}, {roughest(count)}, reflected, escaped)"
         alpha = f"lobe_alpha(2.0 * {beam}.variance + pow(2.0 * {n} * lobe.c * {surface.alpha}, 2.0), {surface.view})"
-        closure = _wider(element, surface, "alpha_base", n)
     else:
         n, arrives, energy = "1.0", f"sqrt(1.0 - {surface.view} * {surface.view}), 0.0", "(lobe.once * keep + facets)"
-        alpha, closure = surface.alpha, surface.microfacet(element["distribution"])
+        alpha = surface.alpha
+    lobe = _Lobe.of(element, surface, BASE, "base", n if count else None, told)
+    facet_energy, brushed = f"closure_energy({table}, lobe.c, {surface.alpha})", ""
+    if element.has(ANISOTROPY):
+        facet_energy = _brushed_energy(table, "lobe.c", BASE, surface)
+        brushed = f"    facets = later_brushed_facets(facets, lobe, facet_energy, {surface.alpha_x}, {surface.alpha_y});\n"
     text = fill(
         "analytic_conductor.osl",
         N_BASE=n,
         ARRIVES=arrives,
         SURFACE_ALPHA=surface.alpha,
         NODES=_lobe_nodes(stack, surface),
-        TABLE=told.arguments(element["distribution"]),
+        FACET_ENERGY=facet_energy,
+        BRUSHED=brushed,
         ENERGY=energy,
         ALPHA=alpha,
-        VIEW=surface.view,
+        WIDTHS=lobe.widths,
+        CLOSURE_ENERGY=lobe.energy,
     )
     index = fill("index_artist.osl" if "reflectance" in element else "index_complex.osl")
-    return text, Closure("weight_base", closure, is_local=True), (index,)
+    return text, BaseClosures((Closure("weight_base", lobe.closure, is_local=True),), common=(index,))
 
 
 def _lobe_nodes(stack: Stack, surface: Surface) -> str:
     above = stack.layers[-1] if stack.layers else stack.base
     nodes = {f"node_{name}": values for name, values in zip(("u", "weight", "x", "y", "cell"), base.lobe_nodes())}
-    given = f"@node_u@, @node_weight@, @node_x@, @node_y@, {surface.alpha}, {beckmann(stack.base)}, {beckmann(above)}"
+    sides = f"{surface.alpha}, {surface.alpha}"
+    if stack.base.has(ANISOTROPY):
+        sides = ", ".join(f"side_alpha({surface.alpha_x}, {surface.alpha_y}, {sign}cos_2phi_{BASE})" for sign in ("", "-"))
+    given = f"@node_u@, @node_weight@, @node_x@, @node_y@, {sides}, {beckmann(stack.base)}, {beckmann(above)}"
     body = [f"lobe_node(lobe, {given}, eta, k, node_share, radius);"]
     if stack.layers:
         body.append("carry_node(lobe, below, node_share, radius, @node_cell@);")

@@ -39,10 +39,10 @@ def layers_text(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface]
     )
 
 
-def view_text(stack: Stack, told: Tables, view: str) -> str:
-    """The beam of the view of cosine `view`."""
+def view_text(stack: Stack, told: Tables, view: str, top_alpha: str) -> str:
+    """The beam of the view of cosine `view`, which meets a top of alpha `top_alpha`."""
     beam = beam_of(view)
-    return fill("analytic_view.osl", BEAM=beam, VIEW=view, CROSSINGS=lines_of(_crossings(stack, told, beam, "down")))
+    return fill("analytic_view.osl", BEAM=beam, VIEW=view, CROSSINGS=lines_of(_crossings(stack, told, beam, "down", top_alpha)))
 
 
 def beam_of(view: str) -> str:
@@ -94,15 +94,19 @@ def _before(stack: Stack, told: Tables, way: str) -> list[str]:
     return lines
 
 
-def _crossings(stack: Stack, told: Tables, beam: str, way: str) -> list[str]:
+def _crossings(stack: Stack, told: Tables, beam: str, way: str, top_alpha: str = "alpha_0") -> list[str]:
     if _has_loops(stack):
-        here = f"{beam}, {told.name}, " + ", ".join(f"{way}_{name}[j]" for name in ("kind", "beckmann", "alpha", "own", "other", "tau"))
+        names = {name: f"{way}_{name}[j]" for name in ("kind", "beckmann", "alpha", "own", "other", "tau")}
+        if top_alpha != "alpha_0":
+            names["alpha"] = f"(j == 0 ? {top_alpha} : {names['alpha']})"
+        here = f"{beam}, {told.name}, " + ", ".join(names.values())
         back = ", ".join(f"{way}_{name}[j]" for name in ("met", "last_kind", "last_alpha")) + f", {way}_last_n[j] / {way}_own[j]"
         return [f"for (int j = 0; j < {len(stack.layers)}; ++j) {{", f"    cross_next({here}, j == 0, {back});", "}"]
     lines = []
     for place, (j, own, other, tau) in enumerate(_passages(stack, way)):
         layer = stack.layers[j]
-        here = f"{beam}, {told.arguments(layer['distribution'])}, {beckmann(layer)}, alpha_{j}, n_{own}, n_{other}, {tau}"
+        alpha = f"alpha_{j}" if j else top_alpha
+        here = f"{beam}, {told.arguments(layer['distribution'])}, {beckmann(layer)}, {alpha}, n_{own}, n_{other}, {tau}"
         back = f"met_{way}_{j}, kind_{way}_{j}, alpha_{way}_{j}, n_{way}_{j} / n_{own}"
         lines.append(f"cross_next({here}, 0, {back});" if place else f"cross_first({here});")
     return lines

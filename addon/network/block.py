@@ -8,6 +8,10 @@ from .inputs import ShaderInput
 from .parts import declaration, fill, right_nested
 
 
+# What the output "Live" of every shader is. A muted node passes one of its inputs on instead, and none can have this value.
+LIVE = -7.0
+
+
 @dataclass(frozen=True)
 class Closure:
     """A weighted closure: expressions of OSL.
@@ -55,6 +59,7 @@ def shader_text(title: str, note: str, parts: Sequence[tuple[Share, Block]], inp
     declared = [declaration(i.osl_name, i.parameter) for i in inputs]
     text = fill(
         "shader.osl",
+        LIVE=f"{LIVE:.1f}",
         TITLE=title,
         NOTE=note,
         FUNCTIONS="\n".join(_once([text for block in blocks for text in block.functions])),

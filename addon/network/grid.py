@@ -19,7 +19,7 @@ def grid_block(network: GridNetwork, owners: list[str], prefix: str = "") -> Blo
     """The block of a network; what it declares ends with `prefix`."""
     writer = _Writer(network, owners, prefix)
     return Block(
-        functions=(narrow(), fill("grid.h")),
+        functions=(fill("bent.h"), narrow(), fill("grid.h")),
         arrays=tuple(writer.arrays),
         common=(view(), fill("table_place.osl", CELLS=KNOTS - 1, LAST=KNOTS - 2), fill("tangent.osl"), fill("plane_of_incidence.osl")),
         body="".join(writer.statements),
@@ -97,4 +97,4 @@ class _Writer:
             curve = f'{lobe.fresnel.eta:.9g}, "{lobe.distribution}"'
             return f"dielectric_bsdf(N, tangent, color(1.0), color(0.0), {alphas[0]}, across({alphas[0]}), {curve})"
         slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
-        return f'microfacet("{lobe.distribution}", normalize(N + {slope} * side), along, {listed(alphas)}, 1.0, 0)'
+        return f'microfacet("{lobe.distribution}", normalize(bent_normal + {slope} * side), along, {listed(alphas)}, 1.0, 0)'

@@ -5,13 +5,16 @@ Tables are Color Ramps. Cycles samples a ramp at 256 even steps and is linear be
 a place, so a ramp is the table itself, up to float32. A ramp holds three columns: a weight, or a lobe's shape.
 """
 
+from collections.abc import Sequence
+from functools import cached_property, reduce
+
 import bpy
 import numpy as np
 
 from ...reference_py.network.mixture import PatchNetwork
-from ...reference_py.network.table import KNOTS, MIN_COS_O, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork
-from ...reference_py.network.tabulate import is_grey_dielectric
-from ...reference_py.optics.diffuse import fujii_roughness
+from ...reference_py.network.table import AZIMUTH_PLACES, KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork
+from ...reference_py.network.tabulate import is_grey_dielectric, tabulate
+from ...reference_py.optics.diffuse import CYCLES_5_2_POWER, OREN_NAYAR_POWER, fujii_roughness
 from ...reference_py.optics.microfacet import SPECULAR_ALPHA
 from ...reference_py.schema import COVERAGE, FLOAT, NORMAL
 from ...reference_py.stack import Stack
@@ -28,6 +31,8 @@ NARROW_ALPHA = 0.017
 _LEAST_ANISOTROPY = 1.01e-4
 # From 5.0 on Cycles' Metallic node has the exact Fresnel equations, and no extinction makes a metal a dielectric.
 HAS_DIELECTRIC = bpy.app.version >= (5, 0, 0)
+# Of the color of a rough Diffuse node, in light that meets several facets.
+DIFFUSE_POWER = OREN_NAYAR_POWER if bpy.app.version >= (5, 3, 0) else CYCLES_5_2_POWER
 # Of the Metallic node, to which any anisotropy will do, and the alpha below which it is given (osl/narrow.h).
 _SLIGHT_ANISOTROPY, _NARROW_DIELECTRIC_ALPHA = 2e-6, 0.06
 # A table that is anisotropic the other way by no more than this counts as isotropic.
@@ -36,10 +41,15 @@ _NEARLY_ISOTROPIC = 1e-3
 _SOME_DIRECTION = (5.7e-7, 3.1e-7, 7.6e-7)
 
 
+def stock_tables(network) -> TableNetwork | PatchNetwork:
+    """A network in tables of the lobes that this Blender's nodes have."""
+    return tabulate(network.resolved, HAS_DIELECTRIC, DIFFUSE_POWER)
+
+
 def group_inputs(network: TableNetwork | PatchNetwork) -> tuple[ShaderInput, ...]:
     """What the group reads live: the coverage of every layer that has one, and the tangent."""
     if isinstance(network, TableNetwork):
-        framed = any(getattr(table, "frame", None) is not None for table in network.tables)
+        framed = any(table.axis is not None or getattr(table, "frame", None) is not None for table in network.tables)
         return (TANGENT_INPUT,) if framed else ()
     covers = [i for i in shader_inputs(network.stack) if i.parameter in COVERAGE.parameters]
     return (*covers, *dict.fromkeys(i for _, part in network.parts for i in group_inputs(part)))
@@ -104,47 +114,83 @@ class _View:
 
     def __init__(self, build: Builder, given_tangent: bpy.types.NodeSocket | None = None):
         self._build, self.given_tangent = build, given_tangent
-        geometry = build.node("ShaderNodeNewGeometry")
-        self.normal, self._incoming = geometry.outputs["Normal"], geometry.outputs["Incoming"]
-        self._cosine = build.vector("DOT_PRODUCT", self.normal, self._incoming)
-        self._place = self._side = self._tangent = None
+        self._azimuths: dict[float, list[bpy.types.NodeSocket]] = {}
+
+    @cached_property
+    def normal(self) -> bpy.types.NodeSocket:
+        """The normal as Cycles bends it for a glossy lobe (osl/bent.h), with 0 for the least height, to save nodes."""
+        build, shading, true = self._build, self._geometry.outputs["Normal"], self._geometry.outputs["True Normal"]
+        cosine, true_cosine = (build.vector("DOT_PRODUCT", n, self._incoming) for n in (shading, true))
+        below = build.vector("DOT_PRODUCT", build.vector("REFLECT", self._incoming, shading), true)
+        # Cycles bends nothing on strands; a height is at most 1
+        missing = build.math("MAXIMUM", build.math("SUBTRACT", below, build.node("ShaderNodeHairInfo").outputs["Is Strand"]), 0.0)
+        root = build.math("SQRT", build.math("MULTIPLY_ADD", true_cosine, missing, build.math("MULTIPLY", cosine, cosine)))
+        k = build.math("DIVIDE", build.math("SUBTRACT", root, cosine), true_cosine)
+        return build.vector("NORMALIZE", build.vector("MULTIPLY_ADD", true, k, shading))
+
+    @cached_property
+    def _geometry(self) -> bpy.types.Node:
+        return self._build.node("ShaderNodeNewGeometry")
 
     @property
+    def _incoming(self) -> bpy.types.NodeSocket:
+        return self._geometry.outputs["Incoming"]
+
+    @cached_property
+    def _cosine(self) -> bpy.types.NodeSocket:
+        return self._build.vector("DOT_PRODUCT", self.normal, self._incoming)
+
+    @cached_property
     def place(self) -> bpy.types.NodeSocket:
         """Where in a ramp the view is."""
-        if self._place is None:
-            root = self._build.math("SQRT", self._build.math("MAXIMUM", self._cosine, MIN_COS_O))
-            self._place = self._build.math("MULTIPLY", root, _STEP * (KNOTS - 1) / _RAMP_PLACES)
-        return self._place
+        return self._build.math("MULTIPLY", self._build.math("SQRT", self._cosine), _STEP * (KNOTS - 1) / _RAMP_PLACES)
 
-    @property
+    @cached_property
     def side(self) -> bpy.types.NodeSocket:
         """Along the plane of incidence, as long as the sine of the view."""
-        if self._side is None:
-            along_normal = self._build.vector("SCALE", self.normal, scale=self._cosine)
-            self._side = self._build.vector("SUBTRACT", self._incoming, along_normal)
-        return self._side
+        along_normal = self._build.vector("SCALE", self.normal, scale=self._cosine)
+        return self._build.vector("SUBTRACT", self._incoming, along_normal)
 
-    @property
+    def azimuth_shares(self, axis: float) -> list[bpy.types.NodeSocket]:
+        """How much of each sheet of a table with this axis a view takes (`reference_py.network.table`)."""
+        if axis not in self._azimuths:
+            self._azimuths[axis] = self._shares(axis)
+        return self._azimuths[axis]
+
+    def _shares(self, axis: float) -> list[bpy.types.NodeSocket]:
+        build = self._build
+        across = build.vector("NORMALIZE", build.vector("CROSS_PRODUCT", self.normal, self.given_tangent))
+        along = build.vector("CROSS_PRODUCT", across, self.normal)
+        direction = build.vector("ADD", build.vector("SCALE", along, scale=float(np.cos(axis))), build.vector("SCALE", across, scale=float(np.sin(axis))))
+        # along the normal all azimuths have the same weights
+        length = build.math("MAXIMUM", build.vector("LENGTH", self.side), 1e-6)
+        cosine = build.math("ABSOLUTE", build.math("DIVIDE", build.vector("DOT_PRODUCT", self.side, direction), length))
+        place = build.math("MULTIPLY", cosine, AZIMUTH_PLACES[-1] / _RAMP_PLACES)
+        shares = []
+        for columns in np.split(np.eye(len(AZIMUTH_PLACES)), 2, axis=1):
+            split = build.node("ShaderNodeSeparateColor")
+            build.link(_ramp(build, place, AZIMUTH_PLACES, columns), split.inputs[0])
+            shares += split.outputs
+        return shares
+
+    @cached_property
     def tangent(self) -> bpy.types.NodeSocket:
-        if self._tangent is None:
-            self._tangent = self._build.vector("ADD", self.side, _SOME_DIRECTION)
-        return self._tangent
+        return self._build.vector("ADD", self.side, _SOME_DIRECTION)
 
 
 def _lambert(build: Builder, view: _View, table: DiffuseTable) -> bpy.types.NodeSocket:
-    return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, table.weight), Roughness=0.0)
+    return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, table.weight, table.axis), Roughness=0.0)
 
 
 def _oren_nayar(build: Builder, view: _View, table: OrenNayarTable) -> bpy.types.NodeSocket:
     sigma = float(fujii_roughness(table.sigma_deg))
-    return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, table.weight), Roughness=sigma)
+    return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, table.weight, table.axis), Roughness=sigma)
 
 
 def _glossy(build: Builder, view: _View, table: GlossyTable) -> bpy.types.NodeSocket:
     if table.fresnel is not None:
         return _dielectric(build, view, table)
-    sockets = {"Color": _weight(build, view, table.weight)}
+    sockets = {"Color": _weight(build, view, table.weight, table.axis)}
     alpha_x, alpha_y, slope = _columns(build, view, table.shape)
     if np.all(table.shape[:, 0] == table.shape[:, 1]):
         sockets["Roughness"], anisotropy = build.math("SQRT", alpha_x), 0.0
@@ -210,11 +256,14 @@ def _kept_apart(build: Builder, anisotropy, alphas: np.ndarray):
 _LOBES = {DiffuseTable: _lambert, OrenNayarTable: _oren_nayar, GlossyTable: _glossy}
 
 
-def _weight(build: Builder, view: _View, table: np.ndarray):
-    """A colour at the view: a ramp, or a constant."""
+def _weight(build: Builder, view: _View, table: np.ndarray, axis: float | None):
+    """A colour at the view: ramps, or a constant."""
+    if axis is not None:
+        sheets = [build.vector("SCALE", _view_ramp(build, view, sheet), scale=share) for share, sheet in zip(view.azimuth_shares(axis), table)]
+        return reduce(lambda a, b: build.vector("ADD", a, b), sheets)
     if np.all(table == table[0]):
         return (*map(float, table[0]), 1.0)
-    return _ramp(build, view, table)
+    return _view_ramp(build, view, table)
 
 
 def _columns(build: Builder, view: _View, table: np.ndarray) -> list:
@@ -224,7 +273,7 @@ def _columns(build: Builder, view: _View, table: np.ndarray) -> list:
     # colours of a ramp cannot be negative
     offset = np.minimum(table.min(axis=0), 0.0)
     split = build.node("ShaderNodeSeparateColor")
-    build.link(_ramp(build, view, table - offset), split.inputs[0])
+    build.link(_view_ramp(build, view, table - offset), split.inputs[0])
     columns = []
     for socket, column, low in zip(split.outputs, table.T, offset):
         if np.all(column == column[0]):
@@ -234,13 +283,18 @@ def _columns(build: Builder, view: _View, table: np.ndarray) -> list:
     return columns
 
 
-def _ramp(build: Builder, view: _View, table: np.ndarray) -> bpy.types.NodeSocket:
+def _view_ramp(build: Builder, view: _View, table: np.ndarray) -> bpy.types.NodeSocket:
     """The table (KNOTS, 3), none of it negative, at the view."""
+    return _ramp(build, view.place, _STEP * np.arange(KNOTS), table)
+
+
+def _ramp(build: Builder, place: bpy.types.NodeSocket, places: Sequence[int], table: np.ndarray) -> bpy.types.NodeSocket:
+    """The table (n, 3), none of it negative, whose rows are at these places (n,) of the ramp's."""
     node = build.node("ShaderNodeValToRGB")
     elements = node.color_ramp.elements
     elements.remove(elements[1])
-    for k, color in enumerate(table):
-        element = elements.new(k * _STEP / _RAMP_PLACES) if k else elements[0]
+    for k, (at, color) in enumerate(zip(places, table)):
+        element = elements.new(int(at) / _RAMP_PLACES) if k else elements[0]
         element.color = (*map(float, color), 1.0)
-    build.link(view.place, node.inputs[0])
+    build.link(place, node.inputs[0])
     return node.outputs["Color"]

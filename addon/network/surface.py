@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The surface of a layer or the base in a live shader: its normal, tangent and widths, by its features."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from ...reference_py.network.lobe import DARK
 from ...reference_py.network.table import MIN_COS_O
 from ...reference_py.schema import ANISOTROPY, NORMAL, THIN_FILM
 from ...reference_py.stack import Element
+from .block import Closure
 from .parts import fill, narrow
 
 
@@ -17,7 +19,7 @@ class Surface:
     common: tuple[str, ...]
     normal: str
     view: str
-    """Cosine of the view and the normal."""
+    """Cosine of the view and the normal, as Cycles bends it."""
     tangent: str
     alpha: str
     """That of the isotropic surface that stands for it where only energies count."""
@@ -34,7 +36,7 @@ class Surface:
 
 
 def view(suffix: str = "", normal: str = "N") -> str:
-    """The statement that declares `view_z`."""
+    """The statements that declare `bent_normal` and `view_z`; they call `bent.h`."""
     return fill("view.osl", SUFFIX=suffix, NORMAL=normal, MIN_COS_O=f"{MIN_COS_O:g}")
 
 
@@ -44,14 +46,14 @@ def surface_of(element: Element, owner: str) -> Surface:
     common = [fill("own_normal.osl", OWNER=owner)] if element.has(NORMAL) else []
     common.append(view(suffix, normal))
     if "roughness" not in element:
-        return Surface((), tuple(common), normal, f"view_z{suffix}", "", "", "", "")
+        return Surface((fill("bent.h"),), tuple(common), normal, f"view_z{suffix}", "", "", "", "")
     if element.has(ANISOTROPY):
         common.append(fill("surface_anisotropic.osl", OWNER=owner, NORMAL=normal))
-        functions, tangent = (narrow(), fill("turned.h")), f"tangent_{owner}"
+        functions, tangent = (fill("bent.h"), narrow(), fill("turned.h")), f"tangent_{owner}"
         widths = f"alpha_x_{owner}", f"alpha_y_{owner}"
     else:
         common += [fill("surface_tangent.osl", SUFFIX=suffix, NORMAL=normal), fill("surface.osl", OWNER=owner)]
-        functions, tangent = (narrow(),), f"tangent{suffix}"
+        functions, tangent = (fill("bent.h"), narrow()), f"tangent{suffix}"
         widths = f"alpha_{owner}", f"across(alpha_{owner})"
     return Surface(functions, tuple(common), normal, f"view_z{suffix}", tangent, f"alpha_{owner}", *widths)
 
@@ -68,8 +70,25 @@ def top_closure(surface: Surface, element: Element, owner: str) -> str:
     return f'generalized_schlick_bsdf({shape}, {reflectance}, color(1.0), -{ior}, "{kind}", {film})'
 
 
-def diffuse_closure(base: Element, surface: Surface) -> tuple[str, str, tuple[str, ...]]:
-    """The closure of a diffuse base, the colour to weight it with if it has none, and the statements that it needs."""
+@dataclass(frozen=True)
+class BaseClosures:
+    """The closures of a base, and the functions and the statements at the shader's top that they need."""
+
+    closures: tuple[Closure, ...]
+    functions: tuple[str, ...] = ()
+    common: tuple[str, ...] = ()
+
+    def below(self, weight: str) -> "BaseClosures":
+        """The closures under layers that leave `weight` of them."""
+        return replace(self, closures=tuple(replace(c, weight=f"{weight} * {c.weight}") for c in self.closures))
+
+
+def diffuse_closures(base: Element, surface: Surface) -> BaseClosures:
+    """Those of a diffuse base: of a rough one two, as its color counts otherwise from Blender 5.3 on (osl/oren_nayar_shares.h)."""
     if base.kind == "lambert":
-        return f"diffuse({surface.normal})", "BaseColor", ()
-    return f"oren_nayar_diffuse_bsdf({surface.normal}, BaseColor, base_sigma)", "", (fill("oren_nayar_sigma.osl"),)
+        return BaseClosures((Closure("BaseColor", f"diffuse({surface.normal})"),))
+    white, dark = (
+        Closure(weight, f"oren_nayar_diffuse_bsdf({surface.normal}, color({color:g}), base_sigma)")
+        for weight, color in (("white_base", 1.0), (f"(BaseColor - white_base) * {1.0 / DARK:g}", DARK))
+    )
+    return BaseClosures((white, dark), (fill("oren_nayar_shares.h"),), (fill("oren_nayar_sigma.osl"),))

@@ -24,7 +24,7 @@ def table_block(network: TableNetwork, prefix: str = "") -> Block:
     glossy = any(isinstance(t, GlossyTable) for t in network.tables)
     frame = (fill("tangent.osl"), fill("plane_of_incidence.osl")) if glossy else ()
     return Block(
-        functions=(narrow(),) if glossy else (),
+        functions=(fill("bent.h"), *([narrow()] if glossy else [])),
         arrays=tuple(arrays),
         common=(view(), fill("table_place.osl", CELLS=KNOTS - 1, LAST=KNOTS - 2), *frame, *widths),
         body="",
@@ -44,7 +44,7 @@ def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable
     if _is_round(table.shape):
         frame, alpha_y = "N, tangent", f"across({alpha_x})"
     else:
-        frame = f"normalize(N + {slope} * side), along"
+        frame = f"normalize(bent_normal + {slope} * side), along"
     return Closure(weight, f'microfacet("{table.distribution}", {frame}, {alpha_x}, {alpha_y}, 1.0, 0)')
 
 

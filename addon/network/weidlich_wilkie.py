@@ -12,7 +12,7 @@ from .block import Block, Closure
 from .film import FILM, NO_FILM, FilmWords, film_arguments, film_arrays, film_functions, film_table, has_film
 from .inputs import BASE
 from .parts import beckmann, fill, listed, numbers
-from .surface import Surface, diffuse_closure, surface_of, top_closure
+from .surface import BaseClosures, Surface, diffuse_closures, surface_of, top_closure
 
 NOTE = 'Layered after Weidlich and Wilkie 2007, "Arbitrarily Layered Micro-Facet Surfaces".'
 
@@ -21,13 +21,13 @@ def weidlich_wilkie_block(stack: Stack, owners: Sequence[str]) -> Block:
     """The block of a stack whose layers' shader parameters begin with `owners`."""
     film = has_film(stack)
     surfaces = [surface_of(element, owner) for element, owner in zip((*stack.layers, stack.base), (*owners, BASE))]
-    base, common = _base_closure(stack, surfaces[-1])
+    base = _base_closures(stack, surfaces[-1])
     return Block(
-        functions=(*(text for surface in surfaces for text in surface.functions), *_functions(stack)),
+        functions=(*(text for surface in surfaces for text in surface.functions), *base.functions, *_functions(stack)),
         arrays=(film_table(),) if film else (),
-        common=(*(text for surface in surfaces for text in surface.common), *common),
+        common=(*(text for surface in surfaces for text in surface.common), *base.common),
         body=_body(stack, owners, surfaces),
-        closures=(*(_interface_closure(stack, i, *told) for i, told in enumerate(zip(surfaces[:-1], owners))), base),
+        closures=(*(_interface_closure(stack, i, *told) for i, told in enumerate(zip(surfaces[:-1], owners))), *base.closures),
     )
 
 
@@ -108,17 +108,13 @@ def _interface_closure(stack: Stack, index: int, surface: Surface, owner: str) -
     return Closure(weight, surface.microfacet(layer["distribution"]))
 
 
-def _base_closure(stack: Stack, surface: Surface) -> tuple[Closure, tuple[str, ...]]:
-    """The closure of the base, and the statements at the shader's top that it needs besides."""
+def _base_closures(stack: Stack, surface: Surface) -> BaseClosures:
     base, count = stack.base, len(stack.layers)
+    carried = f"n, alpha, beckmann, tau, {film_arguments(stack)}{surface.view}"
     if base.kind == "conductor":
-        weight = (
-            f"weight_glossy({count}, {surface.alpha}, {beckmann(base)}, n, alpha, beckmann, tau, "
-            f"{film_arguments(stack)}{surface.view}, base_eta, base_k)"
-        )
+        weight = f"weight_glossy({count}, {surface.alpha}, {beckmann(base)}, {carried}, base_eta, base_k)"
         index = fill("index_artist.osl" if "reflectance" in base else "index_complex.osl")
-        return Closure(weight, surface.microfacet(base["distribution"])), (index,)
-    rough = base.kind == "oren_nayar"
-    left = f"weight_diffuse({count}, n, alpha, beckmann, tau, {film_arguments(stack)}{surface.view}, {'base_sigma' if rough else '0.0'})" if count else ""
-    closure, color, common = diffuse_closure(base, surface)
-    return Closure(" * ".join(filter(None, (color, left))), closure), common
+        return BaseClosures((Closure(weight, surface.microfacet(base["distribution"])),), common=(index,))
+    diffuse = diffuse_closures(base, surface)
+    sigma = "base_sigma" if base.kind == "oren_nayar" else "0.0"
+    return diffuse.below(f"weight_diffuse({count}, {carried}, {sigma})") if count else diffuse

@@ -63,6 +63,14 @@ def node_of(element) -> bpy.types.ShaderNodeGroup:
     return node
 
 
+def socket_of(element, parameter: Parameter) -> bpy.types.NodeSocket:
+    """The socket that holds a value. Raises LaminaError when somebody took it out of the node's group."""
+    socket = node_of(element).inputs.get(parameter.label)
+    if socket is None:
+        raise LaminaError(f"material {element.id_data.name}: the node of {element.name!r} has no socket {parameter.label}; Check replaces its group")
+    return socket
+
+
 def bring_up_to_date(element) -> None:
     """Give an element's node the sockets that came after the version which made it, and its id."""
     node = node_of(element)
@@ -101,6 +109,13 @@ def shown_parameters(kind: Kind, given: str) -> tuple[Parameter, ...]:
 def element_parameters(element, kind: Kind, given: str) -> tuple[Parameter, ...]:
     """The parameters that describe an element, those of its features last."""
     return (*shown_parameters(kind, given), *(p for feature in used_features(element) for p in feature.parameters))
+
+
+def unread_parameters(element) -> tuple[Parameter, ...]:
+    """The sockets of the alternatives that do not describe an element now. A named metal is read from its index."""
+    kind, given = kind_of(element), "eta+k" if element.given == "metal" else element.given
+    groups = [group for group, choice in zip(kind.alternatives, kind.given_choices) if choice != given]
+    return tuple(p for p in kind.sockets if any(p.name in group for group in groups))
 
 
 def structure_dict(element, kind: Kind) -> dict:
@@ -147,14 +162,13 @@ def fill_element(tree: bpy.types.NodeTree, element, source: Element, kind: Kind)
 
 def read_element(element, kind: Kind) -> dict:
     """An element as JSON, values from its node's sockets. A linked socket counts with its own value."""
-    node = node_of(element)
     given = "eta+k" if element.given == "metal" and _index_differs(element, kind) else element.given
     data = {"kind": element.kind}
     for parameter in element_parameters(element, kind, given):
         if parameter.is_structural:
             data[parameter.name] = getattr(element, parameter.name)
         else:
-            value = node.inputs[parameter.label].default_value
+            value = socket_of(element, parameter).default_value
             data[parameter.name] = _decimal(value) if parameter.type == FLOAT else [_decimal(v) for v in list(value)[:3]]
     unknown = json.loads(element.unknown or "{}")
     if "name" in unknown or not _is_default_name(element.name, kind):
@@ -185,7 +199,6 @@ def set_metal(element, kind: Kind) -> None:
 
 def carry_metal(element, kind: Kind) -> None:
     """After a choice: a named metal's index goes into its sockets, and a new way to give a metal starts from the old."""
-    inputs = node_of(element).inputs
     index = [kind.parameter(name) for name in ("eta", "k")]
     colors = [kind.parameter(name) for name in ("reflectance", "edge_color")]
     was_colors = colors[0].name in element.was_given
@@ -194,10 +207,10 @@ def carry_metal(element, kind: Kind) -> None:
         set_metal(element, kind)
     elif is_colors != was_colors:
         sources, targets, convert = (index, colors, artist_color) if is_colors else (colors, index, artist_index)
-        old = [np.clip(list(inputs[p.label].default_value)[:3], p.minimum, p.maximum) for p in sources]
+        old = [np.clip(list(socket_of(element, p).default_value)[:3], p.minimum, p.maximum) for p in sources]
         for parameter, value in zip(targets, convert(*old)):
             value = np.clip(value, parameter.minimum, parameter.maximum)
-            inputs[parameter.label].default_value = (*value, 1.0) if parameter.type == COLOR else value
+            socket_of(element, parameter).default_value = (*value, 1.0) if parameter.type == COLOR else value
     element.was_given = element.given
 
 
@@ -210,8 +223,7 @@ def _index_differs(element, kind: Kind) -> bool:
 
 
 def _index_sockets(element, kind: Kind) -> list[bpy.types.NodeSocket]:
-    inputs = node_of(element).inputs
-    return [inputs[kind.parameter(name).label] for name in ("eta", "k")]
+    return [socket_of(element, kind.parameter(name)) for name in ("eta", "k")]
 
 
 def _decimal(value: float) -> float:

@@ -9,8 +9,8 @@ from bpy.app.handlers import persistent
 from ...reference_py.errors import LaminaError
 from ..background.ahead import bake_ahead
 from . import state
-from .backend import NODES
 from .hand_over import is_handed_over
+from .backend import NODES
 from .live_values import live_values
 from .material import hand_over, refresh, refresh_stock
 from .osl_setting import shows_osl
@@ -30,7 +30,7 @@ def make_ready(*_) -> None:
         _for_each(_needs_bake, lambda material: wanted.append(state.wanted_network(material)))
         bake_ahead(wanted, lambda told: print(f"Lamina: {told}"))
     _for_each(_is_unready, _make_ready)
-    _for_each(_is_behind, lambda material: hand_over(material, settle=bpy.app.background))
+    _for_each(_is_not_handed_over, lambda material: hand_over(material, settle=bpy.app.background))
 
 
 def _is_unready(material) -> bool:
@@ -47,14 +47,14 @@ def _is_behind(material) -> bool:
 
 
 def _make_ready(material) -> None:
-    alone = not _is_behind(material) and node_with(material, NODES) is not None
+    alone = not _is_behind(material) and not state.lacks_branch(material)
     if bpy.app.background:
         told = "its stock nodes are made for the present values" if alone else "its shader is made for the present values"
         print(f"Lamina: {material.name}: {told}")
     (refresh_stock if alone else refresh)(material, settle=bpy.app.background)
 
 
-def _is_behind(material) -> bool:
+def _is_not_handed_over(material) -> bool:
     return not is_handed_over(material, stack_of(material))
 
 

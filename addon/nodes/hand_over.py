@@ -17,9 +17,10 @@ from ...reference_py.exchange.hand_over import HandOver, key_of, known_hand_over
 from ...reference_py.exchange.principled import WRITTEN
 from ...reference_py.stack import Stack
 from .principled import PRINCIPLED, has_linked_color, linked_places, show_stack
-from .roles import Roles, give
+from .roles import ROLE, Roles, give
 
 MIX, VALUES = "hand-over", "principled"
+_USD_TAKES = (PRINCIPLED, "ShaderNodeBsdfDiffuse")
 _APART, _BELOW = 160, 120
 
 
@@ -61,6 +62,12 @@ def is_handed_over(material: bpy.types.Material, stack: Stack) -> bool:
 def has_hand_over(material: bpy.types.Material) -> bool:
     """Whether exporters find anything; a material of an older version gets it at its next change or save."""
     return Roles(material.node_tree).get(MIX) is not None
+
+
+def usd_takes(material: bpy.types.Material) -> bpy.types.Node | None:
+    """The user's node that USD export takes in place of the hand-over: the first of these in the order of making, linked or not."""
+    first = next((node for node in material.node_tree.nodes if node.bl_idname in _USD_TAKES), None)
+    return first if first is not None and first.get(ROLE) != VALUES else None
 
 
 def tail(closure: bpy.types.NodeSocket) -> bpy.types.NodeSocket:

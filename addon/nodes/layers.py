@@ -49,8 +49,9 @@ def remove_layer(material: bpy.types.Material, index: int) -> None:
         lamina = material.lamina
         if lamina.layers[index].node == lamina.solo:
             lamina.solo = ""
+        lamina.active_layer = index + 1 if index + 1 < len(lamina.layers) else index - 1
+        lamina.active_layer = index  # gone below, so its neighbour is selected, and it is again after an undo
         lamina.layers.remove(index)
-        lamina.active_layer = max(min(index, len(lamina.layers) - 1), 0)
 
 
 def move_layer(material: bpy.types.Material, index: int, to: int) -> None:

@@ -16,15 +16,15 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.network import DEFAULT_TIER, HOLD_VALUES, PROVISIONAL_TIER, make_network, require_tier
 from ...reference_py.network.memory import content
 from ...reference_py.network.mixture import MAX_CLOSURES, estimated_cost, estimated_error, holds_values, tiers_of
-from ...reference_py.network.tabulate import tabulate
 from ...reference_py.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
 from ...reference_py.stack import Stack
 from ..network.inputs import BASE, layer_owner
 from ..network.osl import generate
-from ..network.stock_nodes import HAS_DIELECTRIC, closure_count, left_out
+from ..network.stock_nodes import closure_count, left_out, stock_tables
 from ..rendering.settings import node_tree
 from .backend import AUTO, NODES, OSL, branches_here, notice
-from .elements import bring_up_to_date, carry_metal, fill_element, find_node, kind_of, node_of, read_element, show_name, shown_parameters, structure_dict
+from .base_kind import change_kind, lost_by_change
+from .elements import bring_up_to_date, carry_metal, fill_element, find_node, kind_of, node_of, show_name, structure_dict
 from .hand_over import follow_hand_over
 from .live_values import live_values
 from .osl_setting import prefer_osl
@@ -39,8 +39,14 @@ from .state import SETTLED, TOLD, note_of, wanted_network
 _COLUMN, _ROW = 320, 240
 
 
-def apply_stack(material: bpy.types.Material, stack: Stack, tier: str = DEFAULT_TIER, backend: str | None = None) -> None:
-    """Make `material` show `stack`, in place of what it showed. Without `backend` (a key of BACKENDS) its own one stays."""
+def apply_stack(
+    material: bpy.types.Material, stack: Stack, tier: str = DEFAULT_TIER, backend: str | None = None,
+    finish: Callable[[bpy.types.Material], None] | None = None,
+) -> None:
+    """Make `material` show `stack`, in place of what it showed. Without `backend` (a key of BACKENDS) its own one stays.
+
+    `finish` may link textures to the new nodes before the shader is made.
+    """
     require_tier(tier)
     branches_here(backend or material.lamina.backend)
     with changing(material) as tree:
@@ -49,27 +55,25 @@ def apply_stack(material: bpy.types.Material, stack: Stack, tier: str = DEFAULT_
         lamina.stack_name, lamina.source, lamina.unknown = stack.name, stack.source, json.dumps(dict(stack.unknown))
         lamina.tier, lamina.schema_version = tier, SCHEMA_VERSION
         lamina.layers.clear()
-        lamina.active_layer, lamina.solo = 0, ""
+        lamina.solo = ""
         for layer in stack.layers:
             fill_element(tree, lamina.layers.add(), layer, SCHEMA.layers[layer.kind])
         fill_element(tree, lamina.base, stack.base, SCHEMA.bases[stack.base.kind])
+        if finish is not None:
+            finish(material)
 
 
-def set_base(material: bpy.types.Material, kind: str) -> None:
-    """Replace the base by one of another kind. Parameters that both have keep value and link; others take defaults."""
+def set_base(material: bpy.types.Material, kind: str) -> list[tuple[str, str]]:
+    """Replace the base by one of another kind, see `change_kind`. Returns what is lost, see `lost_by_change`."""
     require_layered(material)
-    lamina = material.lamina
-    new_kind, old_kind = SCHEMA.base(kind, f"material {material.name}"), kind_of(lamina.base)
-    old = find_node(lamina.base)  # gone if somebody deleted it; then this is the way back
-    old_values = read_element(lamina.base, old_kind) if old else {}
-    kept = [p for p in shown_parameters(new_kind, "") if p.name in old_values]
-    base = Stack.from_dict({"base": {"kind": kind, **{p.name: old_values[p.name] for p in kept}}}).base
+    base, new_kind = material.lamina.base, SCHEMA.base(kind, f"material {material.name}")
+    is_there = find_node(base) is not None  # gone if somebody deleted it; then this is the way back
+    if is_there and base.kind == kind:
+        return []
+    lost = lost_by_change(base, new_kind) if is_there else []
     with changing(material) as tree:
-        fill_element(tree, lamina.base, base, new_kind)
-        for parameter in kept:
-            if not parameter.is_structural and old.inputs[parameter.label].is_linked:
-                source = old.inputs[parameter.label].links[0].from_socket
-                tree.links.new(source, node_of(lamina.base).inputs[parameter.label])
+        change_kind(tree, base, new_kind)
+    return lost
 
 
 def regenerate(material: bpy.types.Material) -> None:
@@ -233,7 +237,7 @@ def _make_stock(surface: Surface, material, owners, network, key: str):
     if network is None:
         tier = material.lamina.tier
         network = make_network(stack, PROVISIONAL_TIER if tier in HOLD_VALUES else tier)
-    tables = tabulate(network.resolved, HAS_DIELECTRIC)
+    tables = stock_tables(network)
     _note(surface.stock(tables, owners), content(stack), key)
     return tables
 

@@ -2,12 +2,15 @@
 """Copies of what feeds a layer's node: values, textures with all that is before them, drivers and keyframes."""
 
 import re
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 
 import bpy
 
 from .kind_groups import KIND_KEY
 
 _NODE_PATH = re.compile(r'nodes\["(.*?)"\](.*)')
+_INPUT_PATH = re.compile(r"\.inputs\[(\d+)\](.*)")
 _KEY_PROPERTIES = (
     "interpolation", "easing", "amplitude", "back", "period", "type",
     "handle_left_type", "handle_right_type", "handle_left", "handle_right",
@@ -15,20 +18,29 @@ _KEY_PROPERTIES = (
 
 
 def copy_inputs(source: bpy.types.Node, target: bpy.types.Node) -> list[str]:
-    """Give a node the inputs of another of the same kind, in the same material or another one.
+    """Give a node the inputs of another, as far as it has them by name, in the same material or another one.
 
     In the same one textures are shared, in another one their nodes are copied. Returns one sentence for each thing that
     cannot come along.
     """
+    for socket in source.inputs:
+        twin = target.inputs.get(socket.name)
+        if twin is not None and hasattr(socket, "default_value"):
+            twin.default_value = socket.default_value
+    return copy_sources(source, target)
+
+
+def copy_sources(source: bpy.types.Node, target: bpy.types.Node) -> list[str]:
+    """The same without the values: textures, drivers and keyframes."""
     here, there = source.id_data, target.id_data
     told: list[str] = []
     copies = {source.name: target}
-    for socket in source.inputs:
+    places: dict[int, int] = {}
+    for place, socket in enumerate(source.inputs):
         twin = target.inputs.get(socket.name)
         if twin is None:
             continue
-        if hasattr(socket, "default_value"):
-            twin.default_value = socket.default_value
+        places[place] = list(target.inputs).index(twin)
         for link in socket.links:
             if link.from_node.type == "GROUP" and link.from_node.node_tree is not None and KIND_KEY in link.from_node.node_tree:
                 if here != there:
@@ -40,7 +52,8 @@ def copy_inputs(source: bpy.types.Node, target: bpy.types.Node) -> list[str]:
     if here != there:
         for number, (name, node) in enumerate(list(copies.items())[1:], 1):
             node.location = (target.location.x - 240 * number, target.location.y)
-    _copy_animation(here, there, {name: node.name for name, node in copies.items()})
+    names = {name: node.name for name, node in copies.items()}
+    told += _copy_animation(here, there, lambda path: _renamed(path, names, {source.name: places}), source.label)
     return told
 
 
@@ -103,28 +116,75 @@ def _copy_items(source, target) -> None:
         _copy_properties(item, twin)
 
 
-def _copy_animation(here: bpy.types.NodeTree, there: bpy.types.NodeTree, names: dict[str, str]) -> None:
-    """Drivers and keyframes of the nodes of one tree, for their copies in another or the same, by name."""
+@contextmanager
+def animation_by_name(node: bpy.types.Node) -> Iterator[None]:
+    """While the block changes which inputs a node has, or in which order, what animates them follows their names.
+
+    Blender 4.5 leaves the paths as they are, and 5.2 follows the identifiers, which differ from group to group.
+    """
+    data, names = node.id_data.animation_data, [socket.name for socket in node.inputs]
+    curves = [] if data is None else [*data.drivers, *(curve for bag in channel_bags(data) for curve in bag.fcurves)]
+    found = []
+    for curve in curves:
+        match = _NODE_PATH.match(curve.data_path)
+        place = _INPUT_PATH.match(match[2]) if match and bpy.utils.unescape_identifier(match[1]) == node.name else None
+        if place and int(place[1]) < len(names):
+            found.append((curve, names[int(place[1])], place[2]))
+    yield
+    for curve, name, rest in found:
+        if name in node.inputs and curve.data_path != (path := f"{node.inputs[name].path_from_id()}{rest}"):
+            curve.data_path = path
+
+
+def channel_bags(data: bpy.types.AnimData) -> Iterator[bpy.types.ActionChannelbag]:
+    """The keyframes of one owner: those of its action and of its NLA strips, without other owners' in the same actions."""
+    used = [(data.action, data.action_slot)] + [(s.action, s.action_slot) for track in data.nla_tracks for s in track.strips]
+    for action, slot in dict.fromkeys((a, s) for a, s in used if a is not None and s is not None):
+        yield from (bag for layer in action.layers for strip in layer.strips if (bag := strip.channelbag(slot)) is not None)
+
+
+def _copy_animation(here: bpy.types.NodeTree, there: bpy.types.NodeTree, renamed: Callable[[str], str], label: str) -> list[str]:
+    """Drivers and keyframes of one tree, for copies of its nodes in another or the same; `renamed` gives a path for them.
+
+    NLA strips of another material stay behind, and one sentence says so.
+    """
     data = here.animation_data
     if data is None:
-        return
+        return []
     for curve in list(data.drivers):
-        if path := _renamed(curve.data_path, names):
+        if path := renamed(curve.data_path):
             copy = there.animation_data_create().drivers.from_existing(src_driver=curve)
             copy.data_path = path
-    tracks = [strip.action for track in data.nla_tracks for strip in track.strips]
-    for action in filter(None, (data.action, *tracks)):
-        for bag in [bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags]:
-            found = [(curve, path) for curve in bag.fcurves if (path := _renamed(curve.data_path, names))]
-            for curve, path in found:
-                _copy_curve(curve, (bag if here == there else _channels_of(there)).fcurves, path)
+    own = [] if data.action is None or data.action_slot is None else [
+        bag for layer in data.action.layers for strip in layer.strips if (bag := strip.channelbag(data.action_slot)) is not None
+    ]
+    left = False
+    for bag in channel_bags(data):
+        found = [(curve, path) for curve in bag.fcurves if (path := renamed(curve.data_path))]
+        if here != there and bag not in own:
+            left |= bool(found)
+            continue
+        for curve, path in found:
+            _copy_curve(curve, (bag if here == there else _channels_of(there)).fcurves, path)
+    return [f"{label}: its NLA strips stay behind"] if left else []
 
 
-def _renamed(path: str, names: dict[str, str]) -> str:
-    """An animation path, for the copy of its node; empty if the path is of another node."""
+def _renamed(path: str, names: Mapping[str, str], places: Mapping[str, Mapping[int, int]]) -> str:
+    """An animation path, for the copy of its node, and of its input where `places` has its node's.
+
+    Empty if the path is of another node, or of an input that the copy has not.
+    """
     match = _NODE_PATH.match(path)
-    name = names.get(bpy.utils.unescape_identifier(match[1])) if match else None
-    return f'nodes["{bpy.utils.escape_identifier(name)}"]{match[2]}' if name else ""
+    node = bpy.utils.unescape_identifier(match[1]) if match else None
+    if node not in names:
+        return ""
+    rest = match[2]
+    if node in places and (socket := _INPUT_PATH.match(rest)):
+        place = places[node].get(int(socket[1]))
+        if place is None:
+            return ""
+        rest = f".inputs[{place}]{socket[2]}"
+    return f'nodes["{bpy.utils.escape_identifier(names[node])}"]{rest}'
 
 
 def _channels_of(tree: bpy.types.NodeTree) -> bpy.types.ActionChannelbag:

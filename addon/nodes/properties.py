@@ -15,6 +15,7 @@ from ...reference_py.network import DEFAULT_TIER, TIERS
 from ...reference_py.network.choice import DEFAULT_TOLERANCE
 from ...reference_py.schema import SCHEMA, SCHEMA_VERSION, Schema
 from .backend import AUTO, BACKENDS, DEFAULT_BACKEND, NODES, OSL
+from .selection import select_layer, selected_layer
 
 _NOT_ANIMATABLE: set[str] = set()
 _ACRONYMS = {"ggx": "GGX"}
@@ -88,11 +89,7 @@ def structure_annotations(schema: Schema) -> dict:
         annotations[name] = BoolProperty(
             name=feature.label, description=feature.help, options=_NOT_ANIMATABLE, update=_update(name)
         )
-    given = [
-        (choice, " and ".join(kind.parameter(name).label for name in group))
-        for kind in kinds
-        for choice, group in zip(kind.given_choices, kind.alternatives)
-    ]
+    given = [(choice, kind.given_label(choice)) for kind in kinds for choice in kind.given_choices]
     if given:
         annotations["given"] = _enum("given", given, "Given By", "What describes this material", given[0][0])
     return annotations
@@ -122,9 +119,6 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     """Structure of one material; empty `base.node` means that it is not a Lamina material."""
 
     layers: CollectionProperty(type=LaminaElement)
-    active_layer: IntProperty(
-        name="Active Layer", description="Layer shown below the list", min=0, options=_NOT_ANIMATABLE
-    )
     solo: StringProperty(description="Node of the layer that alone is shown over the base; empty where all visible ones are")
     base: PointerProperty(type=LaminaElement)
     tier: EnumProperty(
@@ -168,6 +162,15 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     cost: FloatProperty(description="Estimated render time, over that of a plain glossy node; 0 before the first shader")
     lobe_count: IntProperty(description="Lobes of the generated shader")
     problem: StringProperty(description="Why the shader does not follow the structure", options={"SKIP_SAVE"})
+
+    @property
+    def active_layer(self) -> int:
+        """Index of the layer that is shown below the list, see `selection`."""
+        return selected_layer(self.id_data)
+
+    @active_layer.setter
+    def active_layer(self, index: int) -> None:
+        select_layer(self.id_data, index)
 
     @property
     def is_layered(self) -> bool:

@@ -7,8 +7,8 @@ import numpy as np
 from .backend import NODES, OSL
 
 ROLE = "lamina_role"
-# The Mix Shader over both branches; the branches themselves have the names of their backends.
-SWITCH = "switch"
+# The Mix Shader over both branches, and what asks whether the script runs; the branches themselves have the names of their backends.
+SWITCH, TEST = "switch", "test"
 _TYPES = {OSL: "ShaderNodeScript", NODES: "ShaderNodeGroup"}
 
 

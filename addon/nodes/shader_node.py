@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a material shows: stock nodes and an OSL script under one Mix Shader, so that it is right on every device.
 
-The Mix Shader's factor is linked to an output of the script that is always 1, and is 0 by itself: where Cycles runs
-OSL it shows the script, everywhere else (GPUs but OptiX, EEVEE, OSL switched off, a script without bytecode) the stock
-nodes. A backend that has one branch alone needs no Mix Shader. Branches are replaced, never changed.
+The Mix Shader's factor is 1 where an output of the script has a value that nothing else gives: where Cycles runs OSL it
+shows the script, everywhere else (GPUs but OptiX, EEVEE, OSL switched off, a script that is muted or has no bytecode)
+the stock nodes. OSL folds all of it. A backend that has one branch alone needs no Mix Shader. Branches are replaced, never changed.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,6 +13,7 @@ import bpy
 
 from ...reference_py.network.mixture import PatchNetwork
 from ...reference_py.network.table import TableNetwork
+from ..network.block import LIVE
 from ..network.inputs import TANGENT, ShaderInput
 from ..network.node_groups import drop_group, network_group
 from ..network.osl import Shader
@@ -21,13 +22,13 @@ from ..rendering import environment
 from .backend import NODES, OSL
 from .entry import entry_of
 from .hand_over import MIX, tail
-from .roles import ROLE, SWITCH, node_with
+from .roles import ROLE, SWITCH, TEST, give, node_with
 from .script_node import drop_text, holds, set_script
 
-_LABELS = {OSL: "Lamina Shader", NODES: "Lamina Stock Nodes", SWITCH: "Lamina OSL or Stock Nodes"}
-_TYPES = {OSL: "ShaderNodeScript", NODES: "ShaderNodeGroup", SWITCH: "ShaderNodeMixShader"}
+_LABELS = {OSL: "Lamina Shader", NODES: "Lamina Stock Nodes", TEST: "Lamina OSL Runs", SWITCH: "Lamina OSL or Stock Nodes"}
+_TYPES = {OSL: "ShaderNodeScript", NODES: "ShaderNodeGroup", TEST: "ShaderNodeMath", SWITCH: "ShaderNodeMixShader"}
 # Places left of the output.
-_PLACES = {OSL: (-740, 0), NODES: (-740, -320), SWITCH: (-500, 0)}
+_PLACES = {OSL: (-900, 0), NODES: (-900, -320), TEST: (-660, 120), SWITCH: (-460, 0)}
 _TANGENT_NODE = "Lamina Tangent"
 # Schema 2 showed EEVEE stock nodes at an output of its own.
 _FORMER_PREVIEW = ("Lamina Preview", "Lamina Preview Output")
@@ -72,6 +73,17 @@ def tangent_owner(material: bpy.types.Material, inputs: Sequence[ShaderInput]) -
         node.name = node.label = _TANGENT_NODE
         node.direction_type = "UV_MAP"
     return {TANGENT: node}
+
+
+def remove_material(material: bpy.types.Material) -> None:
+    """Remove a material that is used no more, with the text and the node group of its branches."""
+    nodes = material.node_tree.nodes if material.node_tree is not None else ()
+    texts, groups = ({getattr(node, name) for node in nodes if hasattr(node, name)} for name in ("script", "node_tree"))
+    bpy.data.materials.remove(material)
+    for text in texts:
+        drop_text(text)
+    for group in groups:
+        drop_group(group)
 
 
 class Surface:
@@ -128,11 +140,7 @@ class Surface:
         place = _place_of(tree, old)
         script, stock = self._new.get(OSL), self._new.get(NODES)
         if script is not None and stock is not None:
-            switch = self._new[SWITCH] = self._old[SWITCH] or self._made(SWITCH)
-            switch.inputs[0].default_value = 0.0
-            _link_exactly(tree, switch, {switch.inputs[0].identifier: script.outputs["Live"], switch.inputs[1].identifier: stock.outputs["BSDF"],
-                                         switch.inputs[2].identifier: script.outputs["BSDF"]})
-            closure = switch.outputs[0]
+            closure = self._switched(script, stock)
         else:
             closure = (script or stock).outputs["BSDF"]
         mix = node_with(self._material, MIX)
@@ -147,6 +155,18 @@ class Surface:
                 node.location = place[0] + _PLACES[role][0], place[1] + _PLACES[role][1]
         self._remove([node for node in old if node not in self._new.values()])
         _remove_preview(tree)
+
+    def _switched(self, script, stock) -> bpy.types.NodeSocket:
+        """The closure that is the script's where it runs and the stock nodes' elsewhere."""
+        test, switch = (self._new.setdefault(role, self._old[role] or self._made(role)) for role in (TEST, SWITCH))
+        if test.operation != "COMPARE":
+            test.operation, test.hide = "COMPARE", True
+        for socket, value in ((test.inputs[0], 0.0), (test.inputs[1], LIVE), (test.inputs[2], 0.5), (switch.inputs[0], 0.0)):
+            give(socket, value)
+        _link_exactly(self._tree, test, {test.inputs[0].identifier: script.outputs["Live"]})
+        closures = (test.outputs[0], stock.outputs["BSDF"], script.outputs["BSDF"])
+        _link_exactly(self._tree, switch, {socket.identifier: closure for socket, closure in zip(switch.inputs, closures)})
+        return switch.outputs[0]
 
     def abandon(self) -> None:
         """Remove what was made."""

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 
 import bpy
 
+from ...reference_py.errors import LaminaError
 from ...reference_py.network import HOLD_VALUES, TIERS, AutoNetwork
 from ...reference_py.network.choice import DEFAULT_TOLERANCE
 from ...reference_py.network.memory import content
 from ...reference_py.stack import Stack
 from .backend import NODES, OSL, branches_here
+from .limits import require_shader
 from .live_values import live_values
 from .reading import stack_of
 from .roles import node_with
@@ -46,10 +48,12 @@ class Wanted:
 
 
 def wanted_network(material: bpy.types.Material) -> Wanted:
-    """What a material's tier, one of HOLD_VALUES, wants for its present values. Raises LaminaError for bad values."""
+    """What a material's tier, one of HOLD_VALUES, wants for its present values. Raises LaminaError for bad values and too many layers."""
     lamina = material.lamina
+    stack = stack_of(material)
+    require_shader(stack, lamina.backend)
     live = live_values(material) if OSL in branches_here(lamina.backend) else ()
-    return Wanted(stack_of(material), lamina.tier, live, 0.01 * lamina.tolerance)
+    return Wanted(stack, lamina.tier, live, 0.01 * lamina.tolerance)
 
 
 def note_of(node: bpy.types.Node | None, name: str, material: bpy.types.Material) -> str:
@@ -81,12 +85,19 @@ def lacks_branch(material: bpy.types.Material) -> bool:
 
 
 def lags(material: bpy.types.Material) -> bool:
-    """Whether the stock nodes beside a script are behind it, or one of the two is not there."""
+    """Whether the stock nodes beside a script are behind it, or one of the two is not there.
+
+    They stay what they are while a socket holds what the schema does not allow, which Check names.
+    """
     if lacks_branch(material):
         return True
     script, stock = node_with(material, OSL), node_with(material, NODES)
     if stock is None or stock == shader_of(material):
         return False
+    try:
+        now = content(stack_of(material))
+    except LaminaError:
+        return False
     told, settled = note_of(stock, TOLD, material), note_of(stock, SETTLED, material)
     expected = "" if live_values(material) else note_of(script, SETTLED, material)
-    return told != content(stack_of(material)) or (material.lamina.tier in HOLD_VALUES and settled != expected)
+    return told != now or (material.lamina.tier in HOLD_VALUES and settled != expected)

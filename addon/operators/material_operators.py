@@ -16,21 +16,22 @@ from ...reference_py.stack import Stack
 from ..background import bakes
 from ..library import user_presets
 from ..nodes import material as materials
+from ..nodes.holders import can_hold_material
+from ..nodes.live_values import live_values
 from ..nodes.osl_setting import enable_osl
 
 _JSON = "*.json"
 _UNNAMED = "Lamina"
 
 
-def can_hold_material(item: bpy.types.Object | None) -> bool:
-    """Whether an object takes a surface material."""
-    return item is not None and item.type != "GREASEPENCIL" and hasattr(item.data, "materials")
-
-
 def why_no_material(context: bpy.types.Context) -> str:
-    """Why there is no material to work on, and none can be made for the active object; empty if there is or can."""
-    item = getattr(context, "object", None)
-    if material_of(context) is not None:
+    """Why there is no surface material to work on, and none can be made for the active object; empty if there is or can."""
+    item, material = getattr(context, "object", None), material_of(context)
+    if material is not None and material.is_grease_pencil:
+        return tip_("{material} is a Grease Pencil material: it shows strokes and no surface").format(material=material.name)
+    if item is not None and (material is None or item.active_material == material) and hasattr(item.data, "materials") and not can_hold_material(item):
+        return tip_("{object} shows no surface: choose a mesh, curve, text, metaball, hair or point cloud").format(object=item.name)
+    if material is not None:
         return ""
     if not can_hold_material(item):
         return tip_("Select an object that can have a material")
@@ -86,6 +87,9 @@ class StackOperator(LaminaOperator):
             cls.poll_message_set(why)
         return not why
 
+    def apply(self, material: bpy.types.Material, stack: Stack) -> None:
+        materials.apply_stack(material, stack)
+
     def run(self, context):
         stack = self.stack()
         material = material_of(context)
@@ -94,7 +98,7 @@ class StackOperator(LaminaOperator):
             material = bpy.data.materials.new(stack.name or _UNNAMED)
         former = material.lamina.stack_name
         try:
-            materials.apply_stack(material, stack)
+            self.apply(material, stack)
         except LaminaError:
             if made:
                 bpy.data.materials.remove(material)
@@ -158,18 +162,25 @@ class LAMINA_OT_export_stack(LayeredOperator, ExportHelper, bpy.types.Operator):
         told = rpt_("Lamina: stack written to {path}").format(path=self.filepath)
         if hidden:
             told = rpt_("{told}; hidden layers left out: {count}").format(told=told, count=hidden)
+        if moved := len(live_values(material)):
+            told = rpt_("{told}; values whose texture or animation is left out: {count}").format(told=told, count=moved)
         self.report({"INFO"}, told)
 
 
 class LAMINA_OT_set_base(LayeredOperator, bpy.types.Operator):
     bl_idname = "lamina.set_base"
     bl_label = "Set Base Kind"
-    bl_description = "Replace the opaque base below the layers; values that both kinds have are kept"
+    bl_description = "Replace the opaque base below the layers; what both kinds have keeps value, texture and animation"
 
     kind: EnumProperty(name="Kind", items=[(k.name, k.label, k.help) for k in SCHEMA.bases.values()])
 
     def run(self, context):
-        materials.set_base(material_of(context), self.kind)
+        lost = materials.set_base(material_of(context), self.kind)
+        if lost:
+            words = {"": "", "texture": f" ({rpt_('texture')})", "animation": f" ({rpt_('animation')})"}
+            names = ", ".join(rpt_(label) + words[moved] for label, moved in lost)
+            told = rpt_("Lamina: {kind} has no {lost}: that is gone").format(kind=rpt_(SCHEMA.bases[self.kind].label), lost=names)
+            self.report({"WARNING" if any(moved for _, moved in lost) else "INFO"}, told)
 
 
 class LAMINA_OT_regenerate(LayeredOperator, bpy.types.Operator):

@@ -9,15 +9,16 @@ from bpy.props import StringProperty
 
 from ...reference_py import presets
 from ...reference_py.stack import Stack
-from ..library import user_presets
-from ..library.preset_catalogues import CATALOGUES
-from ..library.thumbnails import render_thumbnail
+from ..library import asset_library, preset_assets, user_presets
+from ..library.preset_catalogues import CATALOGUES, OWN, catalogue_id
+from ..library.thumbnails import pixels_of, render_thumbnail
 from ..nodes import material as materials
 from ..ui.preset_icons import preset_icon, user_preset_icon
 from ..user_folders import presets_folder
 from . import material_operators as ops
 
 
+_DIALOG_WIDTH = 400  # pixels: for the sentences of what a preset leaves out
 # Before the source of the numbers that a preset was begun from: they may have been changed since.
 _BEGUN_FROM = "Own preset, begun from: "
 
@@ -29,20 +30,38 @@ def _source(before: str) -> str:
 class LAMINA_OT_save_preset(ops.LayeredOperator, bpy.types.Operator):
     bl_idname = "lamina.save_preset"
     bl_label = "Save as Preset"
-    bl_description = "Keep the material's visible layers and base as a preset of yours, with a picture, which takes a few seconds"
+    bl_description = "Keep the material's visible layers and base with their textures as a preset and asset of yours; its picture takes a few seconds"
     bl_options = {"REGISTER"}
 
     name: StringProperty(name="Name", description="Name of the preset: letters, digits, spaces, - and _", maxlen=user_presets.LONGEST)
 
     def invoke(self, context, _event):
         self.name = ops.material_of(context).lamina.stack_name[: user_presets.LONGEST]
-        return context.window_manager.invoke_props_dialog(self)
+        return context.window_manager.invoke_props_dialog(self, width=_DIALOG_WIDTH)
+
+    def draw(self, context):
+        self.layout.prop(self, "name")
+        for told in preset_assets.left_out(ops.material_of(context)):
+            self.layout.label(text=told, icon="INFO", translate=False)
 
     def run(self, context):
         material = ops.material_of(context)
         stack = materials.stack_of(material)
         stack = replace(stack, name=self.name.strip(), source=_source(stack.source))
-        name = user_presets.save(self.name, stack, lambda path: render_thumbnail(material, path))
+        preset_assets.require_savable(material)
+        told = preset_assets.left_out(material)
+
+        def keep(path) -> None:
+            picture = path.with_suffix(".png")
+            pixels = pixels_of(picture) if picture.is_file() else None
+            preset_assets.write_asset(path, material, stack, catalogue_id(OWN), pixels)
+
+        name, why = user_presets.save(self.name, stack, lambda path: render_thumbnail(material, path), keep)
+        asset_library.show_own()
+        for sentence in told:
+            self.report({"INFO"}, f"Lamina: {sentence}")
+        if why:
+            self.report({"WARNING"}, rpt_("Lamina: the preset has no picture: {reason}").format(reason=why))
         self.report({"INFO"}, rpt_("Lamina: preset {name} saved in {folder}").format(name=presets.label(name), folder=presets_folder()))
 
 
@@ -56,11 +75,19 @@ class LAMINA_OT_apply_user_preset(ops.StackOperator, bpy.types.Operator):
     def stack(self) -> Stack:
         return user_presets.load(self.name)
 
+    def apply(self, material, stack) -> None:
+        asset = user_presets.asset_of(self.name)
+        if not asset.is_file():
+            materials.apply_stack(material, stack)
+            return
+        with preset_assets.asset_of(asset) as source:
+            materials.apply_stack(material, stack, finish=lambda target: preset_assets.dress(source, target))
+
 
 class LAMINA_OT_remove_preset(ops.LaminaOperator, bpy.types.Operator):
     bl_idname = "lamina.remove_preset"
     bl_label = "Remove Preset"
-    bl_description = "Delete a preset that you saved, and its picture"
+    bl_description = "Delete a preset that you saved, with its picture and its textures"
     bl_options = {"REGISTER"}
 
     name: StringProperty(name="Name", description="Name of the preset")
@@ -95,7 +122,7 @@ def draw_presets(layout) -> None:
     own = user_presets.names()
     if own:
         column = row.column()
-        column.label(text="Own Presets")
+        column.label(text=OWN)
         column.separator()
         for name in own:
             text, icon = presets.label(name), user_preset_icon(name)

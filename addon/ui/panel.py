@@ -5,6 +5,7 @@ import bpy
 
 from ..background import fitting
 from ..nodes.elements import kind_of
+from ..nodes.holders import can_hold_material
 from ..operators import material_operators as ops
 from ..operators.preset_operators import draw_presets
 from . import panel_layers
@@ -36,7 +37,7 @@ class LAMINA_PT_material(bpy.types.Panel):
         material = ops.material_of(context)
         if material is not None:
             return not material.is_grease_pencil
-        return ops.can_hold_material(getattr(context, "object", None))
+        return can_hold_material(getattr(context, "object", None))
 
     def draw(self, context):
         header, layout = self.layout.panel("lamina")

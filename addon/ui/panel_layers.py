@@ -76,6 +76,25 @@ def _slope(roughness: float, distribution: str) -> str:
     return f"{slope_deg_from_roughness(roughness, distribution):.1f}\N{DEGREE SIGN}"
 
 
+def _row_selected(_window) -> int:
+    material = ops.material_of(bpy.context)
+    return material.lamina.active_layer if material is not None else 0
+
+
+def _select_row(_window, index: int) -> None:
+    material = ops.material_of(bpy.context)
+    if material is not None:
+        material.lamina.active_layer = index
+
+
+class LaminaWindow(bpy.types.PropertyGroup):
+    """What the list of layers needs outside of the material that the context shows, so that a click does not touch it."""
+
+    active_layer: bpy.props.IntProperty(
+        name="Active Layer", description="Layer shown below the list", min=0, get=_row_selected, set=_select_row, options=set()
+    )
+
+
 class LAMINA_MT_add_layer(bpy.types.Menu):
     bl_label = "Add Layer"
 
@@ -109,7 +128,7 @@ def draw_layers(layout, context, lamina) -> None:
     left = row.column(align=True)
     rows = min(max(len(lamina.layers), _ROWS), _MOST_ROWS)
     left.template_list(
-        LAMINA_UL_layers.__name__, "", lamina, "layers", lamina, "active_layer", rows=rows, maxrows=_MOST_ROWS, sort_lock=True
+        LAMINA_UL_layers.__name__, "", lamina, "layers", context.window_manager.lamina, "active_layer", rows=rows, maxrows=_MOST_ROWS, sort_lock=True
     )
     _draw_base_row(left.box(), context, lamina.base)
     column = row.column(align=True)
@@ -135,4 +154,4 @@ def _base_name(base) -> str:
     return f"{iface_('Base')}: {iface_(choice_label(base.metal) if named else kind_of(base).label)}"
 
 
-CLASSES = (LAMINA_UL_layers, LAMINA_MT_add_layer, LAMINA_MT_specials)
+CLASSES = (LaminaWindow, LAMINA_UL_layers, LAMINA_MT_add_layer, LAMINA_MT_specials)

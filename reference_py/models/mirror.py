@@ -9,7 +9,7 @@ energy is that of the tier, which exceeds 1 where the tier's own model does.
 import numpy as np
 
 from ..errors import LaminaError
-from ..frame import dot, half_vector, normalize, reflect
+from ..frame import azimuth, dot, half_vector, normalize, reflect
 from ..network import DEFAULT_TIER, make_network
 from ..network.closure import fresnel, is_mirror, lobe_f
 from ..network.lobe import DiffuseLobe, GlossyLobe
@@ -41,14 +41,14 @@ class Mirror:
         """BRDF (..., 3) in 1/sr without cosine; mirror-like lobes have none and count as 0."""
         wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
         visible = (wo[..., 2] > 0.0) & (wi[..., 2] > 0.0)
-        lobes = self.network.lobes(np.where(visible, wo[..., 2], 1.0))
+        lobes = self.network.lobes(np.where(visible, wo[..., 2], 1.0), azimuth(wo))
         total = sum(lobe_f(lobe, wo, wi) for lobe in lobes)
         return np.where(visible[..., None], total, 0.0)
 
     def albedo(self, wo: np.ndarray) -> np.ndarray:
         """Directional albedo (..., 3), mirror-like lobes included."""
         wo = np.asarray(wo, float)
-        lobes = self.network.lobes(wo[..., 2])
+        lobes = self.network.lobes(wo[..., 2], azimuth(wo))
         glossy = [lobe for lobe in lobes if isinstance(lobe, GlossyLobe)]
         widths = [(lobe.distribution, float(np.max(alpha))) for lobe in glossy for alpha in (lobe.alpha_x, lobe.alpha_y)]
         total = directional_albedo(self.f, wo, widths)
@@ -85,7 +85,7 @@ class Mirror:
     def _finite_lobes(self, wo):
         """The lobes with a finite f and the probabilities (n, lobes) of picking them for wo (n, 3)."""
         cos_o = np.where(wo[:, 2] > 0.0, wo[:, 2], 1.0)
-        lobes = [lobe for lobe in self.network.lobes(cos_o) if not (isinstance(lobe, GlossyLobe) and is_mirror(lobe))]
+        lobes = [lobe for lobe in self.network.lobes(cos_o, azimuth(wo)) if not (isinstance(lobe, GlossyLobe) and is_mirror(lobe))]
         shares = np.ones((len(wo), len(lobes)))
         for i, lobe in enumerate(lobes):
             shares[:, i] = np.mean(lobe.weight * _reflectance(lobe, cos_o), axis=-1)

@@ -7,10 +7,12 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from ..errors import LaminaError
+from ..frame import spherical
 from ..stack import Stack
 from .analytic import AnalyticNetwork
 from .baking import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, axes_of, baked, described, pack_network, unpack_network
-from .closure import is_mirror
+from .closure import is_mirror, lobe_energy
+from .featured import featured_analytic
 from .grid import GridNetwork
 from .judge import SOFT_LIGHT_DEG, Errors, Judge, ball_cosines
 from .lobe import DiffuseLobe, GlossyLobe
@@ -21,6 +23,9 @@ from .weidlich_wilkie import WeidlichWilkieNetwork
 DEFAULT_TOLERANCE = 0.02
 # Errors that differ by less than this share of them are as good: the cheaper one is taken.
 _AS_CLOSE = 0.05
+# Of albedos with anisotropy: azimuths, views, and walks for each.
+_AZIMUTHS = np.radians([0.0, 45.0, 90.0, 135.0])
+_FEW, _WALKS = 4, 1 << 15
 _LIVE_TIERS = {network.tier: network for network in (WeidlichWilkieNetwork, AnalyticNetwork)}
 
 
@@ -104,9 +109,9 @@ class AutoNetwork:
     def lobe_count(self) -> int:
         return self.resolved.lobe_count
 
-    def lobes(self, cos_theta_o: np.ndarray) -> list[GlossyLobe | DiffuseLobe]:
-        """The lobes for views of cosine cos_theta_o (...); weights are (..., 3)."""
-        return self.resolved.lobes(cos_theta_o)
+    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
+        """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
+        return self.resolved.lobes(cos_theta_o, phi)
 
 
 def choose(
@@ -144,16 +149,44 @@ def choose(
         report(0.2 + 0.8 * (done + 1) / len(makers))
         if label not in _LIVE_TIERS and tried[-1][0].seen <= tolerance:
             break  # more lobes cost more
-    good = [t for t in tried if t[0].seen <= tolerance]
-    if good:
-        chosen, network = min(good, key=lambda t: t[0].cost)
-        reason = f"the cheapest whose error is at most {100.0 * tolerance:g} %"
-    else:
-        best = min(candidate.seen for candidate, _ in tried)
-        chosen, network = min((t for t in tried if t[0].seen <= best * (1.0 + _AS_CLOSE)), key=lambda t: t[0].cost)
-        reason = f"the cheapest of those about as close as the closest; none of {len(tried)} reaches {100.0 * tolerance:g} %"
+    (chosen, network), reason = _best(tried, tolerance)
     if live and axes is None:
         reason += f"; a bake cannot follow {described(live)}"
+    return Choice(chosen, network, tuple(candidate for candidate, _ in tried), reason)
+
+
+def _best(tried: list[tuple[Candidate, object]], tolerance: float) -> tuple[tuple[Candidate, object], str]:
+    """What to take of candidates and their networks, and why."""
+    good = [t for t in tried if t[0].seen <= tolerance]
+    if good:
+        return min(good, key=lambda t: t[0].cost), f"the cheapest whose error is at most {100.0 * tolerance:g} %"
+    best = min(candidate.seen for candidate, _ in tried)
+    close = min((t for t in tried if t[0].seen <= best * (1.0 + _AS_CLOSE)), key=lambda t: t[0].cost)
+    return close, f"the cheapest of those about as close as the closest; none of {len(tried)} reaches {100.0 * tolerance:g} %"
+
+
+def with_anisotropy(choice: Choice, stack: Stack, tolerance: float, cosines: np.ndarray | None = None) -> Choice:
+    """The choice for a stack with anisotropy, of what was tried without: albedos are compared with walks through the whole stack.
+
+    At a few of the view `cosines` (n,), those of a ball's pixels unless given, and at `_AZIMUTHS`. Soft light and shape stay those
+    of the isotropic stack.
+    """
+    from ..models.position_free import PositionFree  # models import networks
+
+    views = np.sort(ball_cosines() if cosines is None else cosines)
+    views = views[np.unique(np.linspace(0, len(views) - 1, _FEW).round().astype(int))]
+    wo = spherical(np.arccos(views)[:, None], _AZIMUTHS)
+    truth, stderr = PositionFree(stack, walks=_WALKS).albedo_stderr(wo)
+    tried = []
+    for candidate in choice.tried:
+        if candidate.label in _LIVE_TIERS:
+            network = featured_analytic(stack) if candidate.label == AnalyticNetwork.tier else _LIVE_TIERS[candidate.label](stack)
+            albedo = np.stack([sum(lobe_energy(lobe, views, phi) for lobe in network.lobes(views, phi)) for phi in _AZIMUTHS], axis=1)
+            error = float(np.max(np.abs(albedo - truth) / truth))
+            tried.append((replace(candidate, albedo=error), network))
+    (chosen, network), reason = _best(tried, tolerance)
+    noise = float(np.max(stderr / truth))
+    reason += f"; albedo is judged with the anisotropy (standard error {100.0 * noise:.2g} %), soft light and shape without it"
     return Choice(chosen, network, tuple(candidate for candidate, _ in tried), reason)
 
 

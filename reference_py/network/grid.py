@@ -82,8 +82,8 @@ class GridNetwork:
     def lobe_count(self) -> int:
         return len(self.grid)
 
-    def lobes(self, cos_theta_o: np.ndarray) -> list[GlossyLobe | DiffuseLobe]:
-        """The lobes for views of cosine cos_theta_o (...); weights are (..., 3)."""
+    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
+        """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
         places = [axis.place(axis.value_of(self.stack)) for axis in self.axes]
         cos_theta_o = np.clip(np.asarray(cos_theta_o, float), MIN_COS_O, 1.0)
         return [_lobe(lobe, *parts, cos_theta_o) for lobe, parts in zip(self.grid, self._parts(places, cos_theta_o))]
@@ -144,7 +144,7 @@ def grid_of(stack: Stack, axes: tuple[Axis, ...], nodes: dict[tuple[int, ...], T
 
 
 def _unit(table: GlossyTable) -> np.ndarray:
-    return np.maximum(unit_energy(table.lobe(knot_cosines()), knot_cosines(), 4096)[:, :1], 1e-3)
+    return np.maximum(unit_energy(table.lobe(knot_cosines()), knot_cosines(), count=4096)[:, :1], 1e-3)
 
 
 def _blend(array: np.ndarray, places: Sequence[tuple[int, float]]) -> np.ndarray:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..optics.diffuse import OREN_NAYAR_POWER, oren_nayar_shares
 from ..optics.material import Brushed, Interface
 from ..optics.thin_film import Film
 
@@ -52,11 +53,26 @@ class GlossyLobe:
 
 @dataclass(frozen=True)
 class DiffuseLobe:
-    """Lambert of albedo `weight` (..., 3), or, where `color` (..., 3) is given, weight times Oren-Nayar of it."""
+    """Lambert of albedo `weight` (..., 3), or, where `color` (..., 3) is given, weight times Oren-Nayar of it.
+
+    `power` is that of `optics.diffuse.oren_nayar`.
+    """
 
     weight: np.ndarray
     color: tuple[float, float, float] | np.ndarray | None = None
     sigma_deg: float = 0.0
+    power: int = OREN_NAYAR_POWER
+
+
+# Color of a lobe that meets one facet alone: what meets more has this share of it.
+DARK = 1e-5
+
+
+def oren_nayar_lobes(weight: np.ndarray, color, sigma_deg: float) -> list[DiffuseLobe]:
+    """Weight (..., 3) times Oren-Nayar of a color (3,), as two lobes that are the same in every Blender: a white one, and a
+    dark one, which meets one facet alone."""
+    white, single = oren_nayar_shares(color, sigma_deg)
+    return [DiffuseLobe(weight * white, (1.0,) * 3, sigma_deg), DiffuseLobe(weight * single / DARK, (DARK,) * 3, sigma_deg)]
 
 
 def top_curve(surface: Interface) -> DielectricCurve | FilmCurve:

@@ -50,13 +50,13 @@ class PatchNetwork:
     def lobe_count(self) -> int:
         return len(self.lobes(np.ones(1)))
 
-    def lobes(self, cos_theta_o: np.ndarray) -> list[GlossyLobe | DiffuseLobe]:
-        """The lobes for views of cosine cos_theta_o (...); weights are (..., 3)."""
+    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
+        """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
         scaled = [
             replace(lobe, weight=patch.share * np.asarray(lobe.weight))
             for patch, network in self.parts
             if patch.share > 0.0
-            for lobe in network.lobes(cos_theta_o)
+            for lobe in network.lobes(cos_theta_o, phi)
         ]
         return merged(scaled)
 
@@ -83,7 +83,7 @@ def _is_same(a, b) -> bool:
     if type(a) is not type(b):
         return False
     if isinstance(a, DiffuseLobe):
-        return a.sigma_deg == b.sigma_deg and (a.color is None) == (b.color is None) and np.all(np.equal(a.color, b.color))
+        return (a.sigma_deg, a.power) == (b.sigma_deg, b.power) and (a.color is None) == (b.color is None) and np.all(np.equal(a.color, b.color))
     if (a.distribution, a.frame) != (b.distribution, b.frame) or type(a.fresnel) is not type(b.fresnel) or isinstance(a.fresnel, SchlickCurve):
         return False
     shapes = ((a.alpha_x, b.alpha_x), (a.alpha_y, b.alpha_y), (a.tilt, b.tilt))

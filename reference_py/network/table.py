@@ -3,15 +3,21 @@
 
 Knots are even in sqrt(cos_theta_o), which is dense at grazing where energies turn; between them all is linear.
 A tilt is kept as its tangent over sin(theta_o), which is smooth at the normal.
+Where weights depend on the azimuth of the view, a table has one sheet for each of AZIMUTHS; between them all is linear in the
+cosine from the axis of symmetry, `axis` in radians from the tangent. That is good to .7 % of a weight up to 80 degrees.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from ..optics.diffuse import OREN_NAYAR_POWER
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 
 KNOTS = 24
+# Cosines of the view's azimuth from the axis, on places of a ramp's 256: dense where energies turn.
+AZIMUTH_PLACES = (0, 22, 73, 113, 168, 250)
+AZIMUTHS = np.array(AZIMUTH_PLACES) / AZIMUTH_PLACES[-1]
 # Shading normals may face away at silhouettes; tables are read at this cosine there.
 MIN_COS_O = 1e-4
 
@@ -34,11 +40,20 @@ def interpolate(table: np.ndarray, cos_theta_o: np.ndarray) -> np.ndarray:
     return table[cell] * (1.0 - t) + table[cell + 1] * t
 
 
+def weight_at(table: np.ndarray, cos_theta_o: np.ndarray, phi: np.ndarray | float, axis: float | None) -> np.ndarray:
+    """Weights (..., 3) of a table (KNOTS, 3), or, of one with an axis, (AZIMUTHS, KNOTS, 3), at views of azimuth phi (...)."""
+    if axis is None:
+        return interpolate(table, cos_theta_o)
+    cos_phi = np.abs(np.cos(np.asarray(phi) - axis))
+    shares = [np.interp(cos_phi, AZIMUTHS, row) for row in np.eye(len(AZIMUTHS))]
+    return sum(share[..., None] * interpolate(sheet, cos_theta_o) for share, sheet in zip(shares, table))
+
+
 @dataclass(frozen=True)
 class GlossyTable:
-    """A glossy lobe: `weight` (KNOTS, 3), `shape` (KNOTS, 3) of alpha_x, alpha_y and tan(tilt) / sin(theta_o).
+    """A glossy lobe: `weight` (KNOTS, 3) or, with an `axis`, (AZIMUTHS, KNOTS, 3); `shape` (KNOTS, 3) of alpha_x, alpha_y and tan(tilt) / sin(theta_o).
 
-    `frame` is that of `GlossyLobe`; stock nodes alone know it.
+    `frame` is that of `GlossyLobe`; stock nodes alone know it and the axis.
     """
 
     distribution: str
@@ -46,32 +61,37 @@ class GlossyTable:
     shape: np.ndarray
     fresnel: DielectricCurve | None = None
     frame: float | None = None
+    axis: float | None = None
 
-    def lobe(self, cos_theta_o: np.ndarray) -> GlossyLobe:
+    def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> GlossyLobe:
         alpha_x, alpha_y, slope = np.moveaxis(interpolate(self.shape, cos_theta_o), -1, 0)
         tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)))
-        return GlossyLobe(self.distribution, interpolate(self.weight, cos_theta_o), alpha_x, alpha_y, tilt, self.fresnel, self.frame)
+        weight = weight_at(self.weight, cos_theta_o, phi, self.axis)
+        return GlossyLobe(self.distribution, weight, alpha_x, alpha_y, tilt, self.fresnel, self.frame)
 
 
 @dataclass(frozen=True)
 class DiffuseTable:
-    """A Lambert lobe of `weight` (KNOTS, 3)."""
+    """A Lambert lobe of `weight` (KNOTS, 3) or, with an `axis`, (AZIMUTHS, KNOTS, 3)."""
 
     weight: np.ndarray
+    axis: float | None = None
 
-    def lobe(self, cos_theta_o: np.ndarray) -> DiffuseLobe:
-        return DiffuseLobe(interpolate(self.weight, cos_theta_o))
+    def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> DiffuseLobe:
+        return DiffuseLobe(weight_at(self.weight, cos_theta_o, phi, self.axis))
 
 
 @dataclass(frozen=True)
 class OrenNayarTable:
-    """An Oren-Nayar lobe whose colour `weight` (KNOTS, 3) depends on the view, as stock nodes have it."""
+    """An Oren-Nayar lobe whose colour `weight` (KNOTS, 3) depends on the view, as stock nodes have it; `power` as in `DiffuseLobe`."""
 
     weight: np.ndarray
     sigma_deg: float
+    power: int = OREN_NAYAR_POWER
+    axis: float | None = None
 
-    def lobe(self, cos_theta_o: np.ndarray) -> DiffuseLobe:
-        return DiffuseLobe(np.ones(3), interpolate(self.weight, cos_theta_o), self.sigma_deg)
+    def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> DiffuseLobe:
+        return DiffuseLobe(np.ones(3), weight_at(self.weight, cos_theta_o, phi, self.axis), self.sigma_deg, self.power)
 
 
 @dataclass(frozen=True)
@@ -84,7 +104,7 @@ class TableNetwork:
     def lobe_count(self) -> int:
         return len(self.tables)
 
-    def lobes(self, cos_theta_o: np.ndarray) -> list[GlossyLobe | DiffuseLobe]:
-        """The lobes for views of cosine cos_theta_o (...); weights are (..., 3)."""
+    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
+        """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
         cos_o = np.clip(np.asarray(cos_theta_o, float), MIN_COS_O, 1.0)
-        return [table.lobe(cos_o) for table in self.tables]
+        return [table.lobe(cos_o, phi) for table in self.tables]

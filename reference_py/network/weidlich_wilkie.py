@@ -19,7 +19,7 @@ from ..optics.material import brushed, conductor_index, film_of, interfaces, mea
 from ..optics.microfacet import masking_g2
 from ..optics.thin_film import film_reflectance
 from ..stack import Stack
-from .lobe import DiffuseLobe, GlossyLobe, surface_lobe, top_curve
+from .lobe import DiffuseLobe, GlossyLobe, oren_nayar_lobes, surface_lobe, top_curve
 
 NODE_ORDER = 3
 NODE_COUNT = NODE_ORDER**2
@@ -55,10 +55,10 @@ class WeidlichWilkieNetwork:
 
     @property
     def lobe_count(self) -> int:
-        return len(self._surfaces) + 1
+        return len(self.lobes(np.ones(1)))
 
-    def lobes(self, cos_theta_o: np.ndarray) -> list[GlossyLobe | DiffuseLobe]:
-        """The lobes from the top for views of cosine cos_theta_o (...); weights are (..., 3)."""
+    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
+        """The lobes from the top for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
         cos_o = np.maximum(np.asarray(cos_theta_o, float), MIN_COS_O)
         result = []
         for index, surface in enumerate(self._surfaces):
@@ -67,16 +67,15 @@ class WeidlichWilkieNetwork:
             else:
                 weight, fresnel = self._interface_weight(cos_o, index), None
             result.append(surface_lobe(surface.distribution, weight, surface.alpha, surface.brushed, fresnel))
-        result.append(self._base_lobe(cos_o))
-        return result
+        return result + self._base_lobes(cos_o)
 
-    def _base_lobe(self, cos_o):
+    def _base_lobes(self, cos_o) -> list[GlossyLobe | DiffuseLobe]:
         base = self.stack.base
         if base.kind == "lambert":
-            return DiffuseLobe(self._diffuse_weight(cos_o) * np.array(base["color"]))
+            return [DiffuseLobe(self._diffuse_weight(cos_o) * np.array(base["color"]))]
         if base.kind == "oren_nayar":
             weight = self._diffuse_weight(cos_o, float(fujii_roughness(base["sigma_deg"])))
-            return DiffuseLobe(weight, base["color"], base["sigma_deg"])
+            return oren_nayar_lobes(weight, base["color"], base["sigma_deg"])
         eta, k = conductor_index(base)
         n = n_above_base(self.stack)
         alpha = mean_alpha(base)
@@ -89,7 +88,7 @@ class WeidlichWilkieNetwork:
             return fresnel_conductor(cos_h[..., None], eta / n, k / n)
 
         weight = self._glossy_weight(cos_o, len(self._surfaces), alpha, base["distribution"], fresnel)
-        return surface_lobe(base["distribution"], weight, alpha, brushed(base))
+        return [surface_lobe(base["distribution"], weight, alpha, brushed(base))]
 
     def _interface_weight(self, cos_o, index):
         surface = self._surfaces[index]

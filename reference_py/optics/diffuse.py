@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Diffuse bases: the energy-preserving Oren-Nayar model that Cycles renders, and the one of 1994.
+"""Diffuse bases: the energy-preserving Oren-Nayar model, and the one of 1994.
 
-`oren_nayar` is the improved form of Fujii 2012 with the multiple-scattering term of OpenPBR 1.0.
+`oren_nayar` is the improved form of Fujii 2012 with the multiple-scattering term of OpenPBR 1.0: light that meets several facets
+has the square of the color. Cycles renders that from Blender 5.3 on; up to 5.2 it multiplied by the color once more.
 Its roughness parameter is B / A of OrenNayar94, so a standard deviation in degrees means the same
 facet statistics in both.
 """
@@ -11,6 +12,8 @@ import numpy as np
 from ..frame import dot
 
 _G0 = 0.5 * np.pi - 2.0 / 3.0
+# Of the color, in light that meets several facets: the model's, and that of Cycles up to Blender 5.2.
+OREN_NAYAR_POWER, CYCLES_5_2_POWER = 2, 3
 
 
 def _coefficients_1994(sigma_deg):
@@ -33,8 +36,11 @@ def _directional_g(cos_theta: np.ndarray) -> np.ndarray:
     return np.where(cos_theta < 1e-6, _G0 - cos_theta, g)
 
 
-def oren_nayar(wi: np.ndarray, wo: np.ndarray, color: np.ndarray, sigma_deg: float) -> np.ndarray:
-    """f in 1/sr, (..., 3), for directions above the surface (Fujii 2012; OpenPBR 1.0, diffuse lobe)."""
+def oren_nayar(wi: np.ndarray, wo: np.ndarray, color: np.ndarray, sigma_deg: float, power: int = OREN_NAYAR_POWER) -> np.ndarray:
+    """f in 1/sr, (..., 3), for directions above the surface (Fujii 2012; OpenPBR 1.0, diffuse lobe).
+
+    `power` is that of the color in what meets several facets: CYCLES_5_2_POWER is what Cycles had.
+    """
     color = np.asarray(color, float)
     sigma = fujii_roughness(sigma_deg)
     cos_i, cos_o = np.maximum(wi[..., 2], 0.0), np.maximum(wo[..., 2], 0.0)
@@ -45,14 +51,13 @@ def oren_nayar(wi: np.ndarray, wo: np.ndarray, color: np.ndarray, sigma_deg: flo
     t = dot(wi, wo) - cos_i * cos_o
     t = np.where(t > 0.0, t / np.maximum(np.maximum(cos_i, cos_o), 1e-30), t)
     mean = a * np.pi + (2.0 * np.pi - 5.6) / 3.0 * b
-    # Cycles multiplies OpenPBR's color^2 by the closure's own color once more; what it renders is what we mean.
-    multiple = color**3 * (mean / (1.0 - mean)) / (np.pi * (1.0 - color * (1.0 - mean)))
+    multiple = color**power * (mean / (1.0 - mean)) / (np.pi * (1.0 - color * (1.0 - mean)))
     lost_o = 1.0 - (a * np.pi + b * _directional_g(cos_o))
     lost_i = 1.0 - (a * np.pi + b * _directional_g(cos_i))
     return color * (a + b * t)[..., None] + multiple * (lost_o * lost_i)[..., None]
 
 
-def oren_nayar_albedo(cos_theta_o: np.ndarray, color: np.ndarray, sigma_deg: float) -> np.ndarray:
+def oren_nayar_albedo(cos_theta_o: np.ndarray, color: np.ndarray, sigma_deg: float, power: int = OREN_NAYAR_POWER) -> np.ndarray:
     """Directional albedo (..., 3) of `oren_nayar` for views (...) and colors that broadcast to (..., 3)."""
     color = np.asarray(color, float)
     sigma = fujii_roughness(sigma_deg)
@@ -60,7 +65,19 @@ def oren_nayar_albedo(cos_theta_o: np.ndarray, color: np.ndarray, sigma_deg: flo
     b = sigma * a
     mean = a * np.pi + (2.0 * np.pi - 5.6) / 3.0 * b
     single = (a * np.pi + b * _directional_g(np.asarray(cos_theta_o, float)))[..., None]
-    return color * single + color**3 * mean * (1.0 - single) / (1.0 - color * (1.0 - mean))
+    return color * single + color**power * mean * (1.0 - single) / (1.0 - color * (1.0 - mean))
+
+
+def oren_nayar_shares(color: np.ndarray, sigma_deg: float) -> tuple[np.ndarray, np.ndarray]:
+    """Weights (..., 3) of the white `oren_nayar` and of what meets one facet alone, whose sum is `oren_nayar` of the color.
+
+    White is the same for every `power`, and so is f(color) / color in the limit of a dark color, which meets one facet alone.
+    """
+    color = np.asarray(color, float)
+    sigma = fujii_roughness(sigma_deg)
+    mean = (np.pi + (2.0 * np.pi - 5.6) / 3.0 * sigma) / (np.pi + sigma * _G0)
+    white = color**2 * mean / (1.0 - color * (1.0 - mean))
+    return white, color - white
 
 
 def oren_nayar_1994(wi: np.ndarray, wo: np.ndarray, color: np.ndarray, sigma_deg: float) -> np.ndarray:

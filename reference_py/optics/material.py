@@ -26,7 +26,7 @@ class Brushed:
 
     @property
     def alpha(self) -> float:
-        """That of the isotropic surface that stands for it, of as much variance of slopes: their energies nearly agree."""
+        """That of the isotropic surface that stands for it, of as much variance of slopes."""
         return float(np.sqrt(0.5 * (self.alpha_x**2 + self.alpha_y**2)))
 
 

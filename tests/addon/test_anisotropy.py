@@ -6,14 +6,16 @@ import pytest
 
 pytest.importorskip("bpy")
 
+import bpy  # noqa: E402
+
 from lamina.addon.nodes import material  # noqa: E402
+from lamina.addon.network.stock_nodes import stock_tables  # noqa: E402
 from lamina.addon.nodes.shader_node import shader_of  # noqa: E402
-from lamina.addon.network.stock_nodes import HAS_DIELECTRIC  # noqa: E402
-from lamina.addon.rendering.measure import render_sun_sphere  # noqa: E402
+from lamina.addon.rendering.measure import render_furnace, render_sun_sphere  # noqa: E402
+from lamina.reference_py.frame import azimuth, spherical  # noqa: E402
 from lamina.reference_py.models import make_model  # noqa: E402
 from lamina.reference_py.network import make_network  # noqa: E402
 from lamina.reference_py.network.closure import lobe_f  # noqa: E402
-from lamina.reference_py.network.tabulate import tabulate  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
 from support.goniometer import TOLERANCE, tangent_parity  # noqa: E402
 
@@ -35,8 +37,6 @@ STACKS = {
 
 def shown(layers, base, tier, backend="osl"):
     """A material along the sphere's own meridians, which run from pole to pole on y."""
-    import bpy
-
     new = bpy.data.materials.new("brushed")
     material.apply_stack(new, Stack.from_dict({"layers": layers, "base": base}), tier, backend)
     tangent = new.node_tree.nodes["Lamina Tangent"]
@@ -62,8 +62,6 @@ def test_the_wrong_azimuth_is_caught(blender):
 
 @pytest.mark.parametrize("tier", ["weidlich_wilkie", "analytic"])
 def test_anisotropy_0_renders_as_none(blender, tier):
-    import bpy
-
     plain = bpy.data.materials.new("plain")
     material.apply_stack(plain, Stack.from_dict({"layers": [COAT], "base": STEEL}), tier)
     zero = shown([{**COAT, "anisotropy": 0.0}], {**STEEL, "anisotropy": 0.0, "rotation": 0.3}, tier)
@@ -71,22 +69,41 @@ def test_anisotropy_0_renders_as_none(blender, tier):
     assert np.allclose(*pictures, rtol=1e-4, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", ["coat over metal", "half covered"])
-def test_stock_nodes_equal_mirror(blender, name):
-    new = shown(*STACKS[name], "weidlich_wilkie", "nodes")
-    network = tabulate(make_network(material.stack_of(new), "weidlich_wilkie"), HAS_DIELECTRIC)
+@pytest.mark.parametrize("tier, name", [
+    ("weidlich_wilkie", "coat over metal"), ("weidlich_wilkie", "half covered"), ("analytic", "bare metal"), ("analytic", "coat"),
+    ("analytic", "half covered"),
+])
+def test_stock_nodes_equal_mirror(blender, tier, name):
+    new = shown(*STACKS[name], tier, "nodes")
+    network = stock_tables(make_network(material.stack_of(new), tier))
 
     def f(wo, wi):
-        return sum(lobe_f(lobe, wo, wi) for lobe in network.lobes(wo[..., 2])) * (wi[..., 2:] > 0.0)
+        return sum(lobe_f(lobe, wo, wi) for lobe in network.lobes(wo[..., 2], azimuth(wo))) * (wi[..., 2:] > 0.0)
 
     result = tangent_parity(new, f, 45.0, 64)
-    print(f"{name}: 99th percentile {result.percentile_99:.1e}")
+    print(f"{tier}, {name}: 99th percentile {result.percentile_99:.1e}")
     assert result.percentile_99 <= TOLERANCE
 
 
-def test_a_bake_falls_back_and_says_why(blender):
-    import bpy
+WHITE = {"kind": "conductor", "reflectance": [0.999] * 3, "edge_color": [1.0] * 3, "roughness": 0.5, "anisotropy": 1.0}
 
+
+@pytest.mark.parametrize("backend", ["osl", "nodes"])
+@pytest.mark.parametrize("turns", [0.0, 0.25])
+@pytest.mark.parametrize("reflectance", [0.999, 0.9])
+def test_a_brushed_metal_reflects_what_it_should(blender, reflectance, turns, backend):
+    """Views along and across, in a white furnace (tests/reference_py/test_anisotropy.py has more). Before: 1.018 along the normal and 1.082 at 60 degrees for .9987, .9688 for .8866."""
+    theta_deg = [0.0, 60.0, 80.0]
+    stack = Stack.from_dict({"base": {**WHITE, "reflectance": [reflectance] * 3, "rotation": turns}})
+    truth, noise = make_model("position_free", stack, walks=1 << 14).albedo_stderr(spherical(np.radians(theta_deg), 0.0))
+    new = bpy.data.materials.new("brushed")
+    material.apply_stack(new, stack, "analytic", backend)
+    measured, stderr = render_furnace(new, theta_deg, samples=64, size=16)
+    print(f"{reflectance:g}, {360 * turns:g} degrees, {backend}: {np.round(measured[:, 0], 4)}, truth {np.round(truth[:, 0], 4)}, +-{stderr.max():.4f}")
+    assert np.all(np.abs(measured - truth) < 0.01 * truth + 3.0 * (stderr + noise))
+
+
+def test_a_bake_falls_back_and_says_why(blender):
     new = bpy.data.materials.new("brushed")
     material.apply_stack(new, Stack.from_dict({"base": {**STEEL, **BRUSHED}}), "baked")
     material.refresh(new, settle=True)

@@ -250,6 +250,7 @@ def test_the_menu_shows_every_preset_with_its_icon(icons, own):
 
 
 STACK = Stack.from_dict({"base": {"kind": "lambert"}})
+WRITTEN = (lambda path: path.write_bytes(b"picture"), lambda path: path.write_bytes(b"asset"))
 
 
 @pytest.mark.parametrize("label, told", [
@@ -258,10 +259,10 @@ STACK = Stack.from_dict({"base": {"kind": "lambert"}})
     ("TAKEN ", "taken by a preset of yours"),
 ])
 def test_names_that_climb_or_clash_are_refused(own, label, told):
-    own.save("taken", STACK, lambda path: path.write_bytes(b"picture"))
+    own.save("taken", STACK, *WRITTEN)
     before = sorted(path.name for path in user_folders.presets_folder().parent.rglob("*"))
     with pytest.raises(LaminaError, match=re.escape(told)) as error:
-        own.save(label, STACK, lambda path: path.write_bytes(b"picture"))
+        own.save(label, STACK, *WRITTEN)
     assert "\n" not in str(error.value)
     assert sorted(path.name for path in user_folders.presets_folder().parent.rglob("*")) == before
 
@@ -275,11 +276,14 @@ def test_only_presets_of_ones_own_are_read_or_removed(own, tmp_path, name):
     assert (tmp_path / "x.json").exists()
 
 
-def test_a_picture_that_fails_leaves_no_preset(own):
+def test_a_picture_that_fails_is_said_and_a_failing_asset_leaves_no_preset(own):
     def fail(path: Path) -> None:
         path.write_bytes(b"half")
-        raise LaminaError("no picture")
+        raise LaminaError("no room")
 
-    with pytest.raises(LaminaError, match="no picture"):
-        own.save("half", STACK, fail)
-    assert list(user_folders.presets_folder().iterdir()) == []
+    assert own.save("plain", STACK, fail, WRITTEN[1]) == ("plain", "no room")
+    assert not own.picture_of("plain").exists() and own.load("plain") == STACK
+    before = sorted(path.name for path in user_folders.presets_folder().iterdir())
+    with pytest.raises(LaminaError, match="no room"):
+        own.save("half", STACK, WRITTEN[0], fail)
+    assert sorted(path.name for path in user_folders.presets_folder().iterdir()) == before

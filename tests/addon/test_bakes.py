@@ -10,7 +10,7 @@ pytest.importorskip("bpy")
 
 from lamina.addon.background import ahead, bakes, conversions  # noqa: E402
 from lamina.addon.network.node_groups import network_group  # noqa: E402
-from lamina.addon.network.stock_nodes import HAS_DIELECTRIC  # noqa: E402
+from lamina.addon.network.stock_nodes import stock_tables  # noqa: E402
 from lamina.addon.nodes import elements, material  # noqa: E402
 from lamina.addon.nodes.hand_over import MIX  # noqa: E402
 from lamina.addon.nodes.live_values import live_values  # noqa: E402
@@ -18,7 +18,6 @@ from lamina.addon.nodes.shader_node import shader_of  # noqa: E402
 from lamina.addon.nodes.state import is_settled, is_stale, lags, wanted_network  # noqa: E402
 from lamina.addon.nodes.roles import ROLE  # noqa: E402
 from lamina.reference_py.network import memory  # noqa: E402
-from lamina.reference_py.network.tabulate import tabulate  # noqa: E402
 from lamina.reference_py.suite import suite_stack  # noqa: E402
 
 pytestmark = pytest.mark.blender
@@ -75,7 +74,7 @@ def shown_by(owner, engine: str):
     hand_over = owner.node_tree.get_output_node(engine).inputs["Surface"].links[0].from_node
     assert hand_over[ROLE] == MIX and not hand_over.inputs[0].is_linked and hand_over.inputs[0].default_value == 0.0
     mix = hand_over.inputs[1].links[0].from_node
-    assert mix.inputs[0].default_value == 0.0 and mix.inputs[0].links[0].from_socket.name == "Live"
+    assert mix.inputs[0].default_value == 0.0 and mix.inputs[0].links[0].from_node.inputs[0].links[0].from_socket.name == "Live"
     return mix.inputs[2 if engine == "CYCLES" else 1].links[0].from_node
 
 
@@ -85,7 +84,7 @@ def test_eevee_shows_the_same_network_in_stock_nodes(window):
     preview = shown_by(owner, "EEVEE")
     assert preview.bl_idname == "ShaderNodeGroup" and shown_by(owner, "CYCLES") == shader_of(owner)
     tables = preview.node_tree.name  # a removed group's place may be the next one's
-    assert preview.node_tree == network_group(tabulate(wanted_network(owner).make().resolved, HAS_DIELECTRIC))
+    assert preview.node_tree == network_group(stock_tables(wanted_network(owner).make()))
     elements.node_of(owner.lamina.base).inputs["Color"].default_value = (0.1, 0.1, 0.1, 1.0)
     rest(owner)
     assert shown_by(owner, "EEVEE").node_tree.name != tables

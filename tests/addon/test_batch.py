@@ -204,7 +204,7 @@ def test_what_fails_is_named_and_the_rest_is_done(tmp_path, blender):
     assert {scene: row["state"] for scene, row in rows.items()} == {
         "broken_Ball": "failed", "good one_Cup": "failed", "huge_Ball": "failed", "good one_Ball": "done"}
     assert "broken.blend: Blender cannot open it" in rows["broken_Ball"]["problem"]
-    assert "no object 'Cup' that takes a material; choose Backdrop, Ball" in rows["good one_Cup"]["problem"]
+    assert "no object 'Cup' that takes a surface material; choose Backdrop, Ball" in rows["good one_Cup"]["problem"]
     assert rows["huge_Ball"]["problem"]
     failed = [line for line in said.splitlines() if line.startswith("lamina batch: failed: ")]
     assert len(failed) == 3 and "1 of 4 pictures are done" in said

@@ -302,7 +302,7 @@ def test_a_linked_material_is_looked_at_and_not_touched(owner, tmp_path):
 
 
 def test_every_code_is_tested_and_every_button_works():
-    tested = {*FAULTS, "backend_missing", "node_lost", "normal_ignored", "osl_missing", "stock_behind", "texture_ignored", "shader_stale", "not_baked", "not_editable"}
+    tested = {*FAULTS, "backend_missing", "node_lost", "normal_ignored", "osl_missing", "stock_behind", "texture_ignored", "shader_stale", "not_baked", "not_editable", "usd_misled", "value_rests"}
     assert set(check.CODES) == tested
     assert set(check_mends.MENDS) == {code for code, (_, _, mending) in check.CODES.items() if mending}
 

@@ -90,12 +90,6 @@ def test_tables_name_their_model():
     assert lamina("eval", "clean_copper", "--model", "mirror", "--option", "tier=analytic", "--wo", "30,0", "--wi", "30,180")[0].startswith("mirror: f in 1/sr")
 
 
-def test_explain_refuses_more_layers_than_a_shader_takes(tmp_path):
-    (tmp_path / "many.json").write_text(json.dumps({"layers": [{"kind": "dielectric"}] * 40, "base": {"kind": "lambert"}}))
-    _, err = lamina("explain", tmp_path / "many.json", code=2)
-    assert len(err.splitlines()) == 1 and "40 layers need" in err and "choose fewer layers" in err
-
-
 def test_lists():
     assert set(json.loads(lamina("models", "--json")[0])["models"][0]) == {"name", "stochastic"}
     assert [m["name"] for m in json.loads(lamina("models", "--json")[0])["models"]] == list(MODELS)

@@ -17,7 +17,7 @@ from lamina.addon.exchange import conversion, texture_operator, textures  # noqa
 from lamina.addon.exchange.operators import REPORT_TEXT  # noqa: E402
 from lamina.addon.exchange.sources import PRINCIPLED, principled_of  # noqa: E402
 from lamina.addon.nodes.hand_over import VALUES  # noqa: E402
-from lamina.addon.nodes.roles import ROLE  # noqa: E402
+from lamina.addon.nodes.roles import ROLE, give  # noqa: E402
 from lamina.addon.rendering.geometry import plane_mesh  # noqa: E402
 from lamina.addon.rendering.images import read_png  # noqa: E402
 from lamina.addon.rendering.measure import render_furnace  # noqa: E402
@@ -57,7 +57,8 @@ def principled(item, **values) -> bpy.types.Material:
     tree.nodes.clear()
     node, output = tree.nodes.new(PRINCIPLED), tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(node.outputs[0], output.inputs["Surface"])
-    conversion.set_values(node, {key.replace("_", " "): value for key, value in values.items()})
+    for key, value in values.items():
+        give(node.inputs[key.replace("_", " ")], value)
     item.data.materials.append(material)
     return material
 

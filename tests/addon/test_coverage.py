@@ -7,15 +7,14 @@ import pytest
 pytest.importorskip("bpy")
 
 from lamina.addon.nodes import elements, material  # noqa: E402
+from lamina.addon.network.stock_nodes import stock_tables  # noqa: E402
 from lamina.addon.nodes.shader_node import shader_of  # noqa: E402
 from lamina.addon.nodes.state import is_settled, is_stale  # noqa: E402
-from lamina.addon.network.stock_nodes import HAS_DIELECTRIC  # noqa: E402
 from lamina.addon.rendering.measure import render_furnace, render_sun_sphere  # noqa: E402
 from lamina.reference_py.errors import LaminaError  # noqa: E402
 from lamina.reference_py.models import make_model  # noqa: E402
 from lamina.reference_py.network import make_network  # noqa: E402
 from lamina.reference_py.network.closure import lobe_f  # noqa: E402
-from lamina.reference_py.network.tabulate import tabulate  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
 from support.goniometer import TOLERANCE, parity  # noqa: E402
 
@@ -66,7 +65,7 @@ def test_ends_are_the_patches_and_the_middle_is_their_mean(blender, tier, backen
 
 def test_stock_nodes_equal_mirror(blender):
     new = layered([{**VARNISH, "coverage": 0.4}, {**GLAZE, "coverage": 0.7}], GREY, "weidlich_wilkie", "nodes")
-    network = tabulate(make_network(material.stack_of(new), "weidlich_wilkie"), HAS_DIELECTRIC)
+    network = stock_tables(make_network(material.stack_of(new), "weidlich_wilkie"))
 
     def f(wo, wi):
         return sum(lobe_f(lobe, wo, wi) for lobe in network.lobes(wo[..., 2])) * (wi[..., 2:] > 0.0)

@@ -19,6 +19,7 @@ from lamina.addon.nodes.roles import ROLE, Roles  # noqa: E402
 from lamina.addon.nodes.shader_node import shading_of  # noqa: E402
 from lamina.addon.rendering.geometry import plane_mesh  # noqa: E402
 from lamina.addon.rendering.measure import render_sun_sphere  # noqa: E402
+from lamina.addon.rendering.settings import node_tree  # noqa: E402
 from lamina.reference_py import presets  # noqa: E402
 from lamina.reference_py.exchange.principled import to_principled  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
@@ -191,6 +192,17 @@ def test_check_and_convert_leave_the_hand_over_alone(blender):
     assert tree.get_output_node("CYCLES").inputs["Surface"].links[0].from_node == mix_of(material)
 
 
+def test_check_names_a_node_that_usd_takes_instead(blender):
+    material = bpy.data.materials.new("m")
+    tree = node_tree(material)
+    former = next((n for n in tree.nodes if n.bl_idname == PRINCIPLED), None) or tree.nodes.new(PRINCIPLED)
+    tree.links.new(tree.nodes.new("ShaderNodeTexNoise").outputs[0], former.inputs["Roughness"])
+    materials.apply_stack(material, presets.load("glazed_mug"))
+    assert [f.words["node"] for f in check.find(material, bpy.context.scene, bpy.context.preferences) if f.code == "usd_misled"] == [former.name]
+    tree.nodes.remove(former)
+    assert not [f for f in check.find(material, bpy.context.scene, bpy.context.preferences) if f.code == "usd_misled"]
+
+
 def test_a_viewport_color_of_the_users_own_stays(blender):
     material = bpy.data.materials.new("m")
     material.diffuse_color = (1.0, 0.0, 1.0, 0.5)
@@ -218,9 +230,11 @@ def test_one_undo_takes_the_hand_over_away(blender):
 
 def test_what_fails_leaves_all_as_it_was(blender):
     material = layered("glazed_mug")
+    material.lamina.tier = "analytic"
     node_of(material.lamina.base).inputs["Color"].default_value = (5.0, 0.0, 0.0, 1.0)
     before = list(handed(material).inputs["Base Color"].default_value), material.lamina.hand_over_error
     materials.hand_over(material, settle=True)
+    assert bakes.tick() is None and not material.lamina.problem
     assert (list(handed(material).inputs["Base Color"].default_value), material.lamina.hand_over_error) == before
 
 

@@ -66,7 +66,7 @@ def observed() -> dict:
             "keys": curves.pop(roughness.path_from_id("default_value"), ()),
         })  # fmt: skip
     assert not curves, "keyframes of no layer"
-    return {"layers": rows, "active": lamina.active_layer, "solo": lamina.solo, "stack": materials.stack_of(material, hidden=True).to_dict()}
+    return {"layers": rows, "solo": lamina.solo, "stack": materials.stack_of(material, hidden=True).to_dict()}
 
 
 def kept(row: dict) -> dict:
@@ -185,8 +185,7 @@ class Session:
         if index % max(len(self._layers()), 1) == the_material().lamina.active_layer:
             return False
         the_material().lamina.active_layer = index % len(self._layers())
-        bpy.ops.ed.undo_push(message="select")
-        return True
+        return False  # it is of the window and not of the file
 
     def solo(self, index):
         if not self._layers():

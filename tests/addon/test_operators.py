@@ -141,7 +141,7 @@ SPEAKS_AGAINST_OSL = {
 def test_a_preset_switches_osl_on_and_says_so(bare):
     said = []
     bpy.context.scene.render.engine = "CYCLES"
-    operator = SimpleNamespace(stack=lambda: STACK, report=lambda kind, text: said.append((kind, text)))
+    operator = SimpleNamespace(stack=lambda: STACK, apply=materials.apply_stack, report=lambda kind, text: said.append((kind, text)))
     material_operators.StackOperator.run(operator, bpy.context)
     assert bpy.context.scene.cycles.shading_system
     assert [kind for kind, _ in said] == [{"INFO"}] and "Open Shading Language switched on" in said[0][1]
@@ -331,7 +331,8 @@ WINDOW = SimpleNamespace(region=SimpleNamespace(width=2000), preferences=SimpleN
 def drawn(what: str) -> list[str]:
     """What the panel draws for the active object, of one sort."""
     preferences = SimpleNamespace(system=WINDOW.preferences.system, addons=bpy.context.preferences.addons)
-    window = SimpleNamespace(scene=bpy.context.scene, object=bpy.context.object, region=WINDOW.region, preferences=preferences)
+    window = SimpleNamespace(scene=bpy.context.scene, object=bpy.context.object, region=WINDOW.region, preferences=preferences,
+                             window_manager=bpy.context.window_manager)
     assert panel.LAMINA_PT_material.poll(window)
     noted = []
     panel.LAMINA_PT_material.draw(SimpleNamespace(layout=Layout(noted), bl_label="Lamina"), window)

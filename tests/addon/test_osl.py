@@ -60,7 +60,7 @@ def test_sums_nest_to_the_right():
 
 
 def test_more_parameters_than_cycles_takes_are_refused():
-    with pytest.raises(LaminaError, match="32 layers need 12. shader parameters, and Cycles takes 127"):
+    with pytest.raises(LaminaError, match="32 layers need 12. shader parameters, and Cycles takes 126"):
         text_of([COAT] * 32, LAMBERT)
 
 

@@ -124,6 +124,12 @@ def assert_goniometer(material, model, name, error=TABLE_ERROR):
     assert result.percentile_99 <= error + tolerance(model.stack)
 
 
+def require_own_oren_nayar(bpy, name: str) -> None:
+    """The peers are Blender 5.3's."""
+    if "chalk" in name and bpy.app.version < (5, 3, 0):
+        pytest.skip("up to Blender 5.2 Cycles' Oren-Nayar has the cube of the color where the model has the square")
+
+
 def layer_error(bpy, name: str) -> float:
     """Relative error allowed beside noise and float32."""
     if name == "over gold" and bpy.app.version < (5, 0, 0):
@@ -135,6 +141,7 @@ def layer_error(bpy, name: str) -> float:
 
 @pytest.mark.parametrize("name", LAYERED)
 def test_layer_renders_as_cycles_layer(blender, name):
+    require_own_oren_nayar(blender, name)
     model = make_model("cycles_layer", LAYERED[name])
     material = layer_material(blender, LAYERED[name])
     error = layer_error(blender, name)
@@ -161,6 +168,7 @@ def test_blenders_coat_over_grey_is_two_thirds_too_bright(blender):
 
 @pytest.mark.parametrize("name", PRINCIPLED)
 def test_principled_renders_as_principled_coat(blender, name):
+    require_own_oren_nayar(blender, name)
     model = make_model("principled_coat", PRINCIPLED[name])
     material = principled_material(blender, model.settings())
     assert_furnace(material, model, name)

@@ -9,7 +9,7 @@ pytest.importorskip("bpy")
 from lamina.addon.nodes import layers  # noqa: E402
 from lamina.addon.nodes import material as materials  # noqa: E402
 from lamina.addon.network.node_groups import network_group  # noqa: E402
-from lamina.addon.network.stock_nodes import HAS_DIELECTRIC  # noqa: E402
+from lamina.addon.network.stock_nodes import DIFFUSE_POWER, HAS_DIELECTRIC, stock_tables  # noqa: E402
 from lamina.addon.rendering import environment, settings  # noqa: E402
 from lamina.addon.nodes.shader_node import backend_of, shader_of, surface_of  # noqa: E402
 from lamina.reference_py import presets  # noqa: E402
@@ -79,7 +79,7 @@ def check(bpy, network: TableNetwork, tolerance: float, windows=((0.0, 0.0, 1.0)
 def test_render_equals_mirror(no_osl, tier, name, tolerance):
     stack = presets.load(name)
     network = make_network(stack, tier)
-    tables = tabulate(network.resolved, HAS_DIELECTRIC)
+    tables = stock_tables(network)
 
     def windows(theta):
         return filter(None, ((0.0, 0.0, 1.0), highlight_window(stack, theta)))
@@ -122,7 +122,7 @@ def test_a_folded_dielectric(no_osl):
 
 def test_rough_diffuse_and_many_lobes(no_osl):
     many = [GlossyTable("ggx", jagged(i, 0.0, 0.2), SHAPES["jagged"]) for i in range(20)]
-    check(no_osl, TableNetwork((OrenNayarTable(jagged(5, 0.1, 0.9), 30.0), *many)), TOLERANCE)
+    check(no_osl, TableNetwork((OrenNayarTable(jagged(5, 0.1, 0.9), 30.0, DIFFUSE_POWER), *many)), TOLERANCE)
 
 
 def test_with_osl_switched_on_stock_nodes_render_the_same(blender):
@@ -176,7 +176,7 @@ def group_of(material):
 
 
 def tables_of(material):
-    return tabulate(make_network(materials.stack_of(material), material.lamina.tier), HAS_DIELECTRIC)
+    return stock_tables(make_network(materials.stack_of(material), material.lamina.tier))
 
 
 def test_without_osl_a_stack_is_made_of_stock_nodes_and_says_so(no_osl, capfd):

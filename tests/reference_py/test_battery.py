@@ -47,7 +47,7 @@ ENERGY_EXCESS = {
     "mirror:weidlich_wilkie": 0.32,
     "torrance_sparrow": 0.39,
     "cycles_layer": 0.07,
-    "principled_coat": 0.22,
+    "principled_coat": 0.23,
     "schlick": 0.41,
 }
 

@@ -36,9 +36,10 @@ def test_the_top_interface_is_exact(layer):
 
 @pytest.mark.parametrize("base", [{"kind": "lambert"}, {"kind": "oren_nayar", "sigma_deg": 35}])
 def test_a_bare_diffuse_base_is_exact(base):
+    """An Oren-Nayar one to what a dark lobe has of light that meets several facets, 2e-6."""
     stack = Stack.from_dict({"base": base})
     wo, wi = pairs()
-    assert make_model("mirror", stack, tier="weidlich_wilkie").f(wo, wi) == pytest.approx(make_model("weidlich_wilkie", stack).f(wo, wi), rel=1e-9)
+    assert make_model("mirror", stack, tier="weidlich_wilkie").f(wo, wi) == pytest.approx(make_model("weidlich_wilkie", stack).f(wo, wi), rel=5e-6)
 
 
 def test_equal_indices_change_nothing():
@@ -68,7 +69,7 @@ def test_weights_are_finite_and_never_negative_from_normal_to_grazing():
     for base in (BLACK, {"kind": "oren_nayar"}, {"kind": "conductor", "metal": "silver", "roughness": 1.0}):
         network = make_network(Stack.from_dict({"layers": layers, "base": base}), "weidlich_wilkie")
         lobes = network.lobes(np.cos(np.radians([0.0, 45.0, 85.0, 89.9, 90.0])))
-        assert len(lobes) == network.lobe_count == 9
+        assert len(lobes) == network.lobe_count == (10 if base["kind"] == "oren_nayar" else 9)
         for lobe in lobes:
             assert np.all(np.isfinite(lobe.weight)) and np.all(lobe.weight >= 0.0)
 

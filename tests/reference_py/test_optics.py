@@ -7,7 +7,8 @@ import pytest
 from lamina.reference_py.frame import spherical
 from lamina.reference_py.optics.quadrature import directional_albedo
 from lamina.reference_py.optics import microfacet
-from lamina.reference_py.optics.diffuse import oren_nayar, oren_nayar_1994
+from lamina.reference_py.network.lobe import DARK
+from lamina.reference_py.optics.diffuse import CYCLES_5_2_POWER, OREN_NAYAR_POWER, oren_nayar, oren_nayar_1994, oren_nayar_shares
 from lamina.reference_py.optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
 
 COS = np.linspace(0.0, 1.0, 101)
@@ -60,6 +61,28 @@ def test_white_oren_nayar_keeps_all_light_and_is_reciprocal(sigma_deg):
     a, b = (spherical(rng.uniform(0, 1.5, 50), rng.uniform(0, 6, 50)) for _ in range(2))
     color = np.array([0.2, 0.5, 0.9])
     assert oren_nayar(a, b, color, sigma_deg) == pytest.approx(oren_nayar(b, a, color, sigma_deg))
+
+
+@pytest.mark.parametrize("color, sigma_deg, expected", [(0.5, 90.0, 0.4510), (0.18, 60.0, 0.1554)])
+def test_between_facets_oren_nayar_has_the_square_of_the_color(color, sigma_deg, expected):
+    """Albedos along the normal that Blender 5.3's own closure renders; with the cube they were .4298 and .1516."""
+    normal, found = np.array([0.0, 0.0, 1.0]), []
+    for power in (OREN_NAYAR_POWER, CYCLES_5_2_POWER):
+        found.append(directional_albedo(lambda o, i: oren_nayar(i, o, (color,) * 3, sigma_deg, power), normal, [])[0])
+    print(f"square {found[0]:.4f}, cube {found[1]:.4f}")
+    assert found[0] == pytest.approx(expected, abs=1e-4)
+
+
+def test_white_and_one_facet_make_every_oren_nayar():
+    """In every power; so what is made of a white and a dark closure is the same in every Blender."""
+    rng = np.random.default_rng(2)
+    a, b = (spherical(rng.uniform(0, 1.5, 50), rng.uniform(0, 6, 50)) for _ in range(2))
+    color = np.array([0.2, 0.5, 0.95])
+    white, single = oren_nayar_shares(color, 60.0)
+    for power in (OREN_NAYAR_POWER, CYCLES_5_2_POWER):
+        parts = white * oren_nayar(a, b, np.ones(3), 60.0, power) + single * oren_nayar(a, b, np.full(3, DARK), 60.0, power) / DARK
+        assert parts == pytest.approx(oren_nayar(a, b, color, 60.0), rel=1e-5)
+    assert np.all(white > 0.0) and np.all(single > 0.0)
 
 
 def test_oren_nayar_of_1994_scatters_back():

@@ -9,12 +9,12 @@ import pytest
 from lamina.reference_py import presets
 from lamina.reference_py.frame import spherical
 from lamina.reference_py.network import make_network
-from lamina.reference_py.network.closure import unit_energy
-from lamina.reference_py.network.lobe import DielectricCurve, DiffuseLobe, GlossyLobe, SchlickCurve
+from lamina.reference_py.network.closure import lobe_f, unit_energy
+from lamina.reference_py.network.lobe import DielectricCurve, GlossyLobe, SchlickCurve, oren_nayar_lobes
 from lamina.reference_py.network.table import DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork, interpolate, knot_cosines
 from lamina.reference_py.network.tabulate import NARROWEST_CURVE, tabulate
-from lamina.reference_py.optics.diffuse import oren_nayar, oren_nayar_albedo
-from lamina.reference_py.optics.quadrature import directional_albedo
+from lamina.reference_py.optics.diffuse import CYCLES_5_2_POWER, OREN_NAYAR_POWER, oren_nayar, oren_nayar_albedo
+from lamina.reference_py.optics.quadrature import cosine_directions, directional_albedo, points
 
 COSINES = knot_cosines()
 
@@ -72,16 +72,30 @@ def test_tilt_and_widths_come_back():
     assert table.lobe(COSINES[1:]).tilt == pytest.approx(tilt[1:])
 
 
+@pytest.mark.parametrize("power", [OREN_NAYAR_POWER, CYCLES_5_2_POWER])
 @pytest.mark.parametrize("sigma_deg", [0.0, 30.0])
-def test_oren_nayar_keeps_its_energy(sigma_deg):
+def test_oren_nayar_keeps_its_energy(sigma_deg, power):
     weight, color = (0.2 + 0.7 * COSINES)[:, None] * np.array([1.0, 0.9, 0.8]), (0.3, 0.6, 0.9)
-    (table,) = tabulate(network_of(DiffuseLobe(weight, color, sigma_deg))).tables
+    (table,) = tabulate(network_of(*oren_nayar_lobes(weight, color, sigma_deg)), power=power).tables
     expected = weight * oren_nayar_albedo(COSINES, color, sigma_deg)
     if sigma_deg:
         assert isinstance(table, OrenNayarTable)
-        assert oren_nayar_albedo(COSINES, table.weight, sigma_deg) == pytest.approx(expected, rel=1e-6)
+        assert oren_nayar_albedo(COSINES, table.weight, sigma_deg, power) == pytest.approx(expected, rel=1e-4)
     else:
         assert table.weight == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("color", [0.05, 0.3, 0.5, 0.7, 0.9])
+def test_older_nodes_keep_the_shape_of_oren_nayar(color):
+    """The color that mends the energy of nodes up to Blender 5.2 leaves an L1 error of 1.3 %; without it the error is 4 %."""
+    wi = cosine_directions(*points(2048))
+    (table,) = tabulate(network_of(*oren_nayar_lobes(np.ones(3), (color,) * 3, 90.0)), power=CYCLES_5_2_POWER).tables
+    for theta_deg in (0.0, 40.0, 60.0, 80.0):
+        wo = np.broadcast_to(spherical(np.radians(theta_deg), 0.0), wi.shape)
+        exact = oren_nayar(wi, wo, (color,) * 3, 90.0)
+        error = np.mean(np.abs(lobe_f(table.lobe(wo[:, 2]), wo, wi) - exact)) / np.mean(exact)
+        print(f"color {color:g}, {theta_deg:g} degrees: {100.0 * error:.2f} %")
+        assert error < 0.013
 
 
 def test_tables_stay_and_lobes_without_weight_go():
@@ -93,11 +107,13 @@ def test_tables_stay_and_lobes_without_weight_go():
 
 @pytest.mark.parametrize("name", presets.PAPER)
 def test_between_knots_tables_follow_the_network(name):
-    """Of the last lobe, which has no Fresnel curve: the middles of all cells, relative to the greatest weight."""
+    """Of the base, which has no Fresnel curve: the middles of all cells, relative to the greatest weight."""
     network = make_network(presets.load(name), "weidlich_wilkie")
     between = np.square((np.arange(1, len(COSINES) - 1) + 0.5) / (len(COSINES) - 1))
-    lobe, table = network.lobes(between)[-1], tabulate(network).tables[-1]
-    exact = lobe.weight if isinstance(table, GlossyTable) or lobe.color is None else oren_nayar_albedo(between, lobe.color, lobe.sigma_deg) * lobe.weight
+    lobes, table = network.lobes(between), tabulate(network).tables[-1]
+    exact = lobes[-1].weight
+    if isinstance(table, OrenNayarTable):
+        exact = sum(oren_nayar_albedo(between, lobe.color, lobe.sigma_deg) * lobe.weight for lobe in lobes[-2:])
     value = interpolate(table.weight, between)
     if isinstance(table, OrenNayarTable):
         value = oren_nayar_albedo(between, value, table.sigma_deg)

@@ -11,7 +11,7 @@ import bpy
 import lamina
 from lamina.addon import registration
 from lamina.addon.check import check
-from lamina.addon.library.preset_catalogues import CATALOGUES
+from lamina.addon.library.preset_catalogues import CATALOGUES, OWN
 from lamina.addon.nodes.properties import choice_label
 from lamina.addon.rendering import environment
 from lamina.addon.ui.panel_values import UNITS
@@ -25,7 +25,7 @@ _TRANSLATING = {"iface_", "rpt_", "tip_", "pgettext_iface", "pgettext_rpt", "pge
 
 def strings() -> set[str]:
     """All of them."""
-    found = {*_of_schema(), *_of_classes(), *_of_checks(), *CATALOGUES, *UNITS.values(), environment.NO_CYCLES, environment.NO_OSL, environment.NO_QUERY}
+    found = {*_of_schema(), *_of_classes(), *_of_checks(), *CATALOGUES, OWN, *UNITS.values(), environment.NO_CYCLES, environment.NO_OSL, environment.NO_QUERY}
     for folder in _SHOWN:
         for path in sorted((ADDON / folder).glob("*.py")):
             found |= set(_of_source(path))

@@ -11,6 +11,7 @@ _STATE = Path(os.environ["LAMINA_STATE"])
 _count = 0
 _quick = False
 _copied = [0, ""]
+_evaluated = 0
 
 preferences = bpy.context.preferences
 preferences.view.show_splash = False
@@ -22,6 +23,16 @@ for area in bpy.context.screen.areas:
 cube = bpy.data.objects["Cube"]
 bpy.context.view_layer.objects.active = cube
 cube.data.materials.clear()
+
+
+@bpy.app.handlers.persistent
+def count(_scene, depsgraph) -> None:
+    """Every time that Blender evaluates a material, a render in a window begins anew."""
+    global _evaluated
+    _evaluated += depsgraph.id_type_updated("MATERIAL")
+
+
+bpy.app.handlers.depsgraph_update_post.append(count)
 
 
 def biggest() -> bpy.types.Area:
@@ -59,6 +70,7 @@ def tell() -> float:
         "stack": lamina.stack_name if lamina is not None else "",
         "layers": [layer.name for layer in lamina.layers] if lamina is not None else [],
         "active": lamina.active_layer if lamina is not None else -1,
+        "evaluated": _evaluated,
         "findings": findings(material),
     }  # fmt: skip
     temporary = _STATE.with_suffix(".new")

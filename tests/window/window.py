@@ -163,6 +163,9 @@ def use(window: Window) -> None:
     assert state["layers"] == [before[1], before[0], *before[2:]] and state["active"] == 1, state
     told(f"move: {', '.join(state['layers'])}")
 
+    select_rows(window, state)
+    told("select: the row that was clicked, and no material was evaluated")
+
     window.mouse("mousemove", x, panel["bottom"] - 10)
     for undone, wanted in ((1, before), (2, before[1:]), (3, first)):
         window.key("ctrl+z")
@@ -188,6 +191,17 @@ def add_layer(window: Window, letter: str, count: int) -> dict:
         except AssertionError:
             window.key("Escape")
     raise AssertionError(f"no layer was added; the last state: {window.state()}")
+
+
+def select_rows(window: Window, before: dict) -> None:
+    """Click rows of the list, left of its buttons, of which the one that removes a layer is as high as the second row."""
+    x, y = window.find_button("lamina.layer_remove")
+    time.sleep(1.0)
+    evaluated = window.state()["evaluated"]
+    for row in (2, 0, 1):
+        window.click(before["panel"]["left"] + 100, y + (row - 1) * ROW)
+        window.wait_for(f"row {row}", lambda s, r=row: s["active"] == r, patience=15.0)
+    assert window.state()["evaluated"] == evaluated, (evaluated, window.state())
 
 
 def move_down(window: Window, before: list[str]) -> dict:

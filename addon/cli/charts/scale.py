@@ -68,7 +68,7 @@ def measure(study: str, n: int) -> None:
     if study == "pictures":
         result = _pictures(n)
     else:
-        from ...cache import cache_folder
+        from ...user_folders import cache_folder
         from ..session import blender
 
         keep_in(cache_folder())

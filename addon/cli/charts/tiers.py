@@ -9,7 +9,7 @@ from ....reference_py import presets
 from ....reference_py.atomic import require_writable
 from ....reference_py.models.adding.model import Adding
 from ....reference_py.network import HOLD_VALUES, TIERS, AnalyticNetwork, make_network
-from ....reference_py.network.baking import Baker, is_one_closure
+from ....reference_py.network.baking import Baker, is_bare_oren_nayar
 from ....reference_py.network.judge import Errors, Judge
 from ....reference_py.stack import Stack
 from ....reference_py.suite import suite
@@ -46,7 +46,7 @@ def _rows(stack: Stack) -> list[list[str]]:
     judge = Judge(stack, truth, np.cos(np.radians(THETA_DEG)))
     networks = {tier: make_network(stack, tier) for tier in TIERS if tier not in HOLD_VALUES}
     baker = Baker(stack, truth)
-    exact = AnalyticNetwork(stack) if is_one_closure(stack) else None
+    exact = AnalyticNetwork(stack) if is_bare_oren_nayar(stack) else None
     networks |= {f"baked, {count} glossy": exact or baker.bake(count).network for count in GLOSSY}
     return [[tier, str(network.lobe_count), *_cells(judge.errors(network))] for tier, network in networks.items()]
 

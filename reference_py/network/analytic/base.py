@@ -12,13 +12,12 @@ from functools import cache
 import numpy as np
 
 from ...optics.fresnel import fresnel_conductor
-from ...optics.microfacet import GGX, smith_lambda
+from ...optics.microfacet import GGX, smith_lambda_stretched
 from .beam import Crossing, attenuation, cosine, through
 from .calibration import (
-    BASE_LOSS, EXIT_SPREAD, KEPT_ORDER, KEPT_SCALE, LEAST_COS, MOST_LOBE_SHARE, NODE_SPREAD, STIR_BACK,
+    BASE_LOSS, BRUSHED_KEPT, EXIT_SPREAD, KEPT_ORDER, KEPT_SCALE, LEAST_COS, MOST_LOBE_SHARE, NODE_SPREAD, STIR_BACK,
     STIR_POWER, STIR_SCALE,
 )
-from .tables import closure_energy
 
 # Gauss nodes over the cosine outside, over the light trapped below, and over the lobe of a base.
 ESCAPING, TRAPPED = 4, 3
@@ -119,6 +118,16 @@ def polynomial_fit(count: int) -> np.ndarray:
 
 
 @dataclass(frozen=True)
+class Facets:
+    """A metal's facets as beams (...) see them: their alphas along and across the plane of incidence, and the share `white` (...)
+    of light that one facet of a white surface lets go; `gap` is the difference of the alphas' squares over their sum."""
+
+    sides: tuple[np.ndarray | float, np.ndarray | float]
+    white: np.ndarray
+    gap: float = 0.0
+
+
+@dataclass(frozen=True)
 class MetalLobe:
     """Energies (..., 3) of light that a metal base sends out through the layers, per unit that reaches it."""
 
@@ -128,21 +137,21 @@ class MetalLobe:
     """After more of them."""
 
 
-def bare_metal(cos_theta, alpha: float, kind: str, eta: np.ndarray, k: np.ndarray) -> np.ndarray:
+def bare_metal(cos_theta, alpha: float, kind: str, eta: np.ndarray, k: np.ndarray, facets: Facets) -> np.ndarray:
     """Directional albedo (..., 3) of a lossless-faceted metal without layers."""
     p = np.sqrt(1.0 - np.square(cos_theta))
-    once, more, _ = _reflected(p, 0.0 * p, 1.0, alpha, kind, kind, eta, k)
+    once, more, _ = _reflected(p, 0.0 * p, 1.0, alpha, kind, kind, eta, k, facets)
     return np.sum(once, axis=-2) + more
 
 
-def metal_lobe(up: Sequence[Crossing], n_base: float, p, variance, alpha: float, kind: str, eta, k) -> MetalLobe:
-    """The base's lobe for beams (...) that reach it; eta, k (3,) are relative to the medium above it.
+def metal_lobe(up: Sequence[Crossing], n_base: float, p, variance, alpha: float, kind: str, eta, k, seen: Facets) -> MetalLobe:
+    """The base's lobe for beams (...) that reach it and see its facets; eta, k (3,) are relative to the medium above it.
 
     The lobe is carried out through the layers at a few of its directions. Its later orders return along the
     directions that were reflected, mixed with uniform light the more the wider the lobe is.
     """
     widened = np.sqrt(variance * EXIT_SPREAD) / (2.0 * n_base * cosine(p, n_base))
-    share, facets, p_out = _reflected(p, widened, n_base, alpha, kind, up[0].kind, eta, k)
+    share, facets, p_out = _reflected(p, widened, n_base, alpha, kind, up[0].kind, eta, k, seen)
     total_alpha = np.minimum(np.sqrt(alpha * alpha + np.square(widened)), 1.0)
     width = (NODE_SPREAD * 2.0 * n_base * cosine(p, n_base) * total_alpha)[..., None] * lobe_nodes()[4]
     below = layers_below(up, n_base)
@@ -163,18 +172,28 @@ def metal_lobe(up: Sequence[Crossing], n_base: float, p, variance, alpha: float,
     return MetalLobe(first, (back + facets * back_d) * albedo * out_again / (1.0 - albedo * back_again))
 
 
-def _reflected(p, widened, n: float, alpha: float, kind: str, kind_above: str, eta, k):
+def _reflected(p, widened, n: float, alpha: float, kind: str, kind_above: str, eta, k, facets: Facets):
     """What a metal reflects: by one facet, per node (..., Q, 3), by more of them (..., 3), and p of the nodes (..., Q)."""
-    seen, hidden, p_out, cos_om = _lobe_nodes(p, widened, n, alpha, kind, kind_above)
+    seen, hidden, p_out, cos_om = _lobe_nodes(p, widened, n, kind, kind_above, facets)
     fresnel = fresnel_conductor(cos_om[..., None], eta, k)
     again = np.sum(hidden[..., None] * fresnel, axis=-2)
-    return seen[..., None] * fresnel, again * _later_facets(alpha, eta, k), p_out
+    later = _later_facets(alpha, eta, k)
+    later = later + facets.gap * (_later_brushed(again, 1.0 - facets.white[..., None]) - later)
+    return seen[..., None] * fresnel, again * later, p_out
 
 
 def _later_facets(alpha: float, eta, k) -> np.ndarray:
     """Share (3,) of light that leaves a metal after it met one facet and was not let go (after Kulla and Conty 2017)."""
     mean = np.sum(MEAN_WEIGHTS[:, None] * fresnel_conductor(MEAN_COSINES[:, None], eta, k), axis=0)
     kept = BASE_LOSS * alpha * alpha / (1.0 + (1.0 + BASE_LOSS) * alpha * alpha)
+    return mean * (1.0 - kept) / (1.0 - mean * kept)
+
+
+def _later_brushed(again: np.ndarray, hidden: np.ndarray) -> np.ndarray:
+    """The same share (..., 3) where facets are anisotropic, whose light stays near the plane it came in: `again` (..., 3) is what the
+    first facet reflected of the share `hidden` (..., 1) that it did not let go."""
+    mean = again / np.maximum(hidden, 1e-9)
+    kept = BRUSHED_KEPT * hidden
     return mean * (1.0 - kept) / (1.0 - mean * kept)
 
 
@@ -192,7 +211,7 @@ def lobe_nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.nda
     )  # fmt: skip
 
 
-def _lobe_nodes(p, widened, n: float, alpha: float, kind: str, kind_above: str):
+def _lobe_nodes(p, widened, n: float, kind: str, kind_above: str, facets: Facets):
     """(seen, hidden, p, cosine on the facet), each (..., Q): directions of a metal's lobe from its visible facets.
 
     `seen` is the share of light that one facet lets go, `hidden` that which meets another.
@@ -201,23 +220,26 @@ def _lobe_nodes(p, widened, n: float, alpha: float, kind: str, kind_above: str):
     u, node_weight, turn_x, turn_y, _ = lobe_nodes()
     slope2 = {True: u / (1.0 - u), False: -np.log1p(-u)}
     own, above = slope2[kind == GGX], slope2[kind_above == GGX]
-    stretch = alpha * np.sqrt(own / slope2[True])
-    apart = np.sqrt(alpha * alpha * own + np.square(widened[..., None]) * above) - alpha * np.sqrt(own)
+    scale = np.sqrt(own / slope2[True])
+    along, across = (np.asarray(alpha)[..., None] for alpha in facets.sides)
+    apart_x, apart_y = (np.sqrt(a * a * own + np.square(widened[..., None]) * above) - a * np.sqrt(own) for a in (along, across))
+    along, across = along * scale, across * scale
     c, s = cosine(p, n)[..., None], np.minimum(p / n, 1.0)[..., None]
-    length = np.sqrt(np.square(stretch * s) + c * c)
-    ax, az = stretch * s / length, c / length
+    length = np.sqrt(np.square(along * s) + c * c)
+    ax, az = along * s / length, c / length
     hz = (1.0 - u) * (1.0 + az)
     sin = np.sqrt(np.maximum(1.0 - np.square(hz - az), 0.0))
-    hx, hy = stretch * (sin * turn_x + ax), stretch * sin * turn_y
+    hx, hy = along * (sin * turn_x + ax), across * sin * turn_y
     length = np.sqrt(hx * hx + hy * hy + hz * hz)
     hx, hy, hz = hx / length, hy / length, hz / length
     cos_om = s * hx + c * hz
-    iz = 2.0 * cos_om * hz - c
-    lambda_o, lambda_i = smith_lambda(c, stretch, GGX), smith_lambda(np.maximum(iz, LEAST_COS), stretch, GGX)
+    iz, ix, iy = 2.0 * cos_om * hz - c, 2.0 * cos_om * hx - s, 2.0 * cos_om * hy
+    lambda_o = smith_lambda_stretched(np.square(along * s / c), GGX)
+    lambda_i = smith_lambda_stretched((np.square(along * ix) + np.square(across * iy)) / np.square(np.maximum(iz, LEAST_COS)), GGX)
     seen = np.where(iz > 0.0, (1.0 + lambda_o) / (1.0 + lambda_o + lambda_i), 0.0)
-    ix, iy = 2.0 * cos_om * hx - s + 2.0 * c * apart * turn_x, 2.0 * cos_om * hy + 2.0 * c * apart * turn_y
-    # the nodes know the lobe's shape, the table its energy
-    energy = closure_energy(c[..., 0], alpha, kind)[..., None]
+    ix, iy = ix + 2.0 * c * apart_x * turn_x, iy + 2.0 * c * apart_y * turn_y
+    # the nodes know the lobe's shape, the tables its energy
+    energy = facets.white[..., None]
     hidden = node_weight * (1.0 - seen)
     hidden = hidden * (1.0 - energy) / np.maximum(np.sum(hidden, axis=-1, keepdims=True), 1e-9)
     seen = node_weight * seen

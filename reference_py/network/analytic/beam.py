@@ -12,7 +12,7 @@ stack is white. The constants are in `calibration.py`, fitted to `models.adding`
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -85,15 +85,14 @@ def refracted(p, variance, crossing: Crossing):
     a, b, c = LEAN_GGX if crossing.kind == GGX else LEAN_BECKMANN
     lean = turn * a * tangent / (1.0 + b * alpha + c * tangent * (alpha if crossing.kind == GGX else 1.0))
     variance = variance + LOBE_SPREAD * np.square(turn / (1.0 + SPREAD_GRAZING * tangent))
-    if alpha > 0.0:
-        p = np.minimum(p, MOST_SHARE * n2)
+    p = np.where(np.asarray(alpha) > 0.0, np.minimum(p, MOST_SHARE * n2), p)
     room = np.maximum(MOST_SHARE * n2 - p, 1e-3)
     p = np.where(lean > 0.0, p + room * (1.0 - np.exp(-np.maximum(lean, 0.0) / room)), np.maximum(p + lean, 0.0))
     return np.minimum(p, 0.9999 * n2), variance
 
 
-def through(crossings: Sequence[Crossing], p: np.ndarray, variance: np.ndarray) -> Passage:
-    """Send beams (...) through interfaces, all orders of reflection between them.
+def through(crossings: Sequence[Crossing], p: np.ndarray, variance: np.ndarray, seen_alpha: np.ndarray | None = None) -> Passage:
+    """Send beams (...) through interfaces, all orders of reflection between them; `seen_alpha` (...) is what they see of the first.
 
     What an interface turns back must pass those before it: their reflectance from behind is evaluated for a beam
     widened by that reflection, its totally reflected part for one beyond the critical angle.
@@ -106,7 +105,8 @@ def through(crossings: Sequence[Crossing], p: np.ndarray, variance: np.ndarray) 
         n1, eta = crossing.n_own, crossing.n_other / crossing.n_own
         if eta != 1.0:
             c1 = cosine(p, n1)
-            r12 = widened_reflectance(c1, variance, n1, eta, crossing.alpha, crossing.kind)
+            seen = crossing if index or seen_alpha is None else replace(crossing, alpha=seen_alpha)
+            r12 = widened_reflectance(c1, variance, n1, eta, seen.alpha, crossing.kind)
             if before is not None:
                 returned = _returned_reflectance(before[0], crossing, c1, variance, r12)[..., None]
                 back, out = _close(returned, *before[1:])
@@ -119,7 +119,7 @@ def through(crossings: Sequence[Crossing], p: np.ndarray, variance: np.ndarray) 
                 inner = inner + lobe
                 spread = spread + np.mean(lobe, axis=-1) * (2.0 * variance + np.square(2.0 * n1 * c1 * crossing.alpha))
             transmitted = transmitted * (1.0 - r12) * trips
-            p, variance = refracted(p, variance, crossing)
+            p, variance = refracted(p, variance, seen)
             before = [crossing, (1.0 - r12) * trips * back, out * trips, np.ones(shape)]
         if np.any(crossing.tau):
             left = attenuation(crossing.tau, p, variance, crossing.n_other)

@@ -52,6 +52,9 @@ KEPT_ORDER, KEPT_SCALE = 0.713, 0.003982
 BASE_LOSS = 0.1336
 """1 / (1 + this alpha^2 / (1 + alpha)) is about the mean energy of one reflection on a rough metal."""
 LEAST_COS = 1e-3
+BRUSHED_KEPT = 0.7
+"""Of light that an anisotropic metal's first facet does not let go, its share, this often, is the share that later ones keep. Fitted to
+`position_free`: metals of .9, .6 and .2, roughness .35 to .9, to 80 degrees at 0, 45 and 90 of azimuth, worst 1.1, 5 and 14 % of the albedo."""
 
 # --- lobes outside (network.py) ---
 LOBE_BEND = 0.8

@@ -16,7 +16,10 @@ from ...optics.fresnel import fresnel_dielectric
 from ...optics.microfacet import BECKMANN, GGX
 from ..closure import unit_energy
 from ..lobe import DielectricCurve, GlossyLobe
-from .tables import ALPHA, CLOSURE_CELLS, FILE, RHO, UNIT, T, V, cosine_of_critical_variable
+from .tables import (
+    ALPHA, BRUSHED_ALPHAS, BRUSHED_AZIMUTHS, BRUSHED_COSINES, BRUSHED_RATIOS, CLOSURE_CELLS, FILE, LEAST_RATIO, RHO, UNIT, T, V,
+    cosine_of_critical_variable,
+)
 
 _RESOLUTION = Resolution(modes=1, across=16, along=36)
 _GRID_NODES = 12
@@ -57,8 +60,24 @@ def _tables_of(kind: str) -> dict[str, list[int]]:
     even = np.square(np.arange(CLOSURE_CELLS + 1) / CLOSURE_CELLS)
     for j, alpha in enumerate(even[1:], start=1):
         closure[j] = unit_energy(GlossyLobe(kind, np.ones(3), alpha, alpha), np.maximum(even, _GRAZING))[:, 0]
-    tables = {"thin": thin, "dense": dense, "diffuse": diffuse, "gain": gain, "closure": closure}
+    tables = {"thin": thin, "dense": dense, "diffuse": diffuse, "gain": gain, "closure": closure, "brushed": _brushed(kind)}
     return {name: np.rint(table / UNIT).astype(int).ravel().tolist() for name, table in tables.items()}
+
+
+def _brushed(kind: str) -> np.ndarray:
+    """Energy of an anisotropic white closure minus that of the isotropic one of as much variance."""
+    cosines = np.maximum(np.square(np.arange(BRUSHED_COSINES + 1) / BRUSHED_COSINES), _GRAZING)
+    alphas = np.square(np.arange(BRUSHED_ALPHAS + 1) / BRUSHED_ALPHAS)
+    ratios = LEAST_RATIO ** (np.arange(BRUSHED_RATIOS + 1) / BRUSHED_RATIOS)
+    table = np.zeros((len(BRUSHED_AZIMUTHS), len(alphas), len(ratios), len(cosines)))
+    for j, alpha in enumerate(alphas[1:], start=1):
+        isotropic = unit_energy(GlossyLobe(kind, np.ones(3), alpha, alpha), cosines)[:, 0]
+        for k, ratio in enumerate(ratios[1:], start=1):
+            alpha_x = alpha * np.sqrt(2.0 / (1.0 + ratio * ratio))
+            lobe = GlossyLobe(kind, np.ones(3), alpha_x, alpha_x * ratio, frame=0.0)
+            for i, phi in enumerate(BRUSHED_AZIMUTHS):
+                table[i, j, k] = unit_energy(lobe, cosines, phi)[:, 0] - isotropic
+    return table
 
 
 def _gain(cos_theta, alpha, eta, kind) -> np.ndarray:

@@ -31,18 +31,26 @@ ALPHA = np.square(np.arange(ALPHA_CELLS + 1) / ALPHA_CELLS)
 T = np.linspace(0.0, 1.0, 25)
 V = np.linspace(-1.0, 1.0, 17)
 CLOSURE_CELLS = 16
+# Anisotropic closures: azimuths of the view from their rougher axis, and cells over the root of the isotropic alpha of as much
+# variance, over the logarithm of the alphas' ratio, down to LEAST_RATIO, and over the root of the cosine.
+BRUSHED_AZIMUTHS = np.radians([0.0, 45.0, 70.0, 90.0])
+BRUSHED_ALPHAS, BRUSHED_RATIOS, BRUSHED_COSINES, LEAST_RATIO = 10, 8, 12, 0.1
+# Of `azimuth_place`: below this it is a straight line.
+LEAST_KAPPA = 0.01
 
 
 @lru_cache(maxsize=1)
 def tables() -> dict[str, dict[str, np.ndarray]]:
     """By distribution, over (RHO, ALPHA, T or V): `thin` and `dense`, reflectance minus the smooth one;
     `diffuse` (RHO, ALPHA), that of uniform light from the thinner side; `gain`, energy of an interface over that
-    of its closure, minus 1; `closure`, energy of a white closure over the roots of alpha and cosine, both even in 0..1."""
+    of its closure, minus 1; `closure`, energy of a white closure over the roots of alpha and cosine, both even in 0..1;
+    `brushed`, what that of an anisotropic one is more, over (BRUSHED_AZIMUTHS, alpha, ratio, cosine)."""
     data = json.loads(FILE.read_text(encoding="utf-8"))
     surfaces = (len(RHO), len(ALPHA))
     shapes = {
         "thin": (*surfaces, len(T)), "dense": (*surfaces, len(V)), "diffuse": surfaces,
         "gain": (*surfaces, len(T)), "closure": (CLOSURE_CELLS + 1, CLOSURE_CELLS + 1),
+        "brushed": (len(BRUSHED_AZIMUTHS), BRUSHED_ALPHAS + 1, BRUSHED_RATIOS + 1, BRUSHED_COSINES + 1),
     }  # fmt: skip
     return {
         kind: {name: UNIT * np.array(data[kind][name], float).reshape(shape) for name, shape in shapes.items()}
@@ -75,14 +83,14 @@ def cosine_of_critical_variable(v, eta: float) -> np.ndarray:
     return np.sqrt(np.where(v < 0.0, critical2 * (1.0 - np.square(v)), critical2 + np.square(v) * eta * eta))
 
 
-def diffuse_reflectance(alpha: float, eta: float, kind: str) -> float:
+def diffuse_reflectance(alpha, eta: float, kind: str) -> np.ndarray:
     """Reflectance of a rough interface for uniform light; from the denser side by reciprocity."""
     if eta == 1.0:
         return 0.0
     table = tables()[kind]["diffuse"]
     (i, f), (j, g) = _surface_cell(eta, alpha)
     thin = (1.0 - f) * ((1.0 - g) * table[i, j] + g * table[i, j + 1]) + f * ((1.0 - g) * table[i + 1, j] + g * table[i + 1, j + 1])
-    return float(thin if eta > 1.0 else 1.0 - (1.0 - thin) * eta * eta)
+    return thin if eta > 1.0 else 1.0 - (1.0 - thin) * eta * eta
 
 
 def top_gain(cos_theta_o, alpha, eta: float, kind: str) -> np.ndarray:
@@ -96,6 +104,50 @@ def closure_energy(cos_theta_o, alpha, kind: str) -> np.ndarray:
     i, f = _even_cell(np.sqrt(np.clip(alpha, 0.0, 1.0)) * CLOSURE_CELLS, CLOSURE_CELLS + 1)
     j, g = _even_cell(np.sqrt(np.clip(cos_theta_o, 0.0, 1.0)) * CLOSURE_CELLS, CLOSURE_CELLS + 1)
     return (1.0 - f) * ((1.0 - g) * table[i, j] + g * table[i, j + 1]) + f * ((1.0 - g) * table[i + 1, j] + g * table[i + 1, j + 1])
+
+
+def brushed_energy(cos_theta_o, phi, alpha_x, alpha_y, kind: str) -> np.ndarray:
+    """The same (...) of an anisotropic one, for views at azimuths phi (...) from its x axis; alpha_x >= alpha_y.
+
+    Good to .4 % in 95 of 100 views to 82 degrees of random surfaces, 1.1 % in the worst (tests/reference_py/test_anisotropy.py).
+    """
+    cos_theta_o, cos_2phi, x2, y2 = np.broadcast_arrays(np.clip(cos_theta_o, 1e-4, 1.0), np.cos(2.0 * np.asarray(phi)), np.square(alpha_x), np.square(alpha_y))
+    mean, gap = 0.5 * (x2 + y2), 0.5 * (x2 - y2)
+    alpha, ratio = np.sqrt(mean), np.sqrt(y2 / np.maximum(x2, 1e-20))
+    cells = [
+        _even_cell(np.sqrt(np.clip(alpha, 0.0, 1.0)) * BRUSHED_ALPHAS, BRUSHED_ALPHAS + 1),
+        _even_cell(np.log(np.clip(ratio, LEAST_RATIO, 1.0)) / np.log(LEAST_RATIO) * BRUSHED_RATIOS, BRUSHED_RATIOS + 1),
+        _even_cell(np.sqrt(cos_theta_o) * BRUSHED_COSINES, BRUSHED_COSINES + 1),
+    ]
+    more = 0.0
+    for corner in np.ndindex(2, 2, 2):
+        weight = np.prod([f if one else 1.0 - f for one, (_, f) in zip(corner, cells)], axis=0)
+        more = more + weight * tables()[kind]["brushed"][(slice(None), *(i + one for one, (i, _) in zip(corner, cells)))]
+    tan2 = 1.0 / np.square(cos_theta_o) - 1.0
+    places = [azimuth_place(c, tan2, mean, gap) for c in np.cos(2.0 * BRUSHED_AZIMUTHS)]
+    total = closure_energy(cos_theta_o, alpha, kind)
+    for j, basis in enumerate(_lagrange(azimuth_place(cos_2phi, tan2, mean, gap), places)):
+        total = total + basis * more[j]
+    return total
+
+
+def azimuth_place(cos_2phi, tan2, mean, gap) -> np.ndarray:
+    """In what energies are smooth over the azimuth: the logarithm of the length of the view that the surface's alphas stretch.
+
+    `mean` of both alphas' squares, `gap` half their difference, tan2 of the view; scaled to be cos_2phi where that is nothing.
+    """
+    kappa = np.maximum(tan2 * gap / (1.0 + tan2 * mean), LEAST_KAPPA)
+    stretched = np.log((1.0 + tan2 * (mean + gap * cos_2phi)) / (1.0 + tan2 * mean)) / kappa
+    return np.where(kappa > LEAST_KAPPA, stretched, cos_2phi)
+
+
+def _lagrange(x, places: list) -> list:
+    """The polynomials (...) at x that are 1 at one of the places and 0 at the others."""
+    result = []
+    for j, own in enumerate(places):
+        factors = [(x - other) / (own - other) for i, other in enumerate(places) if i != j]
+        result.append(np.prod(factors, axis=0))
+    return result
 
 
 def _surface_cell(eta: float, alpha):

@@ -152,8 +152,8 @@ class BakedNetwork:
     ):
         self.stack = stack
         axes = axes_of(stack, live)
-        if is_one_closure(stack):
-            self.resolved, self.reason = AnalyticNetwork(stack), "the base's own closure, which is exact"
+        if is_bare_oren_nayar(stack):
+            self.resolved, self.reason = AnalyticNetwork(stack), "the base's own closures, which are exact"
             return
         if live and axes is None:
             self.resolved, self.reason = AnalyticNetwork(stack), f"analytic, as a bake cannot follow {described(live)}"
@@ -173,7 +173,7 @@ class BakedNetwork:
     @classmethod
     def is_known(cls, stack: Stack, live: tuple[tuple[int, str], ...] = (), glossy: int = DEFAULT_GLOSSY) -> bool:
         """Whether making the network takes no time, as it was made before or needs no bake."""
-        if is_one_closure(stack) or (live and axes_of(stack, live) is None):
+        if is_bare_oren_nayar(stack) or (live and axes_of(stack, live) is None):
             return True
         return known(cls.key(stack, live, glossy), lambda data: unpack_network(data, stack)) is not None
 
@@ -190,9 +190,9 @@ class BakedNetwork:
     def lobe_count(self) -> int:
         return self.resolved.lobe_count
 
-    def lobes(self, cos_theta_o: np.ndarray) -> list[GlossyLobe | DiffuseLobe]:
-        """The lobes for views of cosine cos_theta_o (...); weights are (..., 3)."""
-        return self.resolved.lobes(cos_theta_o)
+    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
+        """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
+        return self.resolved.lobes(cos_theta_o, phi)
 
 
 def _top_lobe(stack: Stack) -> GlossyLobe | None:
@@ -208,8 +208,8 @@ def _top_lobe(stack: Stack) -> GlossyLobe | None:
     return None
 
 
-def is_one_closure(stack: Stack) -> bool:
-    """Whether Cycles has the stack itself as a closure, which tables do not know: a bare Oren-Nayar base."""
+def is_bare_oren_nayar(stack: Stack) -> bool:
+    """Whether Cycles has the stack itself as closures, which tables do not know."""
     return not stack.layers and stack.base.kind == OREN_NAYAR.name
 
 

@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Weight of the white Oren-Nayar closure in that of a color; the rest of the color meets one facet alone. Cycles' closure has
+// the color's square from Blender 5.3 on, its cube before, in light that meets several facets: white and black are the same.
+color oren_nayar_white(color c, float sigma)
+{
+    float mean = (M_PI + (2.0 * M_PI - 5.6) / 3.0 * sigma) / (M_PI + sigma * (M_PI_2 - 2.0 / 3.0));
+    return c * c * mean / (1.0 - c * (1.0 - mean));
+}

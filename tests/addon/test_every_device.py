@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One .blend with OSL on, with OSL off and in a Blender without OSL: never black, and the pictures agree."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from lamina.addon.check import check  # noqa: E402
+from lamina.addon.nodes import material as materials  # noqa: E402
+from lamina.addon.nodes import osl_setting  # noqa: E402
+from lamina.addon.nodes.elements import node_of  # noqa: E402
+from lamina.addon.nodes.roles import node_with  # noqa: E402
+from lamina.addon.nodes.shader_node import backend_of  # noqa: E402
+from lamina.addon.nodes.state import is_settled, is_stale, lacks_branch, lags  # noqa: E402
+from lamina.addon.rendering import environment  # noqa: E402
+from lamina.addon.rendering.geometry import sphere_mesh  # noqa: E402
+from lamina.addon.rendering.images import read_exr  # noqa: E402
+from lamina.addon.rendering.settings import measurement_settings, render_to  # noqa: E402
+from lamina.reference_py.stack import Stack  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+GLAZE = {"kind": "dielectric", "name": "Glaze", "roughness": 0.2, "tint": [0.6, 0.8, 0.9]}
+STACKS = {
+    "coated paint": Stack.from_dict({"layers": [GLAZE], "base": {"kind": "lambert", "color": [0.6, 0.3, 0.2]}}),
+    "two coats": Stack.from_dict({"layers": [{"kind": "dielectric", "roughness": 0.1}, GLAZE], "base": {"kind": "conductor", "metal": "gold", "roughness": 0.3}}),
+    "masked": Stack.from_dict({"layers": [{**GLAZE, "coverage": 0.5}], "base": {"kind": "lambert", "color": [0.6, 0.3, 0.2]}}),
+}  # fmt: skip
+# Largest difference of a channel's mean of the picture between the branches, as a share: what ramps of 33 knots and folded
+# Fresnel curves cost.
+AGREE = 0.01
+
+
+def without(monkeypatch) -> None:
+    """From here on this Blender is one that was built without OSL."""
+    monkeypatch.setattr(environment, "osl_available", lambda: (False, environment.NO_OSL))
+    monkeypatch.setattr(environment, "renders_osl", lambda: False)
+
+
+def stage(owner, folder) -> str:
+    """A scene with a ball, saved; its path."""
+    scene = bpy.context.scene
+    ball = bpy.data.objects.new("ball", sphere_mesh("ball"))
+    ball.data.materials.append(owner)
+    camera, sun = bpy.data.objects.new("camera", bpy.data.cameras.new("camera")), bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
+    camera.data.type, camera.data.ortho_scale, camera.location = "ORTHO", 2.2, (0.0, 0.0, 5.0)
+    sun.data.energy, sun.rotation_euler = 2.0, (0.5, 0.3, 0.0)
+    for item in (ball, camera, sun):
+        scene.collection.objects.link(item)
+    scene.camera, scene.world = camera, bpy.data.worlds.new("world")
+    scene.world.color = (0.0, 0.0, 0.0)
+    measurement_settings(scene, 16, 32, max_bounces=2)
+    path = str(folder / "one.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    return path
+
+
+def picture(folder, osl: bool) -> np.ndarray:
+    """Means of the channels of the open file's scene."""
+    bpy.context.scene.cycles.shading_system = osl
+    render_to(bpy.context.scene, folder / "picture.exr")
+    channels = read_exr(folder / "picture.exr").channels
+    named = [next(c for c in channels if c.split(".")[-1] == name) for name in "RGB"]
+    return np.array([channels[name].mean() for name in named])
+
+
+@pytest.mark.parametrize("tier", ["weidlich_wilkie", "analytic", "baked"])
+@pytest.mark.parametrize("name", STACKS)
+def test_one_file_in_all_surroundings(blender, tmp_path, monkeypatch, name, tier):
+    owner = bpy.data.materials.new("owner")
+    materials.apply_stack(owner, STACKS[name], tier)
+    path = stage(owner, tmp_path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    owner = bpy.data.materials["owner"]
+    assert is_settled(owner) and not is_stale(owner) and not lags(owner)
+    on, off = picture(tmp_path, True), picture(tmp_path, False)
+    script, text = node_with(owner, "osl"), node_with(owner, "osl").script.name
+    assert on.min() > 0.01 and np.all(np.abs(off / on - 1.0) < AGREE)
+    script.mute = True
+    assert picture(tmp_path, True) == pytest.approx(off, rel=1e-6), "a muted script lets the stock nodes show"
+    script.mute = False
+    # a Blender without OSL opens and saves it: nothing changes
+    without(monkeypatch)
+    assert picture(tmp_path, False) == pytest.approx(off, rel=1e-6)
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    assert node_with(owner, "osl").script.name == text
+    monkeypatch.undo()
+    assert picture(tmp_path, True) == pytest.approx(on, rel=1e-6)
+
+
+def test_old_values_never_show_over_fresh_ones(blender, tmp_path, monkeypatch):
+    """Edited without OSL, a script of other values is dropped; a Blender with OSL shows the stock nodes and makes it again."""
+    owner = bpy.data.materials.new("owner")
+    materials.apply_stack(owner, STACKS["coated paint"], "baked")
+    path = stage(owner, tmp_path)
+    before = picture(tmp_path, True)
+    without(monkeypatch)
+    node_of(owner.lamina.base).inputs["Color"].default_value = (0.1, 0.5, 0.1, 1.0)
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    assert not is_stale(owner) and backend_of(owner) == "nodes"
+    fresh = picture(tmp_path, False)
+    monkeypatch.undo()
+    bpy.ops.wm.open_mainfile(filepath=path)
+    owner = bpy.data.materials["owner"]
+    assert lacks_branch(owner)
+    assert "one_branch" in [f.code for f in check.find(owner, bpy.context.scene, bpy.context.preferences)]
+    assert picture(tmp_path, True) == pytest.approx(fresh, rel=1e-6) and abs(fresh[0] / before[0] - 1.0) > 0.3
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    assert not lacks_branch(owner) and node_with(owner, "osl").bytecode
+    assert picture(tmp_path, True) == pytest.approx(fresh, rel=AGREE)
+
+
+def test_a_script_that_reads_its_values_stays_right_without_osl(blender, tmp_path, monkeypatch):
+    """Of a live tier the script reads the new values, so it is kept, and the stock nodes follow."""
+    owner = bpy.data.materials.new("owner")
+    materials.apply_stack(owner, STACKS["coated paint"], "analytic")
+    path = stage(owner, tmp_path)
+    without(monkeypatch)
+    node_of(owner.lamina.base).inputs["Color"].default_value = (0.1, 0.5, 0.1, 1.0)
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    assert node_with(owner, "osl") is not None
+    off = picture(tmp_path, False)
+    monkeypatch.undo()
+    assert picture(tmp_path, True) == pytest.approx(off, rel=AGREE)
+
+
+def test_a_script_without_bytecode_lets_the_stock_nodes_show(blender, tmp_path):
+    owner = bpy.data.materials.new("owner")
+    materials.apply_stack(owner, STACKS["coated paint"], "analytic")
+    stage(owner, tmp_path)
+    off = picture(tmp_path, False)
+    node_with(owner, "osl").bytecode = ""
+    assert picture(tmp_path, True) == pytest.approx(off, rel=1e-6)
+
+
+def test_what_comes_to_a_scene_without_osl_shows(blender, tmp_path):
+    """Appended or linked into a scene that was never told of OSL, and a second scene of the file."""
+    owner = bpy.data.materials.new("owner")
+    materials.apply_stack(owner, STACKS["coated paint"], "analytic")
+    path = stage(owner, tmp_path)
+    expected = picture(tmp_path, True)
+    for link in (False, True):
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        with bpy.data.libraries.load(path, link=link) as (_, wanted):
+            wanted.materials = ["owner"]
+        stage(wanted.materials[0], tmp_path / str(link) if (tmp_path / str(link)).mkdir() is None else None)
+        assert picture(tmp_path, False) == pytest.approx(expected, rel=AGREE)
+
+
+def test_each_channel_is_judged(blender, tmp_path):
+    """A deliberate fault: stock nodes of other values are seen by the comparison."""
+    owner = bpy.data.materials.new("owner")
+    materials.apply_stack(owner, STACKS["coated paint"], "analytic")
+    stage(owner, tmp_path)
+    on = picture(tmp_path, True)
+    node_of(owner.lamina.base).inputs["Color"].default_value = (0.6, 0.3, 0.25, 1.0)
+    assert lags(owner) and not np.all(np.abs(picture(tmp_path, True) / on - 1.0) < AGREE)
+
+
+def test_a_scene_that_shows_scripts_alone_black_is_told(blender, tmp_path, capsys):
+    owner = bpy.data.materials.new("owner")
+    materials.apply_stack(owner, STACKS["coated paint"], "analytic", "osl")
+    stage(owner, tmp_path)
+    assert picture(tmp_path, False).max() == 0.0
+    assert "owner: renders black: it is an OSL script alone" in capsys.readouterr().out
+    owner.lamina.backend = "auto"
+    assert picture(tmp_path, False).min() > 0.01
+    assert "black" not in capsys.readouterr().out
+    assert osl_setting.why_stock_nodes(bpy.context.scene, bpy.context.preferences) == "Open Shading Language is switched off"
