@@ -219,6 +219,19 @@ def principled_copy(trial):
     material = trial.material()
     item = trial.show(material)
     bpy.ops.lamina.principled_copy()
-    copy = next(m for m in bpy.data.materials if m != material and m.node_tree and any(n.type == "BSDF_PRINCIPLED" for n in m.node_tree.nodes) and not m.lamina.is_layered)
-    item.active_material = copy
+    item.active_material = next(m for m in bpy.data.materials if m != material and not m.lamina.is_layered)
     trial.compare_pictures("copy", trial.picture(), expected, 0.15)
+
+
+@case("Principled copies of all materials", beside=False, osl_off=True)
+def principled_copies(trial):
+    """All of a file's materials in one click: every object shows a Principled node with the conversion's values; the layers stay in the file."""
+    shown = {name: trial.show(trial.material(surface, name), name=f"item {name}") for name, surface in (("paint", PAINT), ("metal", METAL))}
+    expected = {name: expected_of(trial, item.active_material, PAINT) for name, item in shown.items()}
+    bpy.ops.lamina.principled_copies()
+    for name, item in shown.items():
+        got = read_back(item.active_material)
+        trial.require(f"{name} is a Principled", bool(got) and not item.active_material.lamina.is_layered)
+        for socket in expected[name] if got else ():
+            trial.compare(f"{name}: {socket}", got[socket], expected[name][socket], WITHIN, least=0.0 if socket == "Base Color" else 0.5)
+    trial.require("the layers stay", sum(m.lamina.is_layered for m in bpy.data.materials) == len(shown))

@@ -83,7 +83,7 @@ def refusal(act) -> str:
     return ""
 
 
-@case("make a linked object local")
+@case("make a linked object local", quick=False)
 def make_local(trial):
     """After Make Local the material renders the same, can be edited, and is sound."""
     path, picture = shelf(trial)
@@ -152,7 +152,7 @@ def append(trial):
     trial.sound(material)
 
 
-@case("append twice, edit one")
+@case("append twice, edit one", quick=False)
 def append_twice(trial):
     """Two appended materials share nothing: one is edited, the other stays."""
     path, picture = shelf(trial)
@@ -175,7 +175,7 @@ def append_object(trial):
     trial.sound(bpy.data.objects["item"].active_material)
 
 
-@case("link a collection, instance it")
+@case("link a collection, instance it", quick=False)
 def collection_instance(trial):
     """A linked collection's instance beside its own file's picture."""
     path, picture = shelf(trial)
@@ -198,7 +198,7 @@ def listed(path: str) -> list[str]:
         return list(there.collections)
 
 
-@case("reload a library that has changed")
+@case("reload a library that has changed", quick=False)
 def reload_library(trial):
     """A library is edited and saved elsewhere; after Reload the linked material shows the edit."""
     path, picture = shelf(trial)
@@ -374,7 +374,7 @@ def remap(trial):
     trial.sound(material)
 
 
-@case("purge unused data")
+@case("purge unused data", quick=False)
 def purge(trial):
     """After Purge the picture stays and an edit still shows."""
     picture = trial.plain()
@@ -500,7 +500,7 @@ def two_scenes(trial):
     trial.compare_pictures("second", trial.picture(second), picture, 0.05)
 
 
-@case("background scene (Set)")
+@case("background scene (Set)", quick=False)
 def background_set(trial):
     """An object that is rendered as another scene's background set: the same picture."""
     picture = trial.plain()

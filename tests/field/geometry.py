@@ -64,7 +64,7 @@ def monkey() -> bpy.types.Mesh:
 # shapes
 
 
-def turned(label: str, told: str, prepare, quick: bool = True) -> None:
+def turned(label: str, told: str, prepare, quick: bool = False) -> None:
     """The ball after `prepare` changed it beside the plain ball, of paint and of brushed metal."""
 
     def shape(trial):
@@ -103,7 +103,7 @@ def _subdivide(item):
 
 turned("scaled to a ten-thousandth", "A ball and its camera, 1e-4 of the size: the same picture.", _scale(1e-4))
 turned("scaled ten-thousandfold", "A ball and its camera, 1e4 of the size: the same picture.", _scale(1e4))
-turned("negative scale", "A ball mirrored by its scale: the same picture.", _mirror)
+turned("negative scale", "A ball mirrored by its scale: the same picture.", _mirror, quick=True)
 turned("flipped normals", "A ball with its faces inside out: the same picture.", _flip)
 turned("subdivided by a modifier", "A ball with a subdivision modifier: the same picture.", _subdivide)
 
@@ -177,7 +177,7 @@ def low_poly(trial):
     trial.require(f"brightest 3 x 3 pixels {brightest(got):.3f}", brightest(got) <= BRIGHTEST)
 
 
-@case("terminator of a low-poly ball", osl_off=True)
+@case("terminator of a low-poly ball", quick=False, osl_off=True)
 def terminator(trial):
     """A sun from the side on an icosphere of 320 faces: as bright as the fine ball, to 5 %."""
 
@@ -193,7 +193,7 @@ def terminator(trial):
     trial.compare("mean", lit(lambda: icosphere(3)), expected, 0.05)
 
 
-@case("inside a glass ball", osl_off=True)
+@case("inside a glass ball", quick=False, osl_off=True)
 def in_glass(trial):
     """A small ball in the middle of a glass one of index 1 (and so unseen): its picture without the glass."""
 
@@ -245,7 +245,7 @@ def _cylinders(trial: Trial, surface: Surface) -> np.ndarray:
 def _hair_case(label: str, shape: str, surface: Surface, name: str) -> None:
     flat = "ribbons are flat, so strands reflect less into each other than round ones" if shape == "RIBBONS" else ""
 
-    @case(f"hair as {label}, {name}", osl_off=True, limit=flat)
+    @case(f"hair as {label}, {name}", quick=name == "paint", osl_off=True, limit=flat)
     def hair(trial):
         """Hair curves in a white world beside cylinders of a mesh."""
         trial.compare("mean", _curves(trial, surface, shape), _cylinders(trial, surface), max(0.04, trial.within))
@@ -338,7 +338,7 @@ def instances(trial):
     trial.compare_pictures("instance", trial.picture(), expected, max(NOISE, trial.within))
 
 
-@case("several material slots", osl_off=True)
+@case("several material slots", quick=False, osl_off=True)
 def slots(trial):
     """A second slot on half of a plane: each half as a plane of its own material."""
 
@@ -372,7 +372,7 @@ def _object_case(label: str, build, told: str) -> None:
         trial.compare_pictures("as it is", got, trial.picture(osl=True), max(NOISE, trial.within))
 
     kind.__doc__, kind.__module__ = told, __name__
-    case(label, osl_off=True)(kind)
+    case(label, quick=False, osl_off=True)(kind)
 
 
 def _bevelled() -> bpy.types.Object:

@@ -10,7 +10,7 @@ from lamina.addon.rendering.geometry import plane_mesh
 from lamina.addon.rendering.settings import add_object, node_tree
 
 from .case import case
-from .trial import METAL, PAINT, SAME, WITHOUT_OSL, Surface, Trial
+from .trial import METAL, PAINT, SAME, Surface, Trial
 
 NOISE = 0.03  # other samples of the same light
 GREY_AOV = (0.25, 0.5, 0.75)
@@ -238,7 +238,7 @@ def override_by(trial):
     trial.compare_pictures("overridden", trial.picture(), plain, trial.within)
 
 
-@case("material override over the material", osl_off=True)
+@case("material override over the material", quick=False, osl_off=True)
 def override_over(trial):
     """A view layer whose override is a grey Principled, over the material: the grey."""
     grey = bpy.data.materials.new("grey")
@@ -265,7 +265,7 @@ def two_layers(trial):
     trial.compare_pictures("first layer", trial.picture(), plain, trial.within)
 
 
-@case("film transparent", osl_off=True)
+@case("film transparent", quick=False, osl_off=True)
 def film(trial):
     """Alpha of the ball and beside it."""
     trial.show(trial.material())
@@ -324,7 +324,7 @@ def shadow(trial):
     trial.compare("mean alpha", alpha(trial.material()), expected, 0.02)
 
 
-def _settings_case(label: str, told: str, change, within: float = NOISE, quick: bool = True) -> None:
+def _settings_case(label: str, told: str, change, within: float = NOISE, quick: bool = False) -> None:
     def sampled(trial):
         expected = trial.plain()
         trial.show(trial.material())
@@ -345,7 +345,7 @@ def _set(owner: str = "cycles", **values):
     return change
 
 
-_settings_case("render in tiles", "Tiles of 32 pixels beside one tile.", _set(use_auto_tile=True, tile_size=32), SAME)
+_settings_case("render in tiles", "Tiles of 32 pixels beside one tile.", _set(use_auto_tile=True, tile_size=32), SAME, quick=True)
 _settings_case("adaptive sampling", "Adaptive sampling beside plain sampling.", _set(use_adaptive_sampling=True, adaptive_threshold=0.02))
 _settings_case("denoised", "OpenImageDenoise over the picture: the same quarters.", _set(use_denoising=True, denoiser="OPENIMAGEDENOISE"), 0.03)
 _settings_case("path guiding", "Path guiding beside none.", _set(use_guiding=True, use_surface_guiding=True, guiding_training_samples=8, max_bounces=3))
@@ -383,7 +383,7 @@ def light_linking(trial):
     trial.compare_pictures("linked away", trial.picture(), expected, trial.within)
 
 
-@case("shadow linking", osl_off=True)
+@case("shadow linking", quick=False, osl_off=True)
 def shadow_linking(trial):
     """A ball that is taken out of the sun's shadow casters throws none on a floor."""
 
@@ -406,14 +406,14 @@ def shadow_linking(trial):
     trial.compare("darkest without it", without.min(), without.max(), 0.05)
 
 
-@case("visible to the camera only by reflection", osl_off=True)
+@case("visible to the camera only by reflection", quick=False, osl_off=True)
 def ray_visibility(trial):
     """A ball without Camera visibility: no alpha."""
     trial.show(trial.material()).visible_camera = False
     trial.compare("alpha", trial.picture().alpha.max(), 0.0, 0.001, least=1.0)
 
 
-@case("two suns and an area light", osl_off=True)
+@case("two suns and an area light", quick=False, osl_off=True)
 def many_lights(trial):
     """Lights one by one: their pictures' sum beside the picture with all of them."""
     trial.show(trial.material())
@@ -443,7 +443,7 @@ def freestyle(trial):
     trial.compare_pictures("surface", trial.picture(), expected, max(NOISE, trial.within))
 
 
-@case("reflected in a mirror", osl_off=True)
+@case("reflected in a mirror", quick=False, osl_off=True)
 def mirror(trial):
     """The ball seen in a perfect mirror beside the ball seen at once."""
     expected = trial.plain()

@@ -14,7 +14,6 @@ from lamina.addon.nodes.elements import node_of
 from lamina.addon.rendering.geometry import sphere_mesh
 from lamina.addon.rendering.images import Exr, read_exr, write_exr
 from lamina.addon.rendering.settings import add_object, measurement_settings, node_tree, render_to
-from lamina.reference_py import presets
 from lamina.reference_py.schema import SCHEMA
 from lamina.reference_py.stack import Stack
 
