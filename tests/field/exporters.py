@@ -223,15 +223,18 @@ def principled_copy(trial):
     trial.compare_pictures("copy", trial.picture(), expected, 0.15)
 
 
-@case("Principled copies of all materials", beside=False, osl_off=True)
+@case("Principled copies of all materials", beside=False)
 def principled_copies(trial):
-    """All of a file's materials in one click: every object shows a Principled node with the conversion's values; the layers stay in the file."""
-    shown = {name: trial.show(trial.material(surface, name), name=f"item {name}") for name, surface in (("paint", PAINT), ("metal", METAL))}
-    expected = {name: expected_of(trial, item.active_material, PAINT) for name, item in shown.items()}
+    """All of a file's materials in one click: a Principled node with the conversion's values for each; the layers stay in the file."""
+    layered = [trial.material(surface, name) for name, surface in (("paint", PAINT), ("metal", METAL))]
+    for material in layered:
+        trial.show(material, name=material.name)
     bpy.ops.lamina.principled_copies()
-    for name, item in shown.items():
-        got = read_back(item.active_material)
-        trial.require(f"{name} is a Principled", bool(got) and not item.active_material.lamina.is_layered)
-        for socket in expected[name] if got else ():
-            trial.compare(f"{name}: {socket}", got[socket], expected[name][socket], WITHIN, least=0.0 if socket == "Base Color" else 0.5)
-    trial.require("the layers stay", sum(m.lamina.is_layered for m in bpy.data.materials) == len(shown))
+    copies = {read_back(m)["Metallic"]: read_back(m) for m in bpy.data.materials if not m.lamina.is_layered and read_back(m)}
+    for material in layered:
+        expected = expected_of(trial, material, PAINT)
+        got = copies.get(expected["Metallic"])
+        trial.require(f"{material.name} has a copy", got is not None)
+        for socket in expected if got else ():
+            trial.compare(f"{material.name}: {socket}", got[socket], expected[socket], WITHIN, least=0.0 if socket == "Base Color" else 0.5)
+    trial.require("the layers stay", all(m.lamina.is_layered for m in layered))
