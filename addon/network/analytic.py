@@ -18,7 +18,7 @@ from .analytic_tables import Tables, constants
 from .block import Block, Closure
 from .inputs import BASE
 from .parts import beckmann, fill
-from .surface import BaseClosures, Surface, diffuse_closures, surface_of, top_closure
+from .surface import BaseClosures, Surface, diffuse_closures, surface_of, top_closure, top_function
 
 NOTE = "Adding over the interfaces at every shading point."
 
@@ -61,6 +61,7 @@ def _functions(stack: Stack) -> list[str]:
     if brushed:
         texts.append(_own("analytic_brushed.h"))
     if stack.layers:
+        texts.append(top_function(stack.layers[0]))
         texts += [fill("medium.h", TINT_FLOOR=f"{TINT_FLOOR:g}"), _own("analytic_beam.h"), _own("analytic_lobe.h")]
         if any(element.has(ANISOTROPY) for element in (*stack.layers[1:2], stack.base)):
             texts.append(fill("brushed.h"))

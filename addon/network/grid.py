@@ -19,7 +19,7 @@ def grid_block(network: GridNetwork, owners: list[str], prefix: str = "") -> Blo
     """The block of a network; what it declares ends with `prefix`."""
     writer = _Writer(network, owners, prefix)
     return Block(
-        functions=(fill("bent.h"), narrow(), fill("grid.h")),
+        functions=(fill("bent.h"), narrow(), fill("interface.h"), fill("grid.h")),
         arrays=tuple(writer.arrays),
         common=(view(), fill("table_place.osl", CELLS=KNOTS - 1, LAST=KNOTS - 2), fill("tangent.osl"), fill("plane_of_incidence.osl")),
         body="".join(writer.statements),
@@ -95,6 +95,6 @@ class _Writer:
             self._say(f"float {alpha} = max({root}, 0.0);", f"{alpha} = clamp({alpha} * {alpha}, {MIN_ALPHA:g}, 1.0);")
         if isinstance(lobe.fresnel, DielectricCurve):
             curve = f'{lobe.fresnel.eta:.9g}, "{lobe.distribution}"'
-            return f"dielectric_bsdf(N, tangent, color(1.0), color(0.0), {alphas[0]}, across({alphas[0]}), {curve})"
+            return f"interface_bsdf(N, tangent, {alphas[0]}, across({alphas[0]}), {curve})"
         slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
         return f'microfacet("{lobe.distribution}", normalize(bent_normal + {slope} * side), along, {listed(alphas)}, 1.0, 0)'

@@ -59,15 +59,16 @@ def surface_of(element: Element, owner: str) -> Surface:
 
 
 def top_closure(surface: Surface, element: Element, owner: str) -> str:
-    """The closure of an interface below vacuum, with the exact Fresnel curve; of a closure's curves one knows films."""
+    """The closure of an interface below vacuum; it calls `top_function`. Of a closure's curves one knows films."""
     ior, kind = f"{owner}Ior", element["distribution"]
-    shape = f"{surface.frame}, color(1.0), color(0.0), {surface.alpha_x}, {surface.alpha_y}"
-    if not element.has(THIN_FILM):
-        return f'dielectric_bsdf({shape}, {ior}, "{kind}")'
-    reflectance = f"color(({ior} - 1.0) * ({ior} - 1.0) / (({ior} + 1.0) * ({ior} + 1.0)))"
-    film = f'"thinfilm_thickness", {owner}FilmThickness, "thinfilm_ior", {owner}FilmIor'
-    # an exponent below 0 stands for the exact curve of that index
-    return f'generalized_schlick_bsdf({shape}, {reflectance}, color(1.0), -{ior}, "{kind}", {film})'
+    shape = f'{surface.frame}, {surface.alpha_x}, {surface.alpha_y}, {ior}, "{kind}"'
+    film = f", {owner}FilmThickness, {owner}FilmIor" if element.has(THIN_FILM) else ""
+    return f"{'filmed_' if film else ''}interface_bsdf({shape}{film})"
+
+
+def top_function(element: Element) -> str:
+    """The function that the closure of an interface below vacuum calls."""
+    return fill("filmed_interface.h" if element.has(THIN_FILM) else "interface.h")
 
 
 @dataclass(frozen=True)
