@@ -14,8 +14,9 @@ from .backend import NODES
 from .live_values import live_values
 from .material import hand_over, refresh, refresh_stock
 from .osl_setting import shows_osl
+from .pasted import adopt_pasted
 from .reading import is_own, stack_of
-from .record import adopt_pasted
+from .record import keep_record
 from .roles import node_with
 from .shader_node import shader_of
 
@@ -31,6 +32,7 @@ def make_ready(*_) -> None:
         bake_ahead(wanted, lambda told: print(f"Lamina: {told}"))
     _for_each(_is_unready, _make_ready)
     _for_each(_is_not_handed_over, lambda material: hand_over(material, settle=bpy.app.background))
+    _for_each(lambda material: not state.lags(material), keep_record)
 
 
 def _is_unready(material) -> bool:

@@ -100,7 +100,7 @@ def structure_changed(material: bpy.types.Material, name: str) -> None:
     lamina = material.lamina
     if not lamina.is_layered:
         return
-    if name == "name":
+    if name in ("name", "stack_name"):
         for element in (*lamina.layers, lamina.base):
             show_name(element)
         keep_structure(material)
