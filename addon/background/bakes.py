@@ -19,7 +19,7 @@ from ..nodes import state
 from ..nodes.live_values import live_values
 from ..nodes.osl_setting import shows_osl
 from ..nodes.pasted import adopt_pasted
-from ..nodes.reading import is_own, stack_of
+from ..nodes.reading import is_own, require_editable, stack_of
 from ..nodes.record import keep_record
 from ..user_folders import cache_folder
 from . import conversions
@@ -69,7 +69,8 @@ def cancel(material: bpy.types.Material) -> None:
 
 
 def retry(material: bpy.types.Material) -> None:
-    """Bake again after a cancel or a failure; without a window, wait for it."""
+    """Bake again after a cancel or a failure; without a window, wait for it. Raises LaminaError for a material of another file."""
+    require_editable(material)
     _state.given_up.pop(material.name_full, None)
     if bpy.app.background:
         materials.refresh(material, settle=True)

@@ -67,12 +67,17 @@ def announce(scene=None, *_) -> None:
     if not shows_osl(scene, bpy.context.preferences):
         _for_each(_is_script_alone, lambda m: print(f"Lamina: {m.name}: renders black: it is an OSL script alone, and {scene.name} shows none; {_advice(m)}"), linked=True)
         _for_each(state.lags, lambda m: print(f"Lamina: {m.name}: renders old values: its stock nodes are behind; save the file, or press Update in its panel"))
+    _for_each(lambda m: m.override_library is not None and (state.is_stale(m) or state.lags(m)), _say_override, linked=True)
     _for_each(lambda m: shader_of(m) is None, lambda m: print(f"Lamina: {m.name}: its shader node is gone: press Update in its panel, or call bpy.ops.lamina.regenerate()"))
     _for_each(state.is_stale, lambda m: print(f"Lamina: {m.name}: renders old values: save the file, press Update in its panel, or call bpy.ops.lamina.regenerate()"))
     _for_each(
         lambda m: not state.is_stale(m) and not state.is_settled(m),
         lambda m: print(f"Lamina: {m.name}: renders with the tier analytic, as its bake is not done; a save without a window makes it"),
     )
+
+
+def _say_override(material) -> None:
+    print(f"Lamina: {material.name}: renders old values: it is a library override, of which Blender keeps no values of nodes; make it local to edit it")
 
 
 def _is_script_alone(material) -> bool:
