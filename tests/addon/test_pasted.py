@@ -11,6 +11,7 @@ from lamina.addon.nodes.elements import ID_KEY, node_of  # noqa: E402
 from lamina.addon.nodes.roles import ROLE, node_with  # noqa: E402
 from lamina.addon.nodes.shader_node import surface_of  # noqa: E402
 from lamina.addon.rendering.geometry import sphere_mesh  # noqa: E402
+from lamina.addon.rendering.settings import node_tree  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
 
 pytestmark = pytest.mark.blender
@@ -135,7 +136,7 @@ def test_a_file_in_which_somebody_pasted_without_lamina(source, tmp_path):
 
 def test_a_plain_material_over_layers_leaves_a_plain_material(source):
     plain = bpy.data.materials.new("plain")
-    plain.use_nodes = True
+    node_tree(plain)
     copy(plain)
     paste(source)
     assert not source.lamina.is_layered and source.lamina.tier == plain.lamina.tier
