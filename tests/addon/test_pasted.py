@@ -48,16 +48,21 @@ def facts(owner) -> tuple:
 
 
 def copy(owner) -> None:
-    with bpy.context.temp_override(material=owner):
-        assert bpy.ops.material.copy() == {"FINISHED"}
+    call(bpy.ops.material.copy, owner)
 
 
 def paste(owner) -> None:
-    item = bpy.data.objects.new("active", bpy.data.meshes.new("active"))  # Blender asks for one, whatever its material
+    call(bpy.ops.material.paste, owner)
+
+
+def call(operator, owner) -> None:
+    """Blender wants an active object, from 5 on with a material, whichever."""
+    item = bpy.data.objects.new("active", bpy.data.meshes.new("active"))
+    item.data.materials.append(bpy.data.materials.new("active"))
     bpy.context.scene.collection.objects.link(item)
     bpy.context.view_layer.objects.active = item
     with bpy.context.temp_override(material=owner):
-        assert bpy.ops.material.paste() == {"FINISHED"}
+        assert operator() == {"FINISHED"}
 
 
 def findings(owner) -> list[str]:
