@@ -10,7 +10,7 @@ from ..nodes import material as materials
 from ..nodes import state
 from ..nodes.backend import AUTO
 from ..nodes.elements import kind_of, new_node, node_of
-from ..nodes.entry import entry_of, surface_output
+from ..nodes.entry import entry_of, output_after
 from ..nodes.kind_groups import fresh_group
 from ..nodes.node_copy import animation_by_name, copy_inputs
 from ..nodes.osl_setting import enable_osl
@@ -62,8 +62,16 @@ def _stock(material, _scene, _finding) -> None:
 
 
 def _let_lamina_show(material, _scene, finding) -> None:
-    """Blender 4.5 shows a muted output black and 5.3 ignores that it is muted, so the output steps back: all renderers' and not active."""
-    own, other = surface_output(material.node_tree), material.node_tree.nodes[finding.element]
+    """Blender 4.5 shows a muted output black and 5.3 ignores that it is muted, so the output steps back: all renderers' and not active.
+
+    Its volume and displacement go on to show where Lamina's output has none.
+    """
+    tree = material.node_tree
+    own, other = output_after(surface_of(material).node), tree.nodes[finding.element]
+    for name in ("Volume", "Displacement"):
+        if not own.inputs[name].is_linked:
+            for link in other.inputs[name].links:
+                tree.links.new(link.from_socket, own.inputs[name])
     other.target = "ALL"
     own.is_active_output = True
 
@@ -153,6 +161,7 @@ MENDS = {
     "one_branch": _stock,
     "stock_behind": _stock,
     "output_hides": _let_lamina_show,
+    "output_rests": _let_lamina_show,
     "shader_gone": _regenerate,
     "shader_unused": _link_shader,
     "shader_muted": _unmute_shader,
