@@ -132,6 +132,7 @@ def apply(options) -> None:
         import bpy
 
         from ..blend_files import open_file, save_copy
+        from ..check.check import find
         from ..nodes.holders import can_hold_material
         from ..nodes.material import make_renderable
 
@@ -147,8 +148,9 @@ def apply(options) -> None:
             target.material_slots[target.active_material_index].material = material
         else:
             target.data.materials.append(material)
+        notices += [finding.text() for finding in find(material, bpy.context.scene, bpy.context.preferences)]
         save_copy(output)
-    for notice in notices:
-        report(notice)
+    for told in notices:
+        report(told)
     report(f"wrote {output}: {options.object} has {stack.name or options.stack}, tier {tier}")
 

@@ -87,7 +87,7 @@ def _is_script_alone(material) -> bool:
 def _advice(material) -> str:
     if material.library is not None:
         return f"open {material.library.filepath} in this version of Lamina and save it"
-    return "choose the backend Automatic, or save the file" if material.lamina.backend == "osl" else "save the file"
+    return "choose the backend Automatic" if material.lamina.backend == "osl" else "save the file"
 
 
 def _for_each(concerns: Callable[[bpy.types.Material], bool], act: Callable[[bpy.types.Material], None], linked: bool = False) -> None:

@@ -57,14 +57,16 @@ def follow_hand_over(material: bpy.types.Material, closure: bpy.types.NodeSocket
 
 def is_handed_over(material: bpy.types.Material, stack: Stack) -> bool:
     """Whether exporters find the present values and links, with a base color that is solved."""
-    if not material.lamina.handed:
+    if not material.lamina.handed or not has_hand_over(material):
         return False
     return material.lamina.handed == _key(material, stack, provisional(stack).owners)
 
 
 def has_hand_over(material: bpy.types.Material) -> bool:
-    """Whether exporters find anything; a material of an older version gets it at its next change or save."""
-    return Roles(material.node_tree).get(MIX) is not None
+    """Whether exporters find anything; a material of an older version, or with a deleted node, gets it at its next change or save."""
+    roles = Roles(material.node_tree)
+    mix, principled = roles.get(MIX), roles.get(VALUES)
+    return mix is not None and principled is not None and roles.source(mix.inputs[2]) == principled.outputs["BSDF"]
 
 
 def usd_takes(material: bpy.types.Material) -> bpy.types.Node | None:

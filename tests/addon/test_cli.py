@@ -230,26 +230,40 @@ def test_cancel_is_code_130_and_leaves_nothing(tmp_path, blender):
 
 
 @pytest.mark.blender
+def test_apply_says_what_the_scene_will_show(tmp_path, blender):
+    """Stock nodes where the scene shows no scripts, and black where there are none; the file's render is left as it was."""
+    import bpy
+
+    bpy.context.collection.objects.link(bpy.data.objects.new("Thing", bpy.data.meshes.new("Thing")))
+    bpy.context.scene.render.engine = "CYCLES"
+    bpy.context.view_layer.aovs.add().name = "mask"
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "in.blend"))
+    for backend, expected in (("auto", "Shown by stock nodes, as the shader AOV mask would be black"), ("osl", "Black: the shader is an OSL script alone, and the shader AOV mask"),
+                              ("nodes", "")):  # fmt: skip
+        _, said = lamina("apply", "--stack", "crayon_paint", "--object", "Thing", "in.blend", "-o", "out.blend", "--tier", "analytic", "--backend", backend, cwd=tmp_path)
+        assert expected in said and len(said.splitlines()) == (3 if expected else 2)
+
+
 def test_apply_gives_an_object_the_material(tmp_path, blender):
     import bpy
 
     mesh = bpy.data.meshes.new("Thing")
     bpy.context.collection.objects.link(bpy.data.objects.new("Thing", mesh))
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "in.blend"))
-    lamina("apply", "--stack", "glazed_mug", "--object", "Thing", "in.blend", "-o", "out.blend", cwd=tmp_path)
+    _, said = lamina("apply", "--stack", "glazed_mug", "--object", "Thing", "in.blend", "-o", "out.blend", cwd=tmp_path)
+    assert "Shown by stock nodes, as the render engine is not Cycles" in said
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "out.blend"))
     from lamina.addon.nodes.material import stack_of
 
     (material,) = bpy.data.objects["Thing"].data.materials
     assert stack_of(material).to_dict() == presets.load("glazed_mug").to_dict()
-    assert bpy.context.scene.render.engine == "CYCLES"
+    assert bpy.context.scene.render.engine != "CYCLES", "another engine is left alone"
     _, said = lamina("apply", "--stack", "glazed_mug", "--object", "Thing", "in.blend", "-o", "nodes.blend", "--backend", "nodes", cwd=tmp_path)
     assert "render engine" not in said
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "nodes.blend"))
     from lamina.addon.nodes.shader_node import backend_of
 
     assert backend_of(bpy.data.objects["Thing"].active_material) == "nodes"
-    assert bpy.context.scene.render.engine != "CYCLES"
     _, error = lamina("apply", "--stack", "glazed_mug", "--object", "Other", "in.blend", "-o", "o2.blend", code=2, cwd=tmp_path)
     assert "'Other'" in error and "Thing" in error
     (tmp_path / "broken.blend").write_bytes(b"not a blend")

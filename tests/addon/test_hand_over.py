@@ -266,6 +266,18 @@ def test_a_save_without_a_window_hands_over_what_is_there(blender, tmp_path):
     assert is_handed_over(material, materials.stack_of(material))
 
 
+def test_a_save_makes_what_somebody_deleted_of_it(blender, tmp_path):
+    """Values that did not change since are no reason to leave exporters without them."""
+    material = layered("glazed_mug")
+    color = tuple(handed(material).inputs["Base Color"].default_value)
+    for broken in (lambda: material.node_tree.nodes.remove(handed(material)), lambda: material.node_tree.links.remove(mix_of(material).inputs[2].links[0])):
+        broken()
+        assert not is_handed_over(material, materials.stack_of(material))
+        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+        assert mix_of(material).inputs[2].links[0].from_node == handed(material)
+        assert tuple(handed(material).inputs["Base Color"].default_value) == pytest.approx(color)
+
+
 def test_opening_an_older_file_changes_nothing_and_a_save_hands_over(blender, tmp_path):
     material = layered("glazed_mug")
     material.lamina.tier = "analytic"
