@@ -57,25 +57,25 @@ def _functions(stack: Stack) -> list[str]:
     texts = []
     brushed = any(element.has(ANISOTROPY) for element in (*stack.layers, stack.base))
     if stack.layers or stack.base.kind == "conductor":
-        texts += [constants(brushed), fill("fresnel_dielectric.h"), code("analytic_tables.h"), code("analytic_cosine.h")]
+        texts += [constants(brushed), code("fresnel_dielectric.h"), code("analytic_tables.h"), code("analytic_cosine.h")]
     if brushed:
         texts.append(code("analytic_brushed.h"))
     if stack.layers:
         texts.append(top_function(stack.layers[0]))
-        texts += [fill("medium.h", TINT_FLOOR=f"{TINT_FLOOR:g}"), code("analytic_beam.h"), code("analytic_lobe.h")]
+        texts += [code("medium.h", TINT_FLOOR=f"{TINT_FLOOR:g}"), code("analytic_beam.h"), code("analytic_lobe.h")]
         if any(element.has(ANISOTROPY) for element in (*stack.layers[1:2], stack.base)):
-            texts.append(fill("brushed.h"))
+            texts.append(code("brushed.h"))
         if stack.base.kind == "oren_nayar":
-            texts.append(fill("oren_nayar_albedo.h"))
+            texts.append(code("oren_nayar_albedo.h"))
     if stack.base.kind == "conductor":
         mean = " + ".join(f"{w:g} * fresnel_conductor({c:g}, eta, k)" for c, w in zip(base.MEAN_COSINES, base.MEAN_WEIGHTS))
-        texts += [fill("masking.h"), fill("fresnel_conductor.h"), code("analytic_metal.h", MEAN=mean)]
+        texts += [code("masking.h"), code("fresnel_conductor.h"), code("analytic_metal.h", MEAN=mean)]
         if stack.base.has(ANISOTROPY):
             texts.append(code("analytic_brushed_metal.h"))
         if stack.layers:
             texts += [code("analytic_below.h", **below_text()), code("analytic_coated_metal.h")]
         if "reflectance" in stack.base:
-            texts.append(fill("artist_index.h"))
+            texts.append(code("artist_index.h"))
     return texts
 
 

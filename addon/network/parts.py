@@ -34,7 +34,7 @@ def _part(name: str) -> str:
 
 
 def narrow() -> str:
-    return fill("narrow.h", NARROW_ALPHA=f"{NARROW_ALPHA:g}")
+    return code("narrow.h", NARROW_ALPHA=f"{NARROW_ALPHA:g}")
 
 
 def declaration(osl_name: str, parameter: Parameter) -> str:

@@ -49,7 +49,7 @@ def surface_of(element: Element, owner: str) -> Surface:
         return Surface((code("bent.h"),), tuple(common), normal, f"view_z{suffix}", "", "", "", "")
     if element.has(ANISOTROPY):
         common.append(fill("surface_anisotropic.osl", OWNER=owner, NORMAL=normal))
-        functions, tangent = (code("bent.h"), narrow(), fill("turned.h")), f"tangent_{owner}"
+        functions, tangent = (code("bent.h"), narrow(), code("turned.h")), f"tangent_{owner}"
         widths = f"alpha_x_{owner}", f"alpha_y_{owner}"
     else:
         common += [fill("surface_tangent.osl", SUFFIX=suffix, NORMAL=normal), fill("surface.osl", OWNER=owner)]
@@ -92,4 +92,4 @@ def diffuse_closures(base: Element, surface: Surface) -> BaseClosures:
         Closure(weight, f"oren_nayar_diffuse_bsdf({surface.normal}, color({color:g}), base_sigma)")
         for weight, color in (("white_base", 1.0), (f"(BaseColor - white_base) * {1.0 / DARK:g}", DARK))
     )
-    return BaseClosures((white, dark), (fill("oren_nayar_shares.h"),), (fill("oren_nayar_sigma.osl"),))
+    return BaseClosures((white, dark), (code("oren_nayar_shares.h"),), (fill("oren_nayar_sigma.osl"),))
