@@ -17,6 +17,8 @@ from ..nodes.osl_setting import enable_osl
 from ..nodes.record import give_recorded
 from ..nodes.shader_node import surface_of
 
+_BELOW = 160  # of an output, where another one has place
+
 
 def _element(material, finding):
     """The last element of the finding's node: of two that share one, the upper keeps it."""
@@ -64,7 +66,8 @@ def _stock(material, _scene, _finding) -> None:
 def _let_lamina_show(material, _scene, finding) -> None:
     """Blender 4.5 shows a muted output black and 5.3 ignores that it is muted, so the output steps back: all renderers' and not active.
 
-    Its volume and displacement go on to show where Lamina's output has none.
+    Its volume and displacement go on to show where Lamina's output has none. Lamina's becomes the last one, which is what
+    glTF export of 5.3 takes, active or not.
     """
     tree = material.node_tree
     own, other = output_after(surface_of(material).node), tree.nodes[finding.element]
@@ -73,6 +76,13 @@ def _let_lamina_show(material, _scene, finding) -> None:
             for link in other.inputs[name].links:
                 tree.links.new(link.from_socket, own.inputs[name])
     other.target = "ALL"
+    if other in list(tree.nodes)[list(tree.nodes).index(own) :]:
+        last = tree.nodes.new(own.bl_idname)
+        last.location = own.location.x, own.location.y - _BELOW
+        for socket, twin in zip(own.inputs, last.inputs):
+            for link in socket.links:
+                tree.links.new(link.from_socket, twin)
+        own = last
     own.is_active_output = True
 
 

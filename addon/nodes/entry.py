@@ -67,8 +67,8 @@ def surface_output(tree: bpy.types.NodeTree) -> bpy.types.Node | None:
 
 
 def output_after(node: bpy.types.Node) -> bpy.types.Node | None:
-    """The output for all renderers that a node feeds."""
-    return next((output for output in _outputs(node.id_data) if feeds(node, output)), None)
+    """The output for all renderers that a node feeds, the last one of several."""
+    return next((output for output in reversed(_outputs(node.id_data)) if feeds(node, output)), None)
 
 
 def feeds(node: bpy.types.Node, follower: bpy.types.Node) -> bool:

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A preset over the user's own nodes: what is mixed with the body stays, one thing gives way and is named, outputs are never removed."""
 
+import json
+
 import numpy as np
 import pytest
 
 bpy = pytest.importorskip("bpy")
 
+import addon_utils  # noqa: E402
 from lamina.addon.check import check  # noqa: E402
 from lamina.addon.exchange import conversion  # noqa: E402
 from lamina.addon.nodes import layers, material, osl_setting  # noqa: E402
@@ -187,6 +190,7 @@ def test_an_output_of_the_users_steps_back_with_one_click(owner, tmp_path, targe
     check.mend(owner, bpy.context.scene, bpy.context.preferences, found[0].key)
     assert [f.code for f in check.find(owner, bpy.context.scene, bpy.context.preferences) if f.code.startswith("output_")] == []
     assert light(tmp_path) == pytest.approx([0.0, 1.0, 0.0], abs=1e-5)
+    own = surface_output(tree)
     assert tree.get_output_node("EEVEE") == tree.get_output_node("CYCLES") == own and own.is_active_output
     assert theirs.inputs["Surface"].links[0].from_node == glow
     for output in (own, theirs):
@@ -204,5 +208,26 @@ def test_outputs_for_one_renderer_alone_stay_and_lamina_gets_its_own(owner):
     for finding in found:
         check.mend(owner, bpy.context.scene, bpy.context.preferences, finding.key)
     outputs = [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial"]
-    assert len(outputs) == 3 and tree.get_output_node("CYCLES").inputs["Surface"].links[0].from_socket == surface_of(owner)
+    assert {"CYCLES", "EEVEE"} & {output.target for output in outputs} == set() and tree.get_output_node("CYCLES").inputs["Surface"].links[0].from_socket == surface_of(owner)
     assert tree.get_output_node("EEVEE") == tree.get_output_node("CYCLES")
+
+
+@pytest.mark.parametrize("target", ["CYCLES", "EEVEE", "ALL"])
+def test_exporters_find_what_shows_after_the_click(owner, tmp_path, target):
+    tree = owner.node_tree
+    build(owner, "p=P q=P", "p>o")
+    theirs = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(tree.nodes["q"].outputs[0], theirs.inputs["Surface"])
+    tree.nodes["q"].inputs["Base Color"].default_value = (1.0, 0.0, 0.0, 1.0)
+    tree.nodes["o"].is_active_output = True
+    material.apply_stack(owner, Stack.from_dict({"base": {"kind": "lambert", "color": [0.0, 0.5, 0.0]}}), "weidlich_wilkie", "nodes")
+    theirs.target, theirs.is_active_output = target, True
+    (finding,) = [f for f in check.find(owner, bpy.context.scene, bpy.context.preferences) if f.code.startswith("output_")]
+    check.mend(owner, bpy.context.scene, bpy.context.preferences, finding.key)
+    stage(owner)
+    addon_utils.enable("io_scene_gltf2")
+    bpy.ops.export_scene.gltf(filepath=str(tmp_path / "out.gltf"), export_format="GLTF_SEPARATE")
+    found = json.loads((tmp_path / "out.gltf").read_text())["materials"][0]["pbrMetallicRoughness"]
+    assert found["baseColorFactor"] == pytest.approx([0.0, 0.5, 0.0, 1.0], abs=0.01)
+    layers.add_layer(owner, "dielectric", 0)
+    assert tree.get_output_node("CYCLES").inputs["Surface"].links[0].from_socket == surface_of(owner)
