@@ -30,7 +30,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Case:
-    """A registered case. group: the module that it stands in. limit: of Blender's own; it excuses Lamina where Principled fails as well."""
+    """A registered case. group: the module that it stands in. limit: of Blender's own; it excuses Lamina where Principled fails as well. plain: one that README states, which any stock node of the same closures has."""
 
     name: str
     group: str
@@ -39,6 +39,7 @@ class Case:
     quick: bool
     least: tuple[int, int]
     limit: str
+    plain: str
     beside: bool
 
     @property
@@ -59,6 +60,8 @@ class Case:
             verdict = FAILS
             if lamina.stated:
                 verdict, note = LIMIT, f"{note} Check says: {lamina.stated}"
+            elif self.plain:
+                verdict, note = LIMIT, f"{note} Limit of Blender: {self.plain}"
             elif self.limit and principled is not None and principled.is_wrong:
                 verdict, note = LIMIT, f"{note} Limit of Blender: {self.limit}"
         return Row(self.name, blender(), lamina.text(), principled.text() if principled else NONE, verdict, note)
@@ -75,17 +78,17 @@ class Case:
 CASES: dict[str, Case] = {}
 
 
-def case(name: str, *, quick: bool = True, least: tuple[int, int] = (4, 5), limit: str = "", beside: bool = True, osl_off: bool = False):
+def case(name: str, *, quick: bool = True, least: tuple[int, int] = (4, 5), limit: str = "", plain: str = "", beside: bool = True, osl_off: bool = False):
     """Register the function below as a case.
 
     quick: under a second, so that it is also a test. least: the Blender that it needs. beside: done with Principled, too.
-    osl_off: done a second time, as a case of its own, in a scene where Open Shading Language is off.
+    plain: a limit of Blender's that every stock node of the same closures has, see README. osl_off: done a second time, as a case of its own, in a scene where Open Shading Language is off.
     """
 
     def register(act: Callable[[Trial], None]) -> Callable[[Trial], None]:
         group = act.__module__.rsplit(".", 1)[-1]
         for osl in (True, False) if osl_off else (True,):
-            made = Case(name if osl else name + WITHOUT_OSL, group, act, osl, quick, least, limit, beside)
+            made = Case(name if osl else name + WITHOUT_OSL, group, act, osl, quick, least, limit, plain, beside)
             if made.name in CASES:
                 raise ValueError(f"two cases are called {made.name!r}")
             CASES[made.name] = made

@@ -42,13 +42,16 @@ def from_above(trial: Trial, surface: Surface) -> np.ndarray:
     return trial.picture(osl=True).mean
 
 
+_WEIGHT = "the color of a single-scattering GGX closure is its weight, whatever light the lobe loses; color times light is the picture."
+
+
 def _bake_cases(label: str, surface: Surface, roughness: float) -> None:
     @case(f"bake Combined, {label}", osl_off=True)
     def combined(trial):
         """A Combined bake of a plane beside its picture from above."""
         trial.compare("baked", bake(trial, surface, "COMBINED"), from_above(trial, surface), max(NOISE, trial.within))
 
-    @case(f"bake Diffuse and Glossy colors, {label}", osl_off=True)
+    @case(f"bake Diffuse and Glossy colors, {label}", osl_off=True, plain=_WEIGHT)
     def colors(trial):
         """The two colors' sum beside the picture from above in a white world."""
         parts = [bake(trial, surface, kind, {"COLOR"}) for kind in ("DIFFUSE", "GLOSSY")]
@@ -123,7 +126,7 @@ for _label, _surface in (("paint", PAINT), ("metal", METAL)):
     _passes_case(_label, _surface)
 
 
-@case("color passes in a white world", osl_off=True)
+@case("color passes in a white world", osl_off=True, plain=_WEIGHT)
 def color_passes(trial):
     """Diffuse color + glossy color beside what the ball reflects of a white world."""
     with_passes(trial, ("diffuse_color", "glossy_color"), furnace=True, samples=64)
