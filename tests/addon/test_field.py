@@ -22,7 +22,7 @@ def test_a_case_does_not_fail(blender, each: Case):
 
 
 def judged(act, limit: str = "", beside: bool = True):
-    return Case("probe", "probe", act, True, True, (4, 5), limit, beside).run()
+    return Case("probe", "probe", act, True, True, (4, 5), limit, "", beside).run()
 
 
 def test_the_numbers_give_the_verdict(blender):
