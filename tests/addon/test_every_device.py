@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from support.sunlit_ball import AGREE, picture, stage
 
 bpy = pytest.importorskip("bpy")
 
@@ -14,9 +15,6 @@ from lamina.addon.nodes.roles import node_with  # noqa: E402
 from lamina.addon.nodes.shader_node import backend_of  # noqa: E402
 from lamina.addon.nodes.state import is_settled, is_stale, lacks_branch, lags  # noqa: E402
 from lamina.addon.rendering import environment  # noqa: E402
-from lamina.addon.rendering.geometry import sphere_mesh  # noqa: E402
-from lamina.addon.rendering.images import read_exr  # noqa: E402
-from lamina.addon.rendering.settings import measurement_settings, render_to  # noqa: E402
 from lamina.reference_py.stack import Stack  # noqa: E402
 
 pytestmark = pytest.mark.blender
@@ -27,42 +25,12 @@ STACKS = {
     "two coats": Stack.from_dict({"layers": [{"kind": "dielectric", "roughness": 0.1}, GLAZE], "base": {"kind": "conductor", "metal": "gold", "roughness": 0.3}}),
     "masked": Stack.from_dict({"layers": [{**GLAZE, "coverage": 0.5}], "base": {"kind": "lambert", "color": [0.6, 0.3, 0.2]}}),
 }  # fmt: skip
-# Largest difference of a channel's mean of the picture between the branches, as a share: what ramps of 33 knots and folded
-# Fresnel curves cost.
-AGREE = 0.01
 
 
 def without(monkeypatch) -> None:
     """From here on this Blender is one that was built without OSL."""
     monkeypatch.setattr(environment, "osl_available", lambda: (False, environment.NO_OSL))
     monkeypatch.setattr(environment, "renders_osl", lambda: False)
-
-
-def stage(owner, folder) -> str:
-    """A scene with a ball, saved; its path."""
-    scene = bpy.context.scene
-    ball = bpy.data.objects.new("ball", sphere_mesh("ball"))
-    ball.data.materials.append(owner)
-    camera, sun = bpy.data.objects.new("camera", bpy.data.cameras.new("camera")), bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
-    camera.data.type, camera.data.ortho_scale, camera.location = "ORTHO", 2.2, (0.0, 0.0, 5.0)
-    sun.data.energy, sun.rotation_euler = 2.0, (0.5, 0.3, 0.0)
-    for item in (ball, camera, sun):
-        scene.collection.objects.link(item)
-    scene.camera, scene.world = camera, bpy.data.worlds.new("world")
-    scene.world.color = (0.0, 0.0, 0.0)
-    measurement_settings(scene, 16, 32, max_bounces=2)
-    path = str(folder / "one.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    return path
-
-
-def picture(folder, osl: bool) -> np.ndarray:
-    """Means of the channels of the open file's scene."""
-    bpy.context.scene.cycles.shading_system = osl
-    render_to(bpy.context.scene, folder / "picture.exr")
-    channels = read_exr(folder / "picture.exr").channels
-    named = [next(c for c in channels if c.split(".")[-1] == name) for name in "RGB"]
-    return np.array([channels[name].mean() for name in named])
 
 
 @pytest.mark.parametrize("tier", ["weidlich_wilkie", "analytic", "baked"])

@@ -10,11 +10,15 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from support.commands import lamina
+from support.sunlit_ball import AGREE, means, picture, stage
 
 import lamina as package
 
+# Largest difference of a channel's mean in EEVEE from Cycles.
+EEVEE_AGREES = 0.05
 BLENDER = os.environ.get("LAMINA_BLENDER", "")
 pytestmark = [pytest.mark.blender, pytest.mark.skipif(not BLENDER, reason="LAMINA_BLENDER names no Blender")]
 
@@ -106,3 +110,24 @@ def test_ctrl_c_is_130_as_in_the_wheel(profile, tmp_path):
     error = process.communicate(timeout=60)[1]
     assert process.returncode == 130 and error.strip().splitlines()[-1] == "lamina: cancelled"
     assert not list((tmp_path / "out").iterdir())
+
+
+def test_one_file_in_the_wheel_and_there_in_cycles_and_in_eevee(registered_lamina, tmp_path):
+    """A Blender without Lamina, and maybe without OSL, opens what the wheel saved. EEVEE has no rim of rough coats: it is near."""
+    import bpy
+
+    from lamina.addon.nodes.material import apply_stack
+    from lamina.addon.viewport.eevee import eevee_pictures
+    from lamina.reference_py.stack import Stack
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    glaze = {"kind": "dielectric", "roughness": 0.2, "tint": [0.6, 0.8, 0.9]}
+    owner = bpy.data.materials.new("owner")
+    apply_stack(owner, Stack.from_dict({"layers": [glaze], "base": {"kind": "lambert", "color": [0.6, 0.3, 0.2]}}), "baked")
+    path, there = stage(owner, tmp_path), tmp_path / "there.exr"
+    here = picture(tmp_path, osl=False)
+    render = f"import bpy; bpy.context.scene.render.filepath = {str(there)!r}; bpy.ops.render.render(write_still=True)"
+    subprocess.run([BLENDER, "-b", "--factory-startup", path, "--python-exit-code", "1", "--python-expr", render], check=True, capture_output=True, timeout=300)
+    assert here.min() > 0.01 and np.all(np.abs(means(there) / here - 1.0) < AGREE)
+    (eevee,) = eevee_pictures(bpy.context.scene, bpy.data.objects["ball"], [owner], 16, lambda told: None)
+    assert np.all(np.abs(eevee.mean(axis=(0, 1)) / here - 1.0) < EEVEE_AGREES), eevee.mean(axis=(0, 1)) / here
