@@ -8,7 +8,7 @@ READY := $(VENV)/ready
 RUN := $(VENV)/bin/python
 SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py' -o -name '*.osl' -o -name '*.h' -o -name '*.json' \))
 
-.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches fuzz matrix licences clean
+.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings fuzz matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -32,6 +32,7 @@ help:
 	@echo "make farm-tasks    measure what a farm's task costs beside its pictures"
 	@echo "make field     try a material beside a Principled one through the rest of Blender, and write figures/field.csv (ten minutes)"
 	@echo "make branches  measure what both branches of a material cost beside one alone (five minutes on a quiet machine)"
+	@echo "make surroundings  render one file in its four surroundings (LAMINA_BLENDER names a Blender that has EEVEE)"
 	@echo "make fuzz      throw 100000 broken inputs at every reader"
 	@echo "make matrix    run the tests on every supported Blender whose Python is here, and print a table"
 	@echo "make licences  print the licence of every pinned package"
@@ -117,6 +118,9 @@ field: $(READY)
 
 branches: $(READY)
 	$(RUN) tests/benchmarks/branches.py figures/branches.csv
+
+surroundings: $(READY)
+	$(RUN) tests/benchmarks/surroundings.py figures/surroundings.png figures/surroundings.csv
 
 fuzz: $(READY)
 	$(RUN) tests/benchmarks/fuzz.py 100000 figures/fuzz.txt
