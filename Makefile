@@ -8,7 +8,7 @@ READY := $(VENV)/ready
 RUN := $(VENV)/bin/python
 SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py' -o -name '*.osl' -o -name '*.h' -o -name '*.json' \))
 
-.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks fuzz matrix licences clean
+.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches fuzz matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -30,6 +30,8 @@ help:
 	@echo "make scale     measure time and memory as work grows, and draw them (ten minutes on a quiet machine)"
 	@echo "make killed-batch  kill a batch of 200 pictures five times at random and compare it with an undisturbed one"
 	@echo "make farm-tasks    measure what a farm's task costs beside its pictures"
+	@echo "make field     try a material beside a Principled one through the rest of Blender, and write figures/field.csv (ten minutes)"
+	@echo "make branches  measure what both branches of a material cost beside one alone (five minutes on a quiet machine)"
 	@echo "make fuzz      throw 100000 broken inputs at every reader"
 	@echo "make matrix    run the tests on every supported Blender whose Python is here, and print a table"
 	@echo "make licences  print the licence of every pinned package"
@@ -109,6 +111,12 @@ killed-batch: $(READY)
 
 farm-tasks: $(READY)
 	$(RUN) tests/benchmarks/farm_tasks.py figures/farm_tasks.csv figures/openjd.txt
+
+field: $(READY)
+	$(RUN) tests/field figures/field.csv
+
+branches: $(READY)
+	$(RUN) tests/benchmarks/branches.py figures/branches.csv
 
 fuzz: $(READY)
 	$(RUN) tests/benchmarks/fuzz.py 100000 figures/fuzz.txt

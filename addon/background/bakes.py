@@ -18,8 +18,9 @@ from ..nodes import material as materials
 from ..nodes import state
 from ..nodes.live_values import live_values
 from ..nodes.osl_setting import shows_osl
-from ..nodes.reading import is_own, stack_of
-from ..nodes.record import adopt_pasted
+from ..nodes.pasted import adopt_pasted
+from ..nodes.reading import is_own, require_editable, stack_of
+from ..nodes.record import keep_record
 from ..user_folders import cache_folder
 from . import conversions
 from .process import Process
@@ -68,7 +69,8 @@ def cancel(material: bpy.types.Material) -> None:
 
 
 def retry(material: bpy.types.Material) -> None:
-    """Bake again after a cancel or a failure; without a window, wait for it."""
+    """Bake again after a cancel or a failure; without a window, wait for it. Raises LaminaError for a material of another file."""
+    require_editable(material)
     _state.given_up.pop(material.name_full, None)
     if bpy.app.background:
         materials.refresh(material, settle=True)
@@ -100,6 +102,7 @@ def _follow(material: bpy.types.Material) -> bool:
     if state.is_settled(material):
         if not state.lags(material):
             _state.resting.pop(material.name_full, None)
+            keep_record(material)
             return False
         if material.lamina.tier not in HOLD_VALUES or live_values(material):
             return _follow_with_stock(material)
@@ -167,7 +170,10 @@ def wake() -> None:
 
 @persistent
 def wake_after_change(_scene, depsgraph) -> None:
-    if depsgraph.id_type_updated("MATERIAL") or depsgraph.id_type_updated("NODETREE"):
+    if bpy.app.background:
+        for material in bpy.data.materials:  # of one on no object Blender tells no change
+            adopt_pasted(material)
+    elif depsgraph.id_type_updated("MATERIAL") or depsgraph.id_type_updated("NODETREE"):
         wake()
 
 

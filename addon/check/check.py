@@ -20,7 +20,7 @@ from ..network.node_groups import is_untouched as group_is_untouched
 from ..nodes import state
 from ..nodes.backend import AUTO, NODES, OSL, branches_here
 from ..nodes.elements import find_node, kind_of, node_of, outside_rec709
-from ..nodes.entry import surface_output
+from ..nodes.entry import feeds, output_after
 from ..nodes.hand_over import MIX, usd_takes
 from ..nodes.kind_groups import KIND_KEY, hands_on
 from ..nodes.live_values import live_values, resting_values
@@ -46,6 +46,7 @@ CODES = {
     "without_osl": (WARNING, "Shown by stock nodes, as {reason}; OSL would add {gain}", "Use Cycles with OSL"),
     "stock_behind": (WARNING, "The stock nodes are behind: {behind}", "Update"),
     "output_hides": (WARNING, "The output {output}, which is for {renderer} alone, shows something else than Lamina", "Let Lamina Show"),
+    "output_rests": (WARNING, "The active output {output} shows something else than Lamina", "Let Lamina Show"),
     "shader_gone": (ERROR, "The shader node was deleted", "Make It Anew"),
     "shader_unused": (ERROR, "The shader feeds no material output", "Link It"),
     "shader_muted": (ERROR, "The shader node is muted", "Unmute"),
@@ -273,20 +274,16 @@ def _code(node):
 
 
 def _hiding(tree, surface) -> Iterator[Finding]:
-    """Outputs for one renderer alone that show something else."""
-    if surface_output(tree) is None:
+    """Outputs that show something else in place of Lamina's: those for one renderer alone, or another active one."""
+    if output_after(surface) is None:
         return
-    for renderer in ("CYCLES", "EEVEE"):
-        output = tree.get_output_node(renderer)
-        if output is not None and output.target == renderer and not _is_before(surface, output, set()):
+    shown = {renderer: tree.get_output_node(renderer) for renderer in ("CYCLES", "EEVEE")}
+    others = {renderer: output for renderer, output in shown.items() if output is not None and not feeds(surface, output)}
+    for renderer, output in others.items():
+        if output.target == renderer:
             yield Finding("output_hides", {"output": output.name, "renderer": renderer.title()}, output.name)
-
-
-def _is_before(node, follower, seen: set[str]) -> bool:
-    """Whether a node feeds another, over any number of nodes."""
-    seen.add(node.name)
-    after = [link.to_node for socket in node.outputs for link in socket.links]
-    return any(n == follower or (n.name not in seen and _is_before(n, follower, seen)) for n in after)
+    if active := next((output for output in others.values() if output.target == "ALL"), None):
+        yield Finding("output_rests", {"output": active.name}, active.name)
 
 
 def _stock(material, osl_shows: bool) -> Iterator[Finding]:

@@ -10,12 +10,14 @@ from ..nodes import material as materials
 from ..nodes import state
 from ..nodes.backend import AUTO
 from ..nodes.elements import find_node, kind_of, new_node, node_of
-from ..nodes.entry import entry_of, surface_output
+from ..nodes.entry import entry_of, output_after
 from ..nodes.kind_groups import fresh_group
 from ..nodes.node_copy import animation_by_name, copy_inputs
 from ..nodes.osl_setting import enable_osl
 from ..nodes.record import give_recorded, recorded
 from ..nodes.shader_node import surface_of
+
+_BELOW = 160  # of an output, where another one has place
 
 
 def _element(material, finding):
@@ -62,9 +64,25 @@ def _stock(material, _scene, _finding) -> None:
 
 
 def _let_lamina_show(material, _scene, finding) -> None:
-    """Blender 4.5 shows a muted output black and 5.3 ignores that it is muted, so the output steps back: all renderers' and not active."""
-    own, other = surface_output(material.node_tree), material.node_tree.nodes[finding.element]
+    """Blender 4.5 shows a muted output black and 5.3 ignores that it is muted, so the output steps back: all renderers' and not active.
+
+    Its volume and displacement go on to show where Lamina's output has none. Lamina's becomes the last one, which is what
+    glTF export of 5.3 takes, active or not.
+    """
+    tree = material.node_tree
+    own, other = output_after(surface_of(material).node), tree.nodes[finding.element]
+    for name in ("Volume", "Displacement"):
+        if not own.inputs[name].is_linked:
+            for link in other.inputs[name].links:
+                tree.links.new(link.from_socket, own.inputs[name])
     other.target = "ALL"
+    if other in list(tree.nodes)[list(tree.nodes).index(own) :]:
+        last = tree.nodes.new(own.bl_idname)
+        last.location = own.location.x, own.location.y - _BELOW
+        for socket, twin in zip(own.inputs, last.inputs):
+            for link in socket.links:
+                tree.links.new(link.from_socket, twin)
+        own = last
     own.is_active_output = True
 
 
@@ -157,6 +175,7 @@ MENDS = {
     "one_branch": _stock,
     "stock_behind": _stock,
     "output_hides": _let_lamina_show,
+    "output_rests": _let_lamina_show,
     "shader_gone": _regenerate,
     "shader_unused": _link_shader,
     "shader_muted": _unmute_shader,

@@ -122,11 +122,10 @@ def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
     values = [find_node(element) for element in (*lamina.layers, lamina.base)]
     for node in [node for node in tree.nodes if node in values or node.get(ROLE) in (OSL, NODES, SWITCH, TEST, MIX)]:
         tree.nodes.remove(node)
-    drop_record(copy)
     for node in tree.nodes:
         if ROLE in node:  # a stack that is put here later makes its own
             del node[ROLE]
-    copy.property_unset("lamina")
+    drop_record(copy)
     return told
 
 

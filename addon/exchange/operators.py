@@ -140,6 +140,7 @@ class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator
         name, values, told = load_mtlx(self.filepath)
         material = ops.material_of(context)
         target = material or bpy.data.materials.new(name or "Lamina")
+        gave_way = ops.what_gives_way(target)
         try:
             report = conversion.apply_openpbr(target, name, values)
         except LaminaError:
@@ -148,7 +149,7 @@ class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator
             raise
         if material is None:
             context.object.active_material = target
-        tell(self, Path(self.filepath).name, report, [f"lost: {sentence}" for sentence in told])
+        tell(self, Path(self.filepath).name, report, [*filter(None, [gave_way]), *(f"lost: {sentence}" for sentence in told)])
         for notice in materials.make_renderable(target, context.scene):
             self.report({"INFO"}, f"Lamina: {notice}")
 

@@ -9,17 +9,17 @@ import numpy as np
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.principled import DEFAULTS
 from ..network.working_space import out_of_working
+from ..nodes.entry import find_entry
 from ..nodes.principled import NORMALS, PRINCIPLED
 
 _NODE_PATH = re.compile(r'nodes\["(.*?)"\]')
 
 
 def principled_of(material: bpy.types.Material) -> bpy.types.Node:
-    """The Principled node that is a material's surface. Raises LaminaError where something else is."""
+    """The Principled node that is a material's surface, or the body in the user's own mix. Raises LaminaError where something else is."""
     tree = material.node_tree
     output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL") if tree is not None else None
-    surface = output.inputs["Surface"] if output is not None else None
-    node = surface.links[0].from_node if surface is not None and surface.is_linked else None
+    node = find_entry(output).former
     if node is None or node.bl_idname != PRINCIPLED:
         what = node.bl_label if node is not None else "nothing"
         raise LaminaError(f"material {material.name}: its surface is {what}; only a Principled BSDF can be converted")

@@ -17,8 +17,8 @@ from .analytic_layers import beam_of, below_text, for_each, layers_text, lines_o
 from .analytic_tables import Tables, constants
 from .block import Block, Closure
 from .inputs import BASE
-from .parts import beckmann, fill
-from .surface import BaseClosures, Surface, diffuse_closures, surface_of, top_closure
+from .parts import beckmann, code, fill
+from .surface import BaseClosures, Surface, diffuse_closures, surface_of, top_closure, top_function
 
 NOTE = "Adding over the interfaces at every shading point."
 
@@ -57,30 +57,26 @@ def _functions(stack: Stack) -> list[str]:
     texts = []
     brushed = any(element.has(ANISOTROPY) for element in (*stack.layers, stack.base))
     if stack.layers or stack.base.kind == "conductor":
-        texts += [constants(brushed), fill("fresnel_dielectric.h"), _own("analytic_tables.h"), _own("analytic_cosine.h")]
+        texts += [constants(brushed), code("fresnel_dielectric.h"), code("analytic_tables.h"), code("analytic_cosine.h")]
     if brushed:
-        texts.append(_own("analytic_brushed.h"))
+        texts.append(code("analytic_brushed.h"))
     if stack.layers:
-        texts += [fill("medium.h", TINT_FLOOR=f"{TINT_FLOOR:g}"), _own("analytic_beam.h"), _own("analytic_lobe.h")]
+        texts.append(top_function(stack.layers[0]))
+        texts += [code("medium.h", TINT_FLOOR=f"{TINT_FLOOR:g}"), code("analytic_beam.h"), code("analytic_lobe.h")]
         if any(element.has(ANISOTROPY) for element in (*stack.layers[1:2], stack.base)):
-            texts.append(fill("brushed.h"))
+            texts.append(code("brushed.h"))
         if stack.base.kind == "oren_nayar":
-            texts.append(fill("oren_nayar_albedo.h"))
+            texts.append(code("oren_nayar_albedo.h"))
     if stack.base.kind == "conductor":
         mean = " + ".join(f"{w:g} * fresnel_conductor({c:g}, eta, k)" for c, w in zip(base.MEAN_COSINES, base.MEAN_WEIGHTS))
-        texts += [fill("masking.h"), fill("fresnel_conductor.h"), _own("analytic_metal.h", MEAN=mean)]
+        texts += [code("masking.h"), code("fresnel_conductor.h"), code("analytic_metal.h", MEAN=mean)]
         if stack.base.has(ANISOTROPY):
-            texts.append(_own("analytic_brushed_metal.h"))
+            texts.append(code("analytic_brushed_metal.h"))
         if stack.layers:
-            texts += [_own("analytic_below.h", **below_text()), _own("analytic_coated_metal.h")]
+            texts += [code("analytic_below.h", **below_text()), code("analytic_coated_metal.h")]
         if "reflectance" in stack.base:
-            texts.append(fill("artist_index.h"))
+            texts.append(code("artist_index.h"))
     return texts
-
-
-def _own(name: str, **values: str) -> str:
-    """One of the tier's own parts, without the comments, which are for those who read `osl/`: texts are long as it is."""
-    return "".join(line for line in fill(name, **values).splitlines(keepends=True) if not line.lstrip().startswith("//"))
 
 
 def _azimuths(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface]) -> list[str]:

@@ -9,7 +9,7 @@ from ...reference_py.network.table import KNOTS
 from ...reference_py.schema import SCHEMA
 from .block import Block, Closure
 from .inputs import BASE
-from .parts import fill, listed, narrow, numbers
+from .parts import code, fill, listed, narrow, numbers
 from .surface import view
 
 NOTE = "Tables hold the values that the stack had, but for those with a socket."
@@ -19,7 +19,7 @@ def grid_block(network: GridNetwork, owners: list[str], prefix: str = "") -> Blo
     """The block of a network; what it declares ends with `prefix`."""
     writer = _Writer(network, owners, prefix)
     return Block(
-        functions=(fill("bent.h"), narrow(), fill("grid.h")),
+        functions=(code("bent.h"), narrow(), code("interface.h"), fill("grid.h")),
         arrays=tuple(writer.arrays),
         common=(view(), fill("table_place.osl", CELLS=KNOTS - 1, LAST=KNOTS - 2), fill("tangent.osl"), fill("plane_of_incidence.osl")),
         body="".join(writer.statements),
@@ -95,6 +95,6 @@ class _Writer:
             self._say(f"float {alpha} = max({root}, 0.0);", f"{alpha} = clamp({alpha} * {alpha}, {MIN_ALPHA:g}, 1.0);")
         if isinstance(lobe.fresnel, DielectricCurve):
             curve = f'{lobe.fresnel.eta:.9g}, "{lobe.distribution}"'
-            return f"dielectric_bsdf(N, tangent, color(1.0), color(0.0), {alphas[0]}, across({alphas[0]}), {curve})"
+            return f"interface_bsdf(N, tangent, {alphas[0]}, across({alphas[0]}), {curve})"
         slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
         return f'microfacet("{lobe.distribution}", normalize(bent_normal + {slope} * side), along, {listed(alphas)}, 1.0, 0)'

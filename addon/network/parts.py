@@ -21,6 +21,11 @@ def fill(name: str, **values) -> str:
     return text
 
 
+def code(name: str, **values) -> str:
+    """The same without the comments, which are for those who read `osl/`: texts are long as it is."""
+    return "".join(line for line in fill(name, **values).splitlines(keepends=True) if not line.lstrip().startswith("//"))
+
+
 @cache
 def _part(name: str) -> str:
     """A part's text without its licence line, which the assembled shader states once."""
@@ -29,7 +34,7 @@ def _part(name: str) -> str:
 
 
 def narrow() -> str:
-    return fill("narrow.h", NARROW_ALPHA=f"{NARROW_ALPHA:g}")
+    return code("narrow.h", NARROW_ALPHA=f"{NARROW_ALPHA:g}")
 
 
 def declaration(osl_name: str, parameter: Parameter) -> str:

@@ -8,7 +8,7 @@ from ...reference_py.network.table import MIN_COS_O
 from ...reference_py.schema import ANISOTROPY, NORMAL, THIN_FILM
 from ...reference_py.stack import Element
 from .block import Closure
-from .parts import fill, narrow
+from .parts import code, fill, narrow
 
 
 @dataclass(frozen=True)
@@ -46,28 +46,29 @@ def surface_of(element: Element, owner: str) -> Surface:
     common = [fill("own_normal.osl", OWNER=owner)] if element.has(NORMAL) else []
     common.append(view(suffix, normal))
     if "roughness" not in element:
-        return Surface((fill("bent.h"),), tuple(common), normal, f"view_z{suffix}", "", "", "", "")
+        return Surface((code("bent.h"),), tuple(common), normal, f"view_z{suffix}", "", "", "", "")
     if element.has(ANISOTROPY):
         common.append(fill("surface_anisotropic.osl", OWNER=owner, NORMAL=normal))
-        functions, tangent = (fill("bent.h"), narrow(), fill("turned.h")), f"tangent_{owner}"
+        functions, tangent = (code("bent.h"), narrow(), code("turned.h")), f"tangent_{owner}"
         widths = f"alpha_x_{owner}", f"alpha_y_{owner}"
     else:
         common += [fill("surface_tangent.osl", SUFFIX=suffix, NORMAL=normal), fill("surface.osl", OWNER=owner)]
-        functions, tangent = (fill("bent.h"), narrow()), f"tangent{suffix}"
+        functions, tangent = (code("bent.h"), narrow()), f"tangent{suffix}"
         widths = f"alpha_{owner}", f"across(alpha_{owner})"
     return Surface(functions, tuple(common), normal, f"view_z{suffix}", tangent, f"alpha_{owner}", *widths)
 
 
 def top_closure(surface: Surface, element: Element, owner: str) -> str:
-    """The closure of an interface below vacuum, with the exact Fresnel curve; of a closure's curves one knows films."""
+    """The closure of an interface below vacuum; it calls `top_function`. Of a closure's curves one knows films."""
     ior, kind = f"{owner}Ior", element["distribution"]
-    shape = f"{surface.frame}, color(1.0), color(0.0), {surface.alpha_x}, {surface.alpha_y}"
-    if not element.has(THIN_FILM):
-        return f'dielectric_bsdf({shape}, {ior}, "{kind}")'
-    reflectance = f"color(({ior} - 1.0) * ({ior} - 1.0) / (({ior} + 1.0) * ({ior} + 1.0)))"
-    film = f'"thinfilm_thickness", {owner}FilmThickness, "thinfilm_ior", {owner}FilmIor'
-    # an exponent below 0 stands for the exact curve of that index
-    return f'generalized_schlick_bsdf({shape}, {reflectance}, color(1.0), -{ior}, "{kind}", {film})'
+    shape = f'{surface.frame}, {surface.alpha_x}, {surface.alpha_y}, {ior}, "{kind}"'
+    film = f", {owner}FilmThickness, {owner}FilmIor" if element.has(THIN_FILM) else ""
+    return f"{'filmed_' if film else ''}interface_bsdf({shape}{film})"
+
+
+def top_function(element: Element) -> str:
+    """The function that the closure of an interface below vacuum calls."""
+    return code("filmed_interface.h" if element.has(THIN_FILM) else "interface.h")
 
 
 @dataclass(frozen=True)
@@ -91,4 +92,4 @@ def diffuse_closures(base: Element, surface: Surface) -> BaseClosures:
         Closure(weight, f"oren_nayar_diffuse_bsdf({surface.normal}, color({color:g}), base_sigma)")
         for weight, color in (("white_base", 1.0), (f"(BaseColor - white_base) * {1.0 / DARK:g}", DARK))
     )
-    return BaseClosures((white, dark), (fill("oren_nayar_shares.h"),), (fill("oren_nayar_sigma.osl"),))
+    return BaseClosures((white, dark), (code("oren_nayar_shares.h"),), (fill("oren_nayar_sigma.osl"),))

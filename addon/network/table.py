@@ -10,7 +10,7 @@ import numpy as np
 from ...reference_py.network.lobe import DielectricCurve
 from ...reference_py.network.table import KNOTS, DiffuseTable, GlossyTable, TableNetwork
 from .block import Block, Closure
-from .parts import fill, listed, narrow, numbers
+from .parts import code, fill, listed, narrow, numbers
 from .surface import view
 
 NOTE = "Tables hold the values that the stack had."
@@ -24,7 +24,7 @@ def table_block(network: TableNetwork, prefix: str = "") -> Block:
     glossy = any(isinstance(t, GlossyTable) for t in network.tables)
     frame = (fill("tangent.osl"), fill("plane_of_incidence.osl")) if glossy else ()
     return Block(
-        functions=(fill("bent.h"), *([narrow()] if glossy else [])),
+        functions=(code("bent.h"), *([narrow(), code("interface.h")] if glossy else [])),
         arrays=tuple(arrays),
         common=(view(), fill("table_place.osl", CELLS=KNOTS - 1, LAST=KNOTS - 2), *frame, *widths),
         body="",
@@ -40,7 +40,7 @@ def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable
     alpha_x, alpha_y, slope = _shape(arrays, widths, name, table.shape)
     if isinstance(table.fresnel, DielectricCurve):
         eta, kind = f"{table.fresnel.eta:.9g}", table.distribution
-        return Closure(weight, f'dielectric_bsdf(N, tangent, color(1.0), color(0.0), {alpha_x}, across({alpha_x}), {eta}, "{kind}")')
+        return Closure(weight, f'interface_bsdf(N, tangent, {alpha_x}, across({alpha_x}), {eta}, "{kind}")')
     if _is_round(table.shape):
         frame, alpha_y = "N, tangent", f"across({alpha_x})"
     else:

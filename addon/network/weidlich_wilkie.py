@@ -12,7 +12,7 @@ from .block import Block, Closure
 from .film import FILM, NO_FILM, FilmWords, film_arguments, film_arrays, film_functions, film_table, has_film
 from .inputs import BASE
 from .parts import beckmann, fill, listed, numbers
-from .surface import BaseClosures, Surface, diffuse_closures, surface_of, top_closure
+from .surface import BaseClosures, Surface, diffuse_closures, surface_of, top_closure, top_function
 
 NOTE = 'Layered after Weidlich and Wilkie 2007, "Arbitrarily Layered Micro-Facet Surfaces".'
 
@@ -57,6 +57,7 @@ def _functions(stack: Stack) -> list[str]:
             texts.append(film_functions())
         texts.append(fill("carried.h", T12=f"{film.type} t12 = 1.0 - {film.reflectance};", **film.words))
     if stack.layers:
+        texts.append(top_function(stack.layers[0]))
         texts.append(fill("medium.h", TINT_FLOOR=f"{TINT_FLOOR:g}"))
     if len(stack.layers) > 1:
         if any(layer.has(THIN_FILM) for layer in stack.layers[1:]):

@@ -43,19 +43,19 @@ def find_node(element) -> bpy.types.ShaderNodeGroup | None:
 
 
 def _node_by_links(element) -> bpy.types.ShaderNodeGroup | None:
-    """The node that feeds the shader's sockets of an element: files of schema 1 and 2 have no ids."""
+    """The node that feeds the shader's sockets of an element, or has the label of a hidden one: files of schema 1 and 2 have no ids."""
     material = element.id_data
     lamina, script = material.lamina, node_with(material, OSL)
     owners = {BASE: lamina.base} | {layer_owner(i): layer for i, layer in enumerate(lamina.shown_layers)}
     owner = next((name for name, one in owners.items() if one == element), None)
-    if script is None or owner is None:
+    if owner is None:
+        nodes = [node for node in material.node_tree.nodes if node.label == element.name and not any(s.is_linked for s in node.outputs)]
+    elif script is None:
         return None
-    wanted = {owner + p.osl_name for p in kind_of(element).sockets}
-    for link in (link for s in script.inputs if s.identifier in wanted for link in s.links):
-        node = link.from_node
-        if node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None and KIND_KEY in node.node_tree and ID_KEY not in node:
-            return node
-    return None
+    else:
+        wanted = {owner + p.osl_name for p in kind_of(element).sockets}
+        nodes = [link.from_node for s in script.inputs if s.identifier in wanted for link in s.links]
+    return next((n for n in nodes if n.bl_idname == "ShaderNodeGroup" and n.node_tree is not None and n.node_tree.get(KIND_KEY) == element.kind and ID_KEY not in n), None)
 
 
 def node_of(element) -> bpy.types.ShaderNodeGroup:

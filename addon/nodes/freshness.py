@@ -15,10 +15,14 @@ from .elements import kind_of
 from .live_values import live_values, what_moves
 from .material import hand_over, refresh, refresh_stock
 from .osl_setting import shows_osl
+from .pasted import adopt_pasted
 from .reading import is_own, stack_of
-from .record import adopt_pasted, changed_values
+from .record import changed_values, keep_record
 from .roles import node_with
 from .shader_node import shader_of
+
+_STALE = "renders old values: save the file, press Update in its panel, or call bpy.ops.lamina.regenerate()"
+_STOCK_BEHIND = "renders old values: its stock nodes are behind; save the file, or press Update in its panel"
 
 
 @persistent
@@ -32,6 +36,7 @@ def make_ready(*_) -> None:
         bake_ahead(wanted, lambda told: print(f"Lamina: {told}"))
     _for_each(_is_unready, _make_ready)
     _for_each(_is_not_handed_over, lambda material: hand_over(material, settle=bpy.app.background))
+    _for_each(lambda material: not state.lags(material), keep_record)
 
 
 def _is_unready(material) -> bool:
@@ -65,13 +70,18 @@ def announce(scene=None, *_) -> None:
     scene = scene if isinstance(scene, bpy.types.Scene) else bpy.context.scene
     if not shows_osl(scene, bpy.context.preferences):
         _for_each(_is_script_alone, lambda m: print(f"Lamina: {m.name}: renders black: it is an OSL script alone, and {scene.name} shows none; {_advice(m)}"), linked=True)
-        _for_each(state.lags, lambda m: print(f"Lamina: {m.name}: {_stands_still(m) or 'renders old values: its stock nodes are behind; save the file, or press Update in its panel'}"))
+        _for_each(state.lags, lambda m: print(f"Lamina: {m.name}: {_stands_still(m) or _STOCK_BEHIND}"))
+    _for_each(lambda m: m.override_library is not None and (state.is_stale(m) or state.lags(m)), _say_override, linked=True)
     _for_each(lambda m: shader_of(m) is None, lambda m: print(f"Lamina: {m.name}: its shader node is gone: press Update in its panel, or call bpy.ops.lamina.regenerate()"))
-    _for_each(state.is_stale, lambda m: print(f"Lamina: {m.name}: {_stands_still(m) or 'renders old values: save the file, press Update in its panel, or call bpy.ops.lamina.regenerate()'}"))
+    _for_each(state.is_stale, lambda m: print(f"Lamina: {m.name}: {_stands_still(m) or _STALE}"))
     _for_each(
         lambda m: not state.is_stale(m) and not state.is_settled(m),
         lambda m: print(f"Lamina: {m.name}: renders with the tier analytic, as its bake is not done; a save without a window makes it"),
     )
+
+
+def _say_override(material) -> None:
+    print(f"Lamina: {material.name}: renders old values: it is a library override, of which Blender keeps no values of nodes; make it local to edit it")
 
 
 def _is_script_alone(material) -> bool:

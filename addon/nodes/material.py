@@ -30,7 +30,7 @@ from .live_values import live_values
 from .osl_setting import prefer_osl
 from .properties import follow, quietly
 from .reading import require_editable, require_layered, stack_of
-from .record import keep_record, keep_structure
+from .record import keep_record, keep_structure, take_structure
 from .roles import node_with
 from .shader_node import Surface, backend_of, replacing_branches, shading_of
 from .snapshot import restore, snapshot
@@ -95,12 +95,18 @@ def make_renderable(material: bpy.types.Material, scene: bpy.types.Scene) -> lis
 def structure_changed(material: bpy.types.Material, name: str) -> None:
     """What setting the property `name` calls: a metal's sockets, if it concerns them, and the shader follow.
 
-    Update functions cannot report to the user, so an error is kept for the panel to show.
+    In a material of another file all properties become again what they were. Update functions cannot report to the user, so an error is kept for the panel to show.
     """
     lamina = material.lamina
     if not lamina.is_layered:
         return
-    if name == "name":
+    try:
+        require_editable(material)
+    except LaminaError as error:
+        lamina.problem = "" if take_structure(material) else str(error)  # older files have nothing to put it back from
+        print(f"Lamina: {error}")
+        return
+    if name in ("name", "stack_name"):
         for element in (*lamina.layers, lamina.base):
             show_name(element)
         keep_structure(material)
@@ -152,6 +158,7 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
     done, here with `settle` or by `bakes` in the background, the shader is that of the tier analytic. `progress` gets the
     share done and may raise to cancel. Raises LaminaError; then the material is as before.
     """
+    require_editable(material)
     lamina, branches = material.lamina, branches_here(material.lamina.backend)
     owners = _owners(material)
     waits = lamina.tier in HOLD_VALUES
@@ -201,6 +208,7 @@ def refresh_stock(material: bpy.types.Material, settle: bool = False) -> None:
 
     Of tiers that compute first they are those of the tier analytic where nothing is computed yet, but for `settle`.
     """
+    require_editable(material)
     owners, network, key = _owners(material), None, ""
     if material.lamina.tier in HOLD_VALUES:
         wanted = wanted_network(material)

@@ -147,13 +147,14 @@ class LaminaMaterial(bpy.types.PropertyGroup):
         options=_NOT_ANIMATABLE,
         update=_update("tolerance"),
     )
-    stack_name: StringProperty(name="Name", description="Name of the stack")
+    stack_name: StringProperty(name="Name", description="Name of the stack", update=_update("stack_name"))
     source: StringProperty(name="Source", description="Where the stack's numbers come from")
     unknown: StringProperty(description="JSON of the keys that this version does not know")
     schema_version: IntProperty(default=SCHEMA_VERSION)
     shader_node: StringProperty(description="Of files of schema 1 and 2: name of the node that is the shader")
     told: StringProperty(description="Of files of schema 1 and 2: hash of the values that the shader holds; empty where it reads them")
     settled: StringProperty(description="Of files of schema 1 and 2: what the shader was computed for, in tiers that compute first; empty until it is done")
+    stamp: StringProperty(description="Which copy of this structure the node tree has, see `record`")
     note: StringProperty(description="What was chosen, and why")
     error: FloatProperty(default=-1.0, description="Estimated error of what was chosen, in percent; negative where there is no estimate")
     handed: StringProperty(description="Hash of the values and links that exporters find; empty until the base color is solved for them")

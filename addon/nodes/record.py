@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A copy of a material's structure and values in its node tree: Blender's Copy and Paste Material takes trees, not properties.
 
-It also is where a layer's values come from when somebody deleted its node.
+Tree and properties have the same stamp, a hash of the copy, unless the tree was pasted. The copy also is where a layer's
+values come from when somebody deleted its node.
 """
 
+import hashlib
 import json
 
 import bpy
@@ -14,11 +16,14 @@ from .properties import quietly
 from .snapshot import restore, snapshot
 from ..network.working_space import into_working, out_of_working
 
-KEY = "lamina_record"
+KEY, STAMP = "lamina_record", "lamina_stamp"
 
 
 def keep_record(material: bpy.types.Material) -> None:
-    """Write down the structure, and each element's values and links by its node's id; of a deleted node the former ones stay."""
+    """Write down the structure, and each element's values and links by its node's id; of a deleted node the former ones stay.
+
+    To be called where the stock nodes show the present values, which Check compares with the recorded ones.
+    """
     lamina, former = material.lamina, _read(material).get("elements", {})
     elements = {}
     for element in (*lamina.layers, lamina.base):
@@ -29,21 +34,32 @@ def keep_record(material: bpy.types.Material) -> None:
         links = {s.name: [s.links[0].from_node.name, s.links[0].from_socket.identifier] for s in node.inputs if s.is_linked}
         values = {s.name: _plain(s) for s in node.inputs if hasattr(s, "default_value")}
         elements[element.node] = {"values": values, "links": links}
-    text = json.dumps({"structure": snapshot(lamina), "elements": elements})
-    if material.node_tree.get(KEY) != text:
-        material.node_tree[KEY] = text
+    _write(material, elements)
 
 
 def keep_structure(material: bpy.types.Material) -> None:
     """Write down the structure alone, where values stay those that the stock nodes show."""
     if data := _read(material):
-        material.node_tree[KEY] = json.dumps(data | {"structure": snapshot(material.lamina)})
+        _write(material, data["elements"])
+
+
+def _write(material, elements: dict) -> None:
+    structure = {name: value for name, value in snapshot(material.lamina).items() if name != "stamp"}
+    text = json.dumps({"structure": structure, "elements": elements})
+    stamp = hashlib.sha256(text.encode()).hexdigest()[:16]
+    for name, value in ((KEY, text), (STAMP, stamp)):
+        if material.node_tree.get(name) != value:
+            material.node_tree[name] = value
+    if material.lamina.stamp != stamp:
+        material.lamina.stamp = stamp
 
 
 def drop_record(material: bpy.types.Material) -> None:
     """Forget the structure of a material that is Lamina's no more."""
-    if KEY in material.node_tree:
-        del material.node_tree[KEY]
+    material.property_unset("lamina")
+    for key in (KEY, STAMP):
+        if key in material.node_tree:
+            del material.node_tree[key]
 
 
 def recorded(element) -> dict:
@@ -75,26 +91,20 @@ def changed_values(material: bpy.types.Material) -> list[str]:
     return names
 
 
-def adopt_pasted(material: bpy.types.Material) -> bool:
-    """Make the properties of a material those of its node tree, after Blender's Paste Material; whether there was anything to do."""
-    lamina, tree = material.lamina, material.node_tree
-    if tree is None or material.library is not None or material.override_library is not None:
-        return False
-    own = [element.node for element in (*lamina.layers, lamina.base) if element.node]
-    if KEY not in tree:
-        # a plain material was pasted over layers: older files have no record, and so their nodes
-        if lamina.is_layered and lamina.schema_version > 2 and not any(find_node(e) for e in (*lamina.layers, lamina.base)):
-            material.property_unset("lamina")
-            return True
-        return False
+def is_of_another(material: bpy.types.Material) -> bool:
+    """Whether the node tree is not the one that the properties were made with."""
+    tree = material.node_tree
+    return tree is not None and tree.get(STAMP, "") != material.lamina.stamp
+
+
+def take_structure(material: bpy.types.Material) -> bool:
+    """Set the properties to what the node tree's copy says; whether there is one."""
     data = _read(material)
-    if not data or list(data["elements"]) == own:
-        return False
-    if not all(node in tree.nodes for node in data["elements"]) or any(node in tree.nodes for node in own):
-        return False
-    with quietly():
-        restore(lamina, data["structure"])
-    return True
+    if data:
+        with quietly():
+            restore(material.lamina, data["structure"])
+            material.lamina.stamp = material.node_tree[STAMP]
+    return bool(data)
 
 
 def _read(material) -> dict:

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 
+from ..network.node_groups import GROUP_KEY
 from ..network.working_space import into_working
 from .backend import NODES, OSL
 
@@ -25,9 +26,20 @@ def node_with(material: bpy.types.Material, role: str) -> bpy.types.Node | None:
 
 
 def _of_older_file(material, role: str) -> bpy.types.Node | None:
-    """Schema 1 and 2 had one shader node and named it."""
-    node = material.node_tree.nodes.get(material.lamina.shader_node)
+    """Schema 1 and 2 had one shader node and named it. A script goes before stock nodes, which were EEVEE's where there is one."""
+    name, nodes = material.lamina.shader_node, material.node_tree.nodes
+    if not name:
+        return None
+    made = sorted((node for node in nodes if ROLE not in node and _is_made(node)), key=lambda node: node.bl_idname == _TYPES[NODES])
+    node = nodes.get(name) or next(iter(made), None)
     return node if node is not None and node.bl_idname == _TYPES.get(role) and ROLE not in node else None
+
+
+def _is_made(node) -> bool:
+    """Whether a node's code is generated, whatever somebody named it."""
+    if node.bl_idname == _TYPES[OSL]:
+        return node.script is not None and "\nshader lamina_" in node.script.as_string()
+    return node.bl_idname == _TYPES[NODES] and node.node_tree is not None and GROUP_KEY in node.node_tree
 
 
 class Roles:
@@ -35,12 +47,13 @@ class Roles:
 
     def __init__(self, tree: bpy.types.NodeTree):
         self.tree = tree
-        self._nodes: dict[str, bpy.types.Node] = {}
-        for node in tree.nodes:
-            if role := node.get(ROLE):
-                self._nodes.setdefault(role, node)  # copies by the user's hand come later
         # every `socket.links` would look through all links of the tree
         self._into = {link.to_socket.as_pointer(): link for link in tree.links}
+        feeding = {link.from_node.name for link in tree.links}
+        self._nodes: dict[str, bpy.types.Node] = {}
+        for node in sorted(tree.nodes, key=lambda node: node.name not in feeding):
+            if role := node.get(ROLE):
+                self._nodes.setdefault(role, node)  # of copies by the user's hand the one that is linked
 
     def get(self, role: str) -> bpy.types.Node | None:
         return self._nodes.get(role)

@@ -68,11 +68,13 @@ def tangent_owner(material: bpy.types.Material, inputs: Sequence[ShaderInput]) -
     if not any(i.owner == TANGENT for i in inputs):
         return {}
     tree = material.node_tree
-    node = tree.nodes.get(_TANGENT_NODE)
+    node = node_with(material, TANGENT) or tree.nodes.get(_TANGENT_NODE)
     if node is None:
         node = tree.nodes.new("ShaderNodeTangent")
         node.name = node.label = _TANGENT_NODE
         node.direction_type = "UV_MAP"
+    if ROLE not in node:
+        node[ROLE] = TANGENT
     return {TANGENT: node}
 
 

@@ -20,16 +20,20 @@ def snapshot(group: bpy.types.PropertyGroup) -> dict:
 
 
 def restore(group: bpy.types.PropertyGroup, data: dict) -> None:
-    """Set a group to what `snapshot` returned, here or in another version, whose own properties are left alone."""
+    """Set a group to what `snapshot` returned, here or in another version: what that had not gets its default."""
     for prop in _properties(group):
         if prop.identifier not in data:
+            group.property_unset(prop.identifier)
             continue
         value = data[prop.identifier]
         if prop.type == "COLLECTION":
             collection = getattr(group, prop.identifier)
-            collection.clear()
-            for item in value:
-                restore(collection.add(), item)
+            while len(collection) > len(value):  # those of a library override cannot grow, so none is made anew
+                collection.remove(len(collection) - 1)
+            while len(collection) < len(value):
+                collection.add()
+            for item, each in zip(collection, value):
+                restore(item, each)
         elif prop.type == "POINTER":
             restore(getattr(group, prop.identifier), value)
         else:

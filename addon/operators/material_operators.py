@@ -16,6 +16,7 @@ from ...reference_py.stack import Stack
 from ..background import bakes
 from ..library import user_presets
 from ..nodes import material as materials
+from ..nodes.entry import find_entry, surface_output
 from ..nodes.holders import can_hold_material
 from ..nodes.live_values import live_values
 from ..nodes.osl_setting import enable_osl
@@ -38,6 +39,23 @@ def why_no_material(context: bpy.types.Context) -> str:
     if not (item.is_editable and item.data.is_editable):
         return tip_("The object is linked from another file: make it local to give it a material")
     return ""
+
+
+def what_gives_way(material: bpy.types.Material) -> str:
+    """What a first stack takes the place of, in words, where that is more or less than the Principled node at the surface."""
+    if material.node_tree is None or material.lamina.is_layered:
+        return ""
+    entry = find_entry(surface_output(material.node_tree))
+    if entry.former is None:
+        return ""
+    words = {"node": entry.former.label or entry.former.name, "count": entry.bodies}
+    if entry.is_mixed:
+        told = rpt_("{node}, one of {count} surfaces that are mixed, gives way; the others stay") if entry.bodies > 1 else rpt_("{node} gives way; what it is mixed with stays")
+    elif entry.former.bl_idname != "ShaderNodeBsdfPrincipled":
+        told = rpt_("{node} gives way as a whole; it stays in the node tree without a link")
+    else:
+        return ""
+    return told.format(**words)
 
 
 def material_of(context: bpy.types.Context) -> bpy.types.Material | None:
@@ -97,12 +115,15 @@ class StackOperator(LaminaOperator):
         if made:
             material = bpy.data.materials.new(stack.name or _UNNAMED)
         former = material.lamina.stack_name
+        gave_way = what_gives_way(material)
         try:
             self.apply(material, stack)
         except LaminaError:
             if made:
                 bpy.data.materials.remove(material)
             raise
+        if gave_way:
+            self.report({"INFO"}, f"Lamina: {gave_way}")
         if made:
             context.object.active_material = material
         elif former in _names_of_presets() and re.fullmatch(rf"{re.escape(former)}(\.\d+)?", material.name):

@@ -100,24 +100,35 @@ def unit_energy(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, cou
 
     GGX visible normals of the lobe's own widths carry both distributions. Error below 5e-4 (tests/reference_py/test_closure.py).
     """
-    cos_o = np.asarray(cos_theta_o, float)
+    return _unit_energies(lobe, np.asarray(cos_theta_o, float), phi, count)[0]
+
+
+def fresnel_share(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, count: int = 8192) -> np.ndarray:
+    """Energy (n, 3) of a glossy lobe over that of the lobe without its Fresnel curve, as in `unit_energy`."""
+    whole, plain = _unit_energies(lobe, np.asarray(cos_theta_o, float), phi, count)
+    return whole / plain[:, None]
+
+
+def _unit_energies(lobe: GlossyLobe, cos_o: np.ndarray, phi: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Directional albedo (n, 3) of weight 1, and that (n,) without the Fresnel curve."""
     # in the lobe's own frame: where it has none, that of the plane of incidence
     turn = 0.0 if lobe.frame is None else phi - lobe.frame
     sin_o = np.sqrt(np.maximum(1.0 - cos_o**2, 0.0))
     wo = np.stack([sin_o * np.cos(turn), sin_o * np.sin(turn), cos_o], axis=-1)
     if is_mirror(lobe):
-        return fresnel(lobe, cos_o) * np.ones(3)
+        return fresnel(lobe, cos_o) * np.ones(3), np.ones(cos_o.shape)
     frame = None if lobe.frame is None else 0.0
     shapes = [np.broadcast_to(np.asarray(v, float), cos_o.shape) for v in (lobe.alpha_x, lobe.alpha_y, lobe.tilt)]
     u1, u2 = points(count)
-    result = np.zeros(cos_o.shape + (3,))
+    result, plain = np.zeros(cos_o.shape + (3,)), np.zeros(cos_o.shape)
     for i, shape in enumerate(zip(*shapes)):
         wi = _carried_directions(wo[i], *shape, u1, u2)
         carrier, cos_ih = unit_glossy(GGX, *shape, wo[i], wi, frame)
         value = carrier if lobe.distribution == GGX else unit_glossy(lobe.distribution, *shape, wo[i], wi, frame)[0]
         share = np.where(carrier > 0.0, value / np.maximum(carrier, 1e-300), 0.0) * _masking_beyond_view(*shape, wo[i], wi, frame)
-        result[i] = np.mean(np.where(wi[:, 2] > 0.0, share, 0.0)[:, None] * fresnel(lobe, cos_ih), axis=0)
-    return result
+        share = np.where(wi[:, 2] > 0.0, share, 0.0)
+        result[i], plain[i] = np.mean(share[:, None] * fresnel(lobe, cos_ih), axis=0), np.mean(share)
+    return result, plain
 
 
 def lobe_energy(lobe: GlossyLobe | DiffuseLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -> np.ndarray:

@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..optics.diffuse import OREN_NAYAR_POWER, oren_nayar_albedo
-from .closure import unit_energy
+from .closure import fresnel_share
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe, SchlickCurve
 from .mixture import PatchNetwork
 from .table import AZIMUTHS, KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork, knot_cosines
@@ -132,10 +132,8 @@ def _fresnel_share(lobe: GlossyLobe, phi: float = 0.0, directions: int = _DIRECT
     """Energy (KNOTS, 3) of the lobe over that of the lobe without its Fresnel curve, for views at the azimuth phi."""
     share = np.empty((KNOTS, 3))
     for k, (cos_o, *shape) in enumerate(zip(knot_cosines(), *_at_knots(lobe.alpha_x, lobe.alpha_y, lobe.tilt))):
-        plain = GlossyLobe(lobe.distribution, np.ones(3), *shape, frame=lobe.frame)
-        shaped = replace(plain, fresnel=_curve_at(lobe.fresnel, k))
-        energies = [unit_energy(one, np.array([cos_o]), phi, directions)[0] for one in (shaped, plain)]
-        share[k] = energies[0] / energies[1]
+        shaped = GlossyLobe(lobe.distribution, np.ones(3), *shape, _curve_at(lobe.fresnel, k), lobe.frame)
+        share[k] = fresnel_share(shaped, np.array([cos_o]), phi, directions)[0]
     return share
 
 

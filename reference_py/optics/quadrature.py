@@ -6,6 +6,7 @@ and one cosine strategy, combined by the balance heuristic (Veach95). Narrow lob
 """
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -16,10 +17,14 @@ from . import microfacet
 _GOLDEN_2 = 1.32471795724474602596
 
 
+@lru_cache(maxsize=16)
 def points(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Evenly spread points (count,), (count,) of the unit square."""
+    """Evenly spread points (count,), (count,) of the unit square; not to be written to."""
     index = np.arange(1, count + 1, dtype=float)
-    return (0.5 + index / _GOLDEN_2) % 1.0, (0.5 + index / _GOLDEN_2**2) % 1.0
+    result = (0.5 + index / _GOLDEN_2) % 1.0, (0.5 + index / _GOLDEN_2**2) % 1.0
+    for axis in result:
+        axis.flags.writeable = False
+    return result
 
 
 def facet_normals(u1: np.ndarray, u2: np.ndarray, alpha: float, kind: str) -> np.ndarray:

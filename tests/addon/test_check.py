@@ -115,12 +115,20 @@ def hide(owner):
     owner.node_tree.links.new(glow.outputs[0], output.inputs["Surface"])
 
 
+def second_output(owner):
+    """Another output for all renderers, which the user made the active one."""
+    output, glow = owner.node_tree.nodes.new("ShaderNodeOutputMaterial"), owner.node_tree.nodes.new("ShaderNodeEmission")
+    output.is_active_output = True
+    owner.node_tree.links.new(glow.outputs[0], output.inputs["Surface"])
+
+
 # What one click mends, and what is not for "Mend All", as it is the scene's.
 FAULTS = {
     "without_osl": without_osl,
     "script_alone": script_alone,
     "one_branch": lambda owner: owner.node_tree.nodes.remove(node_with(owner, "nodes")),
     "output_hides": hide,
+    "output_rests": second_output,
     "shader_gone": lambda owner: [owner.node_tree.nodes.remove(node_with(owner, role)) for role in ("osl", "nodes")],
     "shader_unused": lambda owner: owner.node_tree.links.remove(surface_of(owner).links[0]),
     "shader_muted": lambda owner: setattr(shader(owner), "mute", True),

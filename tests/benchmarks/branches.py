@@ -16,13 +16,14 @@ import bpy
 
 import lamina
 from lamina.addon.nodes import material as materials
+from lamina.addon.nodes.shader_node import remove_material
 from lamina.addon.rendering.environment import ensure_osl_query_on_path
 from lamina.addon.rendering.geometry import plane_mesh
 from lamina.addon.rendering.settings import measurement_settings, render_to
 from lamina.reference_py import presets
 
 NAMES = ("glazed_mug", "metallic_car_paint", "frosted_paint")
-ROUNDS, SIZE, SAMPLES, COPIES = 7, 128, 64, 12
+ROUNDS, SIZE, SAMPLES, COPIES = 5, 96, 64, 8
 COLUMNS = ("preset", "osl", "render", "start", "start_ms", "alone_start_ms", "make", "make_ms", "alone_make_ms")
 
 
@@ -81,10 +82,7 @@ def making(name: str, tier: str, backend: str) -> float:
     script_node._compiled.clear()
     new = bpy.data.materials.new("made")
     taken = cpu(lambda: materials.apply_stack(new, presets.load(name), tier, backend))
-    bpy.data.materials.remove(new)
-    bpy.ops.outliner.orphans_purge(do_recursive=True)
-    for text in [text for text in bpy.data.texts if not text.users]:
-        bpy.data.texts.remove(text)
+    remove_material(new)
     return taken
 
 
