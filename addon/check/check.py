@@ -21,7 +21,7 @@ from ..nodes import state
 from ..nodes.backend import AUTO, NODES, OSL, branches_here
 from ..nodes.elements import find_node, kind_of, node_of, outside_rec709
 from ..nodes.entry import feeds, output_after
-from ..nodes.hand_over import usd_takes
+from ..nodes.hand_over import MIX, usd_takes
 from ..nodes.kind_groups import KIND_KEY, hands_on
 from ..nodes.live_values import live_values, resting_values
 from ..nodes.osl_setting import device_problem, why_stock_nodes
@@ -52,6 +52,7 @@ CODES = {
     "shader_muted": (ERROR, "The shader node is muted", "Unmute"),
     "shader_edited": (WARNING, "The shader was edited by hand; its next change will replace it", "Make It Anew"),
     "shader_unlinked": (ERROR, "{count} values do not reach the shader, the first is {first}", "Link Them"),
+    "exported_shows": (ERROR, "What exporters find is mixed into the picture: the factor of its Mix Shader is not 0", "Set It to 0"),
     "shader_stale": (WARNING, "The shader holds old values", "Update"),
     "not_baked": (WARNING, "Shown by tier analytic; bake {reason}", "Bake Again"),
     "node_gone": (ERROR, "The node of {layer} was deleted; its values are known", "Make It Anew"),
@@ -252,9 +253,13 @@ def _shader(material) -> Iterator[Finding]:
     lost = [name for node in branches for name in _unlinked(material, node)]
     if switch is not None:
         test = node_with(material, TEST)
-        lost += [socket.name for socket in (*switch.inputs, *(test.inputs[:1] if test is not None else ())) if not socket.is_linked]
+        sources = zip((*switch.inputs, *(test.inputs[:1] if test is not None else ())), (test, stock, script, script))
+        lost += [socket.name for socket, source in sources if not socket.is_linked or socket.links[0].from_node != source]
     if lost:
         yield Finding("shader_unlinked", {"count": len(lost), "first": lost[0]})
+    mix = node_with(material, MIX)
+    if mix is not None and not mix.mute and (mix.inputs[0].is_linked or mix.inputs[0].default_value != 0.0):
+        yield Finding("exported_shows")
     if reason := bakes.given_up(material):
         yield Finding("not_baked", {"reason": reason})
     try:

@@ -9,12 +9,12 @@ from ..background import bakes
 from ..nodes import material as materials
 from ..nodes import state
 from ..nodes.backend import AUTO
-from ..nodes.elements import kind_of, new_node, node_of
+from ..nodes.elements import find_node, kind_of, new_node, node_of
 from ..nodes.entry import entry_of, output_after
 from ..nodes.kind_groups import fresh_group
 from ..nodes.node_copy import animation_by_name, copy_inputs
 from ..nodes.osl_setting import enable_osl
-from ..nodes.record import give_recorded
+from ..nodes.record import give_recorded, recorded
 from ..nodes.shader_node import surface_of
 
 _BELOW = 160  # of an output, where another one has place
@@ -91,11 +91,15 @@ def _unmute(material, _scene, finding) -> None:
 
 
 def _new_node(material, _scene, finding) -> None:
-    """With the recorded values and links; drivers and keyframes go with a node that Blender deletes."""
-    element = _element(material, finding)
+    """All that are gone at once, as a shader needs every one; those of no known values only by the button that says so.
+
+    With the recorded values and links; drivers and keyframes go with a node that Blender deletes.
+    """
+    lamina, takes_defaults = material.lamina, finding.code == "node_lost"
+    gone = [e for e in (*lamina.layers, lamina.base) if find_node(e) is None and (takes_defaults or recorded(e))]
     with materials.changing(material) as tree:
-        node = new_node(tree, kind_of(element), element.node)
-        give_recorded(element, node)
+        for element in gone:
+            give_recorded(element, new_node(tree, kind_of(element), element.node))
 
 
 def _own_node(material, _scene, finding) -> None:
@@ -177,6 +181,7 @@ MENDS = {
     "shader_muted": _unmute_shader,
     "shader_edited": _regenerate,
     "shader_unlinked": _regenerate,
+    "exported_shows": _regenerate,
     "shader_stale": _regenerate,
     "not_baked": _bake,
     "node_gone": _new_node,

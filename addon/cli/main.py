@@ -94,7 +94,7 @@ def build_parser() -> argparse.ArgumentParser:
         command.add_argument("--tier", default=None, help="how the stack is told to Cycles (default: the extension's)")
     for command in (render, apply):
         command.add_argument("--backend", choices=BACKENDS, default=DEFAULT_BACKEND,
-                             help="OSL shader or stock nodes (default: %(default)s, which is OSL where there is OSL)")
+                             help="stock nodes, an OSL shader, or both (default: %(default)s, both where there is OSL)")
     convert = _command(commands, "convert", "convert", "convert a stack to Principled or OpenPBR, or a MaterialX file to a stack, and say what was lost")
     convert.add_argument("source", metavar="STACK|FILE.mtlx", help=STACK_HELP + ", or a MaterialX file with an OpenPBR surface")
     convert.add_argument("--to", choices=("principled", "openpbr"), help="what a stack becomes")

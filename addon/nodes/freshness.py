@@ -11,14 +11,18 @@ from ..background.ahead import bake_ahead
 from . import state
 from .hand_over import is_handed_over
 from .backend import NODES
-from .live_values import live_values
+from .elements import kind_of
+from .live_values import live_values, what_moves
 from .material import hand_over, refresh, refresh_stock
 from .osl_setting import shows_osl
 from .pasted import adopt_pasted
 from .reading import is_own, stack_of
-from .record import keep_record
+from .record import changed_values, keep_record
 from .roles import node_with
 from .shader_node import shader_of
+
+_STALE = "renders old values: save the file, press Update in its panel, or call bpy.ops.lamina.regenerate()"
+_STOCK_BEHIND = "renders old values: its stock nodes are behind; save the file, or press Update in its panel"
 
 
 @persistent
@@ -66,10 +70,10 @@ def announce(scene=None, *_) -> None:
     scene = scene if isinstance(scene, bpy.types.Scene) else bpy.context.scene
     if not shows_osl(scene, bpy.context.preferences):
         _for_each(_is_script_alone, lambda m: print(f"Lamina: {m.name}: renders black: it is an OSL script alone, and {scene.name} shows none; {_advice(m)}"), linked=True)
-        _for_each(state.lags, lambda m: print(f"Lamina: {m.name}: renders old values: its stock nodes are behind; save the file, or press Update in its panel"))
+        _for_each(state.lags, lambda m: print(f"Lamina: {m.name}: {_stands_still(m) or _STOCK_BEHIND}"))
     _for_each(lambda m: m.override_library is not None and (state.is_stale(m) or state.lags(m)), _say_override, linked=True)
     _for_each(lambda m: shader_of(m) is None, lambda m: print(f"Lamina: {m.name}: its shader node is gone: press Update in its panel, or call bpy.ops.lamina.regenerate()"))
-    _for_each(state.is_stale, lambda m: print(f"Lamina: {m.name}: renders old values: save the file, press Update in its panel, or call bpy.ops.lamina.regenerate()"))
+    _for_each(state.is_stale, lambda m: print(f"Lamina: {m.name}: {_stands_still(m) or _STALE}"))
     _for_each(
         lambda m: not state.is_stale(m) and not state.is_settled(m),
         lambda m: print(f"Lamina: {m.name}: renders with the tier analytic, as its bake is not done; a save without a window makes it"),
@@ -82,6 +86,16 @@ def _say_override(material) -> None:
 
 def _is_script_alone(material) -> bool:
     return shader_of(material) is not None and node_with(material, NODES) is None
+
+
+def _stands_still(material) -> str:
+    """What to say where nothing but animation changed values since stock nodes were made: a save helps for one frame alone."""
+    lamina = material.lamina
+    moving = {f"{e.name}: {p.label}" for e in (*lamina.shown_layers, lamina.base) for p in kind_of(e).sockets if what_moves(e).get(p.name) == "animation"}
+    changed = set(changed_values(material))
+    if node_with(material, NODES) is None or not changed or changed - moving:
+        return ""
+    return "its animation stands still, as stock nodes cannot follow it; Cycles with OSL does, in the backend Automatic"
 
 
 def _advice(material) -> str:

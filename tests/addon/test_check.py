@@ -134,6 +134,7 @@ FAULTS = {
     "shader_muted": lambda owner: setattr(shader(owner), "mute", True),
     "shader_edited": lambda owner: shader(owner).script.write("// mine\n"),
     "shader_unlinked": unlink_value,
+    "exported_shows": lambda owner: setattr(node_with(owner, "hand-over").inputs[0], "default_value", 0.5),
     "node_gone": lambda owner: owner.node_tree.nodes.remove(coat(owner)),
     "node_muted": lambda owner: setattr(coat(owner), "mute", True),
     "node_shared": share_node,
@@ -251,6 +252,32 @@ def test_a_deleted_node_comes_back_with_its_values_and_its_texture(owner):
     assert coat(owner).inputs["Roughness"].default_value == pytest.approx(0.37)
     assert coat(owner).inputs["Tint"].links[0].from_node == noise
     assert material.live_values(owner) == ((0, "tint"),)
+
+
+def test_several_deleted_nodes_come_back_at_once(owner):
+    """As after grouping all nodes of a material by Ctrl G: a shader cannot be made before the last of them is there."""
+    coat(owner).inputs["Roughness"].default_value = 0.37
+    material.regenerate(owner)
+    stack = material.stack_of(owner)
+    for node in [node for node in owner.node_tree.nodes if node.bl_idname != "ShaderNodeOutputMaterial"]:
+        owner.node_tree.nodes.remove(node)
+    assert codes(owner).count("node_gone") == len(owner.lamina.layers) + 1
+    (finding, *_) = [f for f in found(owner) if f.code == "node_gone"]
+    check.mend(owner, bpy.context.scene, bpy.context.preferences, finding.key)
+    assert material.stack_of(owner) == stack
+    material.regenerate(owner)
+    assert codes(owner) == []
+
+
+def test_exchanged_branches_are_found_and_mended(owner):
+    """Wherever OSL does not run the script would show, black."""
+    switch, links = node_with(owner, "switch"), owner.node_tree.links
+    first, second = (switch.inputs[i].links[0].from_socket for i in (1, 2))
+    links.new(second, switch.inputs[1])
+    links.new(first, switch.inputs[2])
+    (finding,) = [f for f in found(owner) if f.code == "shader_unlinked"]
+    check.mend(owner, bpy.context.scene, bpy.context.preferences, finding.key)
+    assert codes(owner) == [] and [switch.inputs[i].links[0].from_node for i in (1, 2)] == [first.node, second.node]
 
 
 def test_a_node_whose_values_nobody_knows_gets_defaults_and_says_so(owner):

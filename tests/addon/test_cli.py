@@ -240,7 +240,8 @@ def test_apply_says_what_the_scene_will_show(tmp_path, blender):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "in.blend"))
     for backend, expected in (("auto", "Shown by stock nodes, as the shader AOV mask would be black"), ("osl", "Black: the shader is an OSL script alone, and the shader AOV mask"),
                               ("nodes", "")):  # fmt: skip
-        _, said = lamina("apply", "--stack", "crayon_paint", "--object", "Thing", "in.blend", "-o", "out.blend", "--tier", "analytic", "--backend", backend, cwd=tmp_path)
+        how = ("--tier", "analytic", "--backend", backend)
+        _, said = lamina("apply", "--stack", "crayon_paint", "--object", "Thing", "in.blend", "-o", "out.blend", *how, cwd=tmp_path)
         assert expected in said and len(said.splitlines()) == (3 if expected else 2)
 
 
