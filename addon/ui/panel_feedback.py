@@ -37,8 +37,6 @@ def draw_status(layout, context, material) -> None:
         draw_message(layout, context, problem, "ERROR")
     _draw_bake(layout, material)
     _draw_solo(layout, material.lamina)
-    if backend_of(material) != OSL and not problem and (told := notice(material.lamina.backend, iface_)):
-        draw_message(layout, context, told, "INFO")
     _draw_findings(layout, context, found)
 
 
@@ -106,7 +104,9 @@ def _hand_over(material) -> str:
 
 
 def _draw_without_osl(layout, context, material) -> None:
-    """Why the scene shows stock nodes, and the button that changes it. Where that costs nothing the status does not say it."""
+    """Why the material or the scene shows stock nodes, and the button that changes it. Where that costs nothing the status does not say it."""
+    if backend_of(material) != OSL and (told := notice(material.lamina.backend, iface_)):
+        draw_message(layout, context, told, "INFO")
     for finding in check.find(material, context.scene, context.preferences):
         if finding.code == "without_osl" and finding.level == check.NOTE:
             box = draw_message(layout, context, finding.text(iface_), "INFO")
