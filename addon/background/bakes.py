@@ -14,6 +14,7 @@ from bpy.app.handlers import persistent
 from ...reference_py.errors import LaminaError
 from ...reference_py.network import HOLD_VALUES, TIERS, worker
 from ...reference_py.network.memory import content
+from ...reference_py.schema import SCHEMA_VERSION
 from ..nodes import material as materials
 from ..nodes import state
 from ..nodes.live_values import live_values
@@ -100,9 +101,11 @@ def _follow(material: bpy.types.Material) -> bool:
     if state.is_stale(material):
         materials.refresh(material)
     if state.is_settled(material):
-        if not state.lags(material):
+        is_older = state.lacks_branch(material) and material.lamina.schema_version < SCHEMA_VERSION
+        if is_older or not state.lags(material):  # opening a file changes nothing: an older one gets both branches at an edit or a save
             _state.resting.pop(material.name_full, None)
-            keep_record(material)
+            if not is_older:
+                keep_record(material)
             return False
         if material.lamina.tier not in HOLD_VALUES or live_values(material):
             return _follow_with_stock(material)

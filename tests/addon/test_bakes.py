@@ -3,6 +3,7 @@
 
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -170,3 +171,22 @@ def test_keyframes_and_drivers_are_live_values(window):
     node.inputs["Roughness"].keyframe_insert("default_value", frame=1)
     node.inputs["Thickness"].driver_add("default_value")
     assert live_values(owner) == ((0, "roughness"), (0, "thickness"))
+
+
+def test_opening_an_older_file_changes_nothing_until_an_edit(window):
+    path = Path(__file__).resolve().parents[1] / "data" / "schema_2.blend"
+    window.ops.wm.open_mainfile(filepath=str(path))
+    before = {m.name: sorted(n.name for n in m.node_tree.nodes) for m in window.data.materials if m.lamina.is_layered}
+    rest_all()
+    assert before == {name: sorted(n.name for n in window.data.materials[name].node_tree.nodes) for name in before}
+    paint = window.data.materials["paint"]
+    material.regenerate(paint)
+    rest_all()
+    assert not lags(paint) and paint.lamina.schema_version > 2
+
+
+def rest_all() -> None:
+    limit = time.monotonic() + 60.0
+    while bakes.tick() is not None:
+        assert time.monotonic() < limit
+        time.sleep(0.05)
