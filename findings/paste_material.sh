@@ -3,8 +3,8 @@
 # bpy 4.5.15 and 5.3.0: Paste Material leaves the render settings and custom properties of the material behind.
 # Expected: "Copy Material" and "Paste Material" give the second material all that the first one has.
 # Seen: nodes, the node tree's custom properties, viewport color, roughness, pass index and culling come along. Displacement method, EEVEE's
-# render method, all of Cycles' settings of the material and the material's custom properties stay those of the target: a true displacement
-# becomes a bump. An add-on that keeps its data in properties of the material ends with data that do not belong to the nodes.
+# render method, Cycles' emission sampling and the material's custom properties stay those of the target, so displacement
+# set to BOTH stays BUMP. An add-on that keeps its data in properties of the material ends with data that do not belong to the nodes.
 # Output of 2026-11-28, both (source / target before / target after):
 #   custom property of the node tree 1 2 1, node Roughness .1 .9 .1, pass_index 1 2 1, use_backface_culling True False True
 #   custom property of the material 1 2 2, displacement_method BOTH BUMP BUMP, surface_render_method BLENDED DITHERED DITHERED,

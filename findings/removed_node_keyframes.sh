@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # bpy 4.5.15 and 5.3.0: nodes.remove() also deletes the removed node's keyframes from actions that the tree shares with other trees.
-# Expected: removing a node of one material leaves another material's animation alone, as removing a bone or modifier leaves actions alone.
+# Expected: removing a node of one material leaves another material's animation alone.
 # Seen: curves of the node's name go from the action in use, from actions that only NLA strips use, and, where another material animates by the
 # same slot of the same action, from under that material too. An action that nothing of the tree uses, and another slot, keep theirs.
 # Output of 2026-11-28, both (curves of "Emission" before -> after removing it in material a):
