@@ -168,15 +168,6 @@ def plane(shown_material, theta_deg=0.0):
     return shown
 
 
-def lamp(theta_deg=0.0, strength=1.0):
-    """A sun without size: a surface sends back radiance f * cos(theta) * strength of it."""
-    sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
-    sun.data.angle, sun.data.energy = 0.0, strength
-    sun.rotation_euler = (0, np.radians(theta_deg), 0)
-    bpy.context.scene.collection.objects.link(sun)
-    return sun
-
-
 def render():
     """The picture, (h, w, 4), as Cycles computed it."""
     path = FOLDER / "picture.exr"

@@ -64,7 +64,7 @@ def _stock(material, _scene, _finding) -> None:
 
 
 def _let_lamina_show(material, _scene, finding) -> None:
-    """Blender 4.5 shows a muted output black and 5.3 ignores that it is muted, so the output steps back: all renderers' and not active.
+    """Blender shows a muted output black, and from 5.0 on lets none be muted, so the output steps back: all renderers' and not active.
 
     Its volume and displacement go on to show where Lamina's output has none. Lamina's becomes the last one, which is what
     glTF export of 5.3 takes, active or not.
