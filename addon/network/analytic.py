@@ -17,7 +17,7 @@ from .analytic_layers import beam_of, below_text, for_each, layers_text, lines_o
 from .analytic_tables import Tables, constants
 from .block import Block, Closure
 from .inputs import BASE
-from .parts import beckmann, code, fill
+from .parts import beckmann, fill
 from .surface import BaseClosures, Surface, diffuse_closures, surface_of, top_closure, top_function
 
 NOTE = "Adding over the interfaces at every shading point."
@@ -57,25 +57,25 @@ def _functions(stack: Stack) -> list[str]:
     texts = []
     brushed = any(element.has(ANISOTROPY) for element in (*stack.layers, stack.base))
     if stack.layers or stack.base.kind == "conductor":
-        texts += [constants(brushed), code("fresnel_dielectric.h"), code("analytic_tables.h"), code("analytic_cosine.h")]
+        texts += [constants(brushed), fill("fresnel_dielectric.h"), fill("analytic_tables.h"), fill("analytic_cosine.h")]
     if brushed:
-        texts.append(code("analytic_brushed.h"))
+        texts.append(fill("analytic_brushed.h"))
     if stack.layers:
         texts.append(top_function(stack.layers[0]))
-        texts += [code("medium.h", TINT_FLOOR=f"{TINT_FLOOR:g}"), code("analytic_beam.h"), code("analytic_lobe.h")]
+        texts += [fill("medium.h", TINT_FLOOR=f"{TINT_FLOOR:g}"), fill("analytic_beam.h"), fill("analytic_lobe.h")]
         if any(element.has(ANISOTROPY) for element in (*stack.layers[1:2], stack.base)):
-            texts.append(code("brushed.h"))
+            texts.append(fill("brushed.h"))
         if stack.base.kind == "oren_nayar":
-            texts.append(code("oren_nayar_albedo.h"))
+            texts.append(fill("oren_nayar_albedo.h"))
     if stack.base.kind == "conductor":
         mean = " + ".join(f"{w:g} * fresnel_conductor({c:g}, eta, k)" for c, w in zip(base.MEAN_COSINES, base.MEAN_WEIGHTS))
-        texts += [code("masking.h"), code("fresnel_conductor.h"), code("analytic_metal.h", MEAN=mean)]
+        texts += [fill("masking.h"), fill("fresnel_conductor.h"), fill("analytic_metal.h", MEAN=mean)]
         if stack.base.has(ANISOTROPY):
-            texts.append(code("analytic_brushed_metal.h"))
+            texts.append(fill("analytic_brushed_metal.h"))
         if stack.layers:
-            texts += [code("analytic_below.h", **below_text()), code("analytic_coated_metal.h")]
+            texts += [fill("analytic_below.h", **below_text()), fill("analytic_coated_metal.h")]
         if "reflectance" in stack.base:
-            texts.append(code("artist_index.h"))
+            texts.append(fill("artist_index.h"))
     return texts
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...reference_py.schema import COLOR
 from .inputs import PRIMARIES, ShaderInput
-from .parts import code, declaration, fill, right_nested
+from .parts import declaration, fill, right_nested
 
 PRIMARY_ARGUMENTS = ", ".join(PRIMARIES)
 # What the output "Live" of every shader is. A muted node passes one of its inputs on instead, and none can have this value.
@@ -63,7 +63,7 @@ def shader_text(title: str, note: str, parts: Sequence[tuple[Share, Block]], inp
     read = [f"    color {name}_rec709 = from_working({name}, {PRIMARY_ARGUMENTS});\n" for name in colors]
     text = fill(
         "shader.osl",
-        WORKING=code("working.h"),
+        WORKING=fill("working.h"),
         LIVE=f"{LIVE:.1f}",
         TITLE=title,
         NOTE=note,

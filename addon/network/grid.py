@@ -9,7 +9,7 @@ from ...reference_py.network.table import KNOTS
 from ...reference_py.schema import SCHEMA
 from .block import Block, Closure
 from .inputs import BASE
-from .parts import code, fill, listed, narrow, numbers
+from .parts import fill, listed, narrow, numbers
 from .surface import view
 
 NOTE = "Tables hold the values that the stack had, but for those with a socket."
@@ -19,7 +19,7 @@ def grid_block(network: GridNetwork, owners: list[str], prefix: str = "") -> Blo
     """The block of a network; what it declares ends with `prefix`."""
     writer = _Writer(network, owners, prefix)
     return Block(
-        functions=(code("bent.h"), narrow(), code("interface.h"), fill("grid.h")),
+        functions=(fill("bent.h"), narrow(), fill("interface.h"), fill("grid.h")),
         arrays=tuple(writer.arrays),
         common=(view(), fill("table_place.osl", CELLS=KNOTS - 1, LAST=KNOTS - 2), fill("tangent.osl"), fill("plane_of_incidence.osl")),
         body="".join(writer.statements),

@@ -17,17 +17,18 @@ from ...reference_py.schema import SCHEMA, Schema
 from ...reference_py.stack import Element, Stack
 from . import analytic, grid, table, weidlich_wilkie
 from .block import Block, Share, shader_text
-from .inputs import BASE, ShaderInput, layer_owner, shader_inputs
+from .inputs import BASE, PRIMARIES, ShaderInput, layer_owner, shader_inputs
 
 
 @dataclass(frozen=True)
 class Shader:
-    """A generated shader: its name (unique per text), its text, its inputs in order, and its number of closures."""
+    """A generated shader: its name (unique per text), its text, its inputs in order, its number of closures, and what sockets it has besides."""
 
     name: str
     text: str
     inputs: tuple[ShaderInput, ...]
     lobe_count: int
+    others: tuple[str, ...] = ()
 
 
 def generate(network, schema: Schema = SCHEMA) -> Shader:
@@ -50,7 +51,7 @@ def generate(network, schema: Schema = SCHEMA) -> Shader:
     title = f"Lamina shader, tier {network.tier}, from the top: {_words(stack)}." if is_live else f"Lamina shader, tier {network.tier}."
     body, closures = shader_text(title, _note(parts), blocks, inputs)
     name = "lamina_" + hashlib.sha256(body.encode()).hexdigest()[:12]
-    return Shader(name, body.replace("@SHADER@", name), inputs, closures)
+    return Shader(name, body.replace("@SHADER@", name), inputs, closures, ("Live", *PRIMARIES))
 
 
 def _axes(network: GridNetwork, layers: tuple[int, ...]):

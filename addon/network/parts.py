@@ -21,20 +21,19 @@ def fill(name: str, **values) -> str:
     return text
 
 
-def code(name: str, **values) -> str:
-    """The same without the comments, which are for those who read `osl/`: texts are long as it is."""
-    return "".join(line for line in fill(name, **values).splitlines(keepends=True) if not line.lstrip().startswith("//"))
-
-
 @cache
 def _part(name: str) -> str:
-    """A part's text without its licence line, which the assembled shader states once."""
+    """A part's text without its licence line, which the assembled shader states once; of functions without the comments too.
+
+    Those are for who reads `osl/`: texts are long as it is.
+    """
     lines = (PARTS / name).read_text(encoding="utf-8").splitlines(keepends=True)
-    return "".join(line for line in lines if "SPDX-License-Identifier" not in line)
+    left_out = "//" if name.endswith(".h") else "// SPDX-License-Identifier"
+    return "".join(line for line in lines if not line.lstrip().startswith(left_out))
 
 
 def narrow() -> str:
-    return code("narrow.h", NARROW_ALPHA=f"{NARROW_ALPHA:g}")
+    return fill("narrow.h", NARROW_ALPHA=f"{NARROW_ALPHA:g}")
 
 
 def declaration(osl_name: str, parameter: Parameter) -> str:

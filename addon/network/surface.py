@@ -8,7 +8,7 @@ from ...reference_py.network.table import MIN_COS_O
 from ...reference_py.schema import ANISOTROPY, NORMAL, THIN_FILM
 from ...reference_py.stack import Element
 from .block import Closure
-from .parts import code, fill, narrow
+from .parts import fill, narrow
 
 
 @dataclass(frozen=True)
@@ -46,14 +46,14 @@ def surface_of(element: Element, owner: str) -> Surface:
     common = [fill("own_normal.osl", OWNER=owner)] if element.has(NORMAL) else []
     common.append(view(suffix, normal))
     if "roughness" not in element:
-        return Surface((code("bent.h"),), tuple(common), normal, f"view_z{suffix}", "", "", "", "")
+        return Surface((fill("bent.h"),), tuple(common), normal, f"view_z{suffix}", "", "", "", "")
     if element.has(ANISOTROPY):
         common.append(fill("surface_anisotropic.osl", OWNER=owner, NORMAL=normal))
-        functions, tangent = (code("bent.h"), narrow(), code("turned.h")), f"tangent_{owner}"
+        functions, tangent = (fill("bent.h"), narrow(), fill("turned.h")), f"tangent_{owner}"
         widths = f"alpha_x_{owner}", f"alpha_y_{owner}"
     else:
         common += [fill("surface_tangent.osl", SUFFIX=suffix, NORMAL=normal), fill("surface.osl", OWNER=owner)]
-        functions, tangent = (code("bent.h"), narrow()), f"tangent{suffix}"
+        functions, tangent = (fill("bent.h"), narrow()), f"tangent{suffix}"
         widths = f"alpha_{owner}", f"across(alpha_{owner})"
     return Surface(functions, tuple(common), normal, f"view_z{suffix}", tangent, f"alpha_{owner}", *widths)
 
@@ -68,7 +68,7 @@ def top_closure(surface: Surface, element: Element, owner: str) -> str:
 
 def top_function(element: Element) -> str:
     """The function that the closure of an interface below vacuum calls."""
-    return code("filmed_interface.h" if element.has(THIN_FILM) else "interface.h")
+    return fill("filmed_interface.h" if element.has(THIN_FILM) else "interface.h")
 
 
 @dataclass(frozen=True)
@@ -92,4 +92,4 @@ def diffuse_closures(base: Element, surface: Surface) -> BaseClosures:
         Closure(weight, f"oren_nayar_diffuse_bsdf({surface.normal}, color({color:g}), base_sigma)")
         for weight, color in (("white_base", 1.0), (f"(BaseColor - white_base) * {1.0 / DARK:g}", DARK))
     )
-    return BaseClosures((white, dark), (code("oren_nayar_shares.h"),), (fill("oren_nayar_sigma.osl"),))
+    return BaseClosures((white, dark), (fill("oren_nayar_shares.h"),), (fill("oren_nayar_sigma.osl"),))

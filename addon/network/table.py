@@ -10,7 +10,7 @@ import numpy as np
 from ...reference_py.network.lobe import DielectricCurve
 from ...reference_py.network.table import KNOTS, DiffuseTable, GlossyTable, TableNetwork
 from .block import Block, Closure
-from .parts import code, fill, listed, narrow, numbers
+from .parts import fill, listed, narrow, numbers
 from .surface import view
 
 NOTE = "Tables hold the values that the stack had."
@@ -24,7 +24,7 @@ def table_block(network: TableNetwork, prefix: str = "") -> Block:
     glossy = any(isinstance(t, GlossyTable) for t in network.tables)
     frame = (fill("tangent.osl"), fill("plane_of_incidence.osl")) if glossy else ()
     return Block(
-        functions=(code("bent.h"), *([narrow(), code("interface.h")] if glossy else [])),
+        functions=(fill("bent.h"), *([narrow(), fill("interface.h")] if glossy else [])),
         arrays=tuple(arrays),
         common=(view(), fill("table_place.osl", CELLS=KNOTS - 1, LAST=KNOTS - 2), *frame, *widths),
         body="",

@@ -10,7 +10,7 @@ import numpy as np
 from mathutils import Color
 
 REC709 = "Linear Rec.709"
-# Float32, and 5 digits of a matrix in Blender's color configuration.
+# What float32 and 5 digits of a matrix leave out in Blender's color configuration.
 _TOLERANCE = 1e-4
 
 

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import bpy
 
 from ...reference_py.errors import LaminaError
-from ..network.inputs import PRIMARIES
 from ..network.osl import Shader
 
 
@@ -126,4 +125,4 @@ def _anonymise(node) -> None:
 def _missing(node, shader: Shader) -> list[str]:
     """Sockets that the shader needs and the node has not."""
     present = {socket.identifier for socket in (*node.inputs, *node.outputs)}
-    return sorted({"BSDF", "Live", *PRIMARIES, *(i.osl_name for i in shader.inputs)} - present)
+    return sorted({"BSDF", *shader.others, *(i.osl_name for i in shader.inputs)} - present)

@@ -11,8 +11,9 @@ from ...reference_py.models import make_model
 from ...reference_py.network import make_network
 from ...reference_py.network.baking import MAX_GLOSSY, Baker
 from ...reference_py.network.table import TableNetwork
+from ...reference_py.network.tabulate import tabulate
 from ...reference_py.stack import Stack
-from ..network.stock_nodes import stock_tables
+from ..network.stock_nodes import DIFFUSE_POWER, HAS_DIELECTRIC
 from ..nodes.backend import OSL
 from ..nodes.material import apply_stack
 from .materials import glossy_material, group_material, layer_text, principled_material, script_material, table_material
@@ -71,7 +72,7 @@ def _tables(stack: Stack, name: str, label: str, network: TableNetwork, spent: f
 
 
 def _nodes(network: TableNetwork, spent: float) -> Method:
-    stock = stock_tables(network)
+    stock = tabulate(network, HAS_DIELECTRIC, DIFFUSE_POWER)
     return Method(NODES, f"stock nodes, {_NODES_GLOSSY}", NetworkReflectance(stock), lambda tag: group_material(stock), stock.lobe_count, spent)
 
 

@@ -74,6 +74,8 @@ def test_everything_layered_is_in_the_picture_and_solid(blender, name):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_committed_file_is_this_scene(blender, name):
+    from lamina.addon.nodes.state import is_settled
+
     fresh = {(item.name, item.type) for item in built(name).objects}
     path = ROOT / "demo_blend" / f"{name}.blend"
     assert path.stat().st_size < 1_000_000

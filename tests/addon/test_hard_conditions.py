@@ -181,17 +181,19 @@ def test_a_render_of_osl_where_there_is_none_is_announced(blender, monkeypatch, 
 
     for backend in ("osl", "nodes"):
         material.apply_stack(blender.data.materials.new(backend), presets.load("clean_copper"), "weidlich_wilkie", backend)
+    blender.context.scene.render.engine, blender.context.scene.cycles.shading_system = "CYCLES", True
     freshness.announce()
     assert "OSL" not in capsys.readouterr().out
     monkeypatch.setattr(environment, "renders_osl", lambda: False)
     freshness.announce()
-    said = [line for line in capsys.readouterr().out.splitlines() if "this Blender has no OSL" in line]
-    assert len(said) == 1 and said[0].startswith("Lamina: osl: renders wrong")
+    said = [line for line in capsys.readouterr().out.splitlines() if "OSL script alone" in line]
+    assert len(said) == 1 and said[0].startswith("Lamina: osl: renders black")
 
 
 def test_a_file_whose_shader_was_edited_by_hand_opens_and_keeps_the_edit(tmp_path, blender):
     from lamina.addon.check import check
     from lamina.addon.nodes import material
+    from lamina.addon.nodes.shader_node import shader_of
 
     owner = blender.data.materials.new("edited")
     owner.use_fake_user = True
