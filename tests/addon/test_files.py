@@ -111,6 +111,10 @@ def library(blender, tmp_path) -> str:
 def brought(path: str, link: bool):
     with bpy.data.libraries.load(path, link=link) as (_, wanted):
         wanted.materials = ["owner"]
+    if link:  # from Blender 5.3 on a linked material that nothing uses can be neither overridden nor made local
+        user = bpy.data.objects.new("user", bpy.data.meshes.new("user"))
+        user.data.materials.append(wanted.materials[0])
+        bpy.context.scene.collection.objects.link(user)
     return wanted.materials[0]
 
 

@@ -327,6 +327,10 @@ def test_linked_material_is_not_touched(layered, blender, tmp_path, change):
     with blender.data.libraries.load(path, link=True) as (_, wanted):
         wanted.materials = ["layered"]
     linked = blender.data.materials["layered"]
+    # from Blender 5.3 on a linked material that nothing uses cannot be overridden
+    user = blender.data.objects.new("user", blender.data.meshes.new("user"))
+    user.data.materials.append(linked)
+    blender.context.scene.collection.objects.link(user)
     before = state(linked)
     with pytest.raises(LaminaError, match=r"material layered is linked from .*library\.blend; make it local"):
         change(linked)
