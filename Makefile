@@ -8,8 +8,8 @@ READY := $(VENV)/ready
 RUN := $(VENV)/bin/python
 SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py' -o -name '*.osl' -o -name '*.h' -o -name '*.json' \))
 
-# Of the add-on's tests, those that run beside the reference's.
-FIRST_HALF := $(addprefix tests/addon/test_,parity.py stock_nodes.py anisotropy.py bent_normals.py coverage.py)
+# The tests that run beside all others.
+FIRST_HALF := tests/reference_py $(addprefix tests/addon/test_,parity.py stock_nodes.py anisotropy.py bent_normals.py coverage.py)
 
 .PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings fuzz matrix licences clean
 
@@ -54,9 +54,9 @@ build/demo/ready: $(READY) $(SOURCES)
 	@touch $@
 
 test: $(READY)
-	@# side by side: each is bound to one core, and these of the add-on's tests make the halves about even
-	@$(RUN) -m pytest tests/reference_py $(FIRST_HALF) & first=$$!; \
-	$(RUN) -m pytest tests/addon tests/test_package.py tests/test_trust.py $(FIRST_HALF:%=--ignore=%); second=$$?; \
+	@# side by side: each is bound to one core, and these make the halves about even
+	@$(RUN) -m pytest $(FIRST_HALF) & first=$$!; \
+	$(RUN) -m pytest tests $(FIRST_HALF:%=--ignore=%); second=$$?; \
 	wait $$first && exit $$second
 	@$(MAKE) --no-print-directory validate
 
@@ -74,7 +74,7 @@ validate: zip
 	$(RUN) tools/extension.py validate dist/*.zip
 
 blends: $(READY)
-	$(RUN) -m lamina.demo_blend.presets
+	$(RUN) -m lamina.demo_blend.build_presets
 	$(RUN) -m lamina.demo_blend.scenes build
 
 scenes: $(READY)

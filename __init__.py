@@ -5,24 +5,27 @@ The same package runs as a Blender extension and, without Blender, as a Python l
 Only `register` and `unregister`, which Blender calls, import bpy.
 """
 
-
-def version() -> str:
-    """Lamina's version, from `blender_manifest.toml`, the only place that states it."""
-    import tomllib
-    from pathlib import Path
-
-    return tomllib.loads((Path(__file__).parent / "blender_manifest.toml").read_text(encoding="utf-8"))["version"]
+# Kept for unregister: Blender gives the command as a handle.
+_command = None
 
 
 def register() -> None:
-    """Add Lamina to the running Blender."""
+    """Add Lamina to the running Blender, and the command `blender --command lamina ...`."""
+    global _command
+    import bpy
+
     from .addon import registration
+    from .addon.cli.main import run
 
     registration.register()
+    _command = bpy.utils.register_cli_command("lamina", run)
 
 
 def unregister() -> None:
     """Take out of the running Blender all that `register` added."""
+    import bpy
+
     from .addon import registration
 
+    bpy.utils.unregister_cli_command(_command)
     registration.unregister()

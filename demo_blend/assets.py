@@ -5,10 +5,10 @@ from pathlib import Path
 
 import bpy
 
-from ..addon.cli.session import blender, say
+from ..addon.blender.images import read_png
 from ..addon.library.preset_catalogues import ASSETS, CATALOGUE_FILE, CATALOGUES, catalogue_id, catalogue_text, thumbnail_of
-from ..addon.rendering.images import read_png
 from ..addon.library.thumbnails import give_preview
+from ..addon.session import blender, say
 from ..reference_py.atomic import replacing, write_text
 from .materials import preset_material
 

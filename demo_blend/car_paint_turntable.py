@@ -7,8 +7,8 @@ from mathutils import Vector
 
 from ..addon.rendering.settings import add_object
 from .materials import plain_material, preset_material
+from .set import put, stage
 from .shapes import loft, turned
-from .stage import put, stage
 
 FRAMES = 120
 SECTIONS, AROUND = 96, 128

@@ -3,14 +3,14 @@
 
 import bpy
 
-from ..addon.nodes.elements import node_of
-from ..addon.nodes.material import refresh
-from ..reference_py import presets
-from ..reference_py.schema import COVERAGE
-from ..reference_py.stack import Stack
+from ..addon.material.elements import node_of
+from ..addon.material.material import refresh
+from ..reference_py.material import presets
+from ..reference_py.material.schema import COVERAGE
+from ..reference_py.material.stack import Stack
 from .materials import preset_material, stack_material
+from .set import put, stage
 from .shapes import turned
-from .stage import put, stage
 
 # radius and height, from the inside's bottom over the lip to the foot
 PROFILE = [

@@ -4,11 +4,11 @@
 import bpy
 import numpy as np
 
-from ..reference_py import presets
-from ..reference_py.network import AnalyticNetwork
+from ..reference_py.lobes.methods import AnalyticNetwork
+from ..reference_py.material import presets
 from .materials import plain_material, stack_material
+from .set import link_attribute, per_object, put, stage
 from .shapes import tube, turned
-from .stage import link_attribute, per_object, put, stage
 
 RED, ORANGE, YELLOW, GREEN, BLUE, VIOLET = (
     (0.62, 0.03, 0.025), (0.8, 0.23, 0.02), (0.85, 0.6, 0.03), (0.05, 0.36, 0.08), (0.02, 0.11, 0.5), (0.2, 0.04, 0.32),

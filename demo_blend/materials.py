@@ -3,11 +3,11 @@
 
 import bpy
 
-from ..addon.nodes.material import apply_stack, refresh
-from ..addon.rendering.settings import node_tree
-from ..reference_py import presets
-from ..reference_py.network import DEFAULT_TIER
-from ..reference_py.stack import Stack
+from ..addon.blender.versions import node_tree
+from ..addon.material.material import apply_stack, refresh
+from ..reference_py.lobes.methods import DEFAULT_TIER
+from ..reference_py.material import presets
+from ..reference_py.material.stack import Stack
 
 
 def stack_material(name: str, stack: Stack, tier: str = DEFAULT_TIER, settle: bool = True) -> bpy.types.Material:

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import bpy
 
-from ..addon.blend_files import save_copy
-from ..addon.cli.session import blender, say
+from ..addon.blender.blend_files import save_copy
 from ..addon.rendering.settings import render_to
+from ..addon.session import blender, say
 from ..reference_py.atomic import output_folder, replacing
 
 NAMES = ("still_life", "crayons_and_mugs", "tree_ornaments", "copper_vases", "thickness_series", "car_paint_turntable", "white_furnace")

@@ -7,10 +7,10 @@ Apart from the bellows all is aluminium; its own color shows on the buttons.
 import bpy
 import numpy as np
 
-from ..reference_py.stack import Stack
+from ..reference_py.material.stack import Stack
 from .materials import plain_material, preset_material, stack_material
+from .set import put, stage
 from .shapes import ball, loft, polygon_ring, turned
-from .stage import put, stage
 
 FOLDS = 11
 HEAD, RIM = 0.8, 0.86

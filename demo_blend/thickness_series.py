@@ -3,10 +3,10 @@
 
 import bpy
 
-from ..reference_py import presets
+from ..reference_py.material import presets
 from .materials import stack_material
+from .set import per_object, put, stage
 from .shapes import ball
-from .stage import per_object, put, stage
 
 THICKNESS = (0.1, 0.4, 0.8, 1.6, 3.2, 6.4)
 RADIUS, STEP = 0.44, 0.98

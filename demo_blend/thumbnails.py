@@ -5,10 +5,10 @@ import sys
 
 import bpy
 
-from ..addon.cli.session import blender, say
 from ..addon.library.preset_catalogues import thumbnail_of
 from ..addon.library.thumbnails import render_thumbnail
-from ..reference_py import presets
+from ..addon.session import blender, say
+from ..reference_py.material import presets
 from .materials import preset_material
 
 SAMPLES = 64

@@ -4,11 +4,11 @@
 import bpy
 import numpy as np
 
-from ..reference_py import presets
-from ..reference_py.stack import Stack
+from ..reference_py.material import presets
+from ..reference_py.material.stack import Stack
 from .materials import plain_material, preset_material, stack_material
+from .set import put, stage
 from .shapes import ball, needles, tube, turned
-from .stage import put, stage
 
 AMBER = (0.86, 0.5, 0.1)
 

@@ -7,12 +7,12 @@ components, whose energy is the paper's.
 
 import bpy
 
-from ..addon.rendering.settings import node_tree
-from ..reference_py.network import AnalyticNetwork, WeidlichWilkieNetwork
-from ..reference_py.stack import Stack
+from ..addon.blender.versions import node_tree
+from ..reference_py.lobes.methods import AnalyticNetwork, WeidlichWilkieNetwork
+from ..reference_py.material.stack import Stack
 from .materials import stack_material
+from .set import look, per_object, put, stage
 from .shapes import ball
-from .stage import look, per_object, put, stage
 
 ROUGHNESS = (0.0, 0.25, 0.5, 0.75, 1.0)
 RADIUS, STEP = 0.45, 1.05

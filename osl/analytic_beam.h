@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A beam through the layers: adding of scalars. It has a transverse momentum p = n sin(theta), which smooth interfaces
-// keep, and a variance of p, to which every rough crossing adds. See reference_py/network/analytic/beam.py.
+// keep, and a variance of p, to which every rough crossing adds. See reference_py/lobes/analytic/beam.py.
 // Everything is in straight lines: what does not depend on the view costs nothing where the parameters are constant.
 struct Beam {
     float p;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The layers for light from below: polynomials through the nodes of light that may escape and of trapped light.
-// See `Below` in reference_py/network/analytic/base.py.
+// See `Below` in reference_py/lobes/analytic/base.py.
 struct Below {
     float least;
     float n_base;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Anisotropic surfaces: what a view at an azimuth meets. See reference_py/network/analytic/tables.py and network/featured.py.
+// Anisotropic surfaces: what a view at an azimuth meets. See reference_py/lobes/analytic/tables.py and lobes/methods/with_features.py.
 // cos 2 phi of the azimuth between the view and the tangent; any where the view is along the normal.
 float cos_twice_azimuth(vector view, normal n, vector tangent)
 {

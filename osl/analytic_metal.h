@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A metal base: its lobe at a few directions from its visible facets, each carried out through the layers.
-// See reference_py/network/analytic/base.py.
+// See reference_py/lobes/analytic/base.py.
 struct Lobe {
     // of the beam that arrives: cosine, sine, spread as an alpha, and the spread of p that the lobe has
     float c;

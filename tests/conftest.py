@@ -22,7 +22,7 @@ def registered_lamina():
     """Lamina, registered once in the bpy wheel."""
     pytest.importorskip("bpy")
     import lamina
-    from lamina.addon.rendering.environment import ensure_osl_query_on_path
+    from lamina.addon.blender.environment import ensure_osl_query_on_path
 
     ensure_osl_query_on_path()
     lamina.register()

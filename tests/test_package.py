@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import lamina
+from lamina.reference_py.version import version
 
 ROOT = Path(lamina.__file__).resolve().parent
 SHIPPED_FOLDERS = {"addon", "osl", "reference_py"}
@@ -43,7 +44,7 @@ def extension_zip(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The extension, built by Blender's own tool."""
     folder = tmp_path_factory.mktemp("dist")
     run(sys.executable, ROOT / "tools" / "extension.py", "build", folder)
-    return folder / f"lamina-{lamina.version()}.zip"
+    return folder / f"lamina-{version()}.zip"
 
 
 def zip_names(path: Path) -> set[str]:
@@ -91,7 +92,7 @@ def test_an_installed_extension_writes_to_its_own_folder(extension_zip: Path, tm
         f"for name, path in (('bl_ext', []), ('bl_ext.user_default', [{str(repository)!r}])):\n"
         "    sys.modules[name] = types.ModuleType(name)\n"
         "    sys.modules[name].__path__ = path\n"
-        "from bl_ext.user_default.lamina.addon import user_folders\n"
+        "from bl_ext.user_default.lamina.addon.blender import user_folders\n"
         "from bl_ext.user_default.lamina.addon.library import user_presets\n"
         "assert user_presets.names() == []\n"
         "print('FOLDERS', user_folders.cache_folder(), user_folders.presets_folder(), flush=True)\n"
@@ -112,7 +113,7 @@ def test_wheel_has_the_zips_version_and_files(extension_zip: Path, tmp_path: Pat
         shutil.copy(ROOT / name, source)
     run(sys.executable, "-m", "pip", "wheel", "--no-build-isolation", "--no-deps", "--no-index", "-w", tmp_path, source)
     (wheel,) = tmp_path.glob("*.whl")
-    assert wheel.name.startswith(f"lamina-{lamina.version()}-")
+    assert wheel.name.startswith(f"lamina-{version()}-")
     needed = {f"lamina/{name}" for name in zip_names(extension_zip) if Path(name).name not in {"README.md", "LICENSE"}}
     assert needed <= zip_names(wheel)
 

@@ -2,11 +2,11 @@
 """How wrong a stack's shader is said to be, for the header of its pictures. Needs no bpy."""
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.network import AutoNetwork, make_network
-from ...reference_py.network.judge import Judge, ball_cosines
-from ...reference_py.network.memory import remembered, truth_of
-from ...reference_py.network.table import TableNetwork
-from ...reference_py.stack import Stack
+from ...reference_py.lobes.cache import remembered, truth_of
+from ...reference_py.lobes.error_estimate import Judge, ball_cosines
+from ...reference_py.lobes.methods import AutoNetwork, make_network
+from ...reference_py.lobes.view_table import TableNetwork
+from ...reference_py.material.stack import Stack
 
 
 def estimate(stack: Stack, tier: str) -> dict[str, str]:

@@ -10,11 +10,11 @@ from itertools import product
 from math import prod
 from pathlib import Path
 
-from ... import version
 from ...reference_py.errors import LaminaError
-from ...reference_py.schema import SCHEMA
-from ...reference_py.stack import Element, Stack
-from ..nodes.limits import require_shader
+from ...reference_py.material.schema import SCHEMA
+from ...reference_py.material.stack import Element, Stack
+from ...reference_py.version import version
+from ..material.limits import require_shader
 from .job import BALL, MAX_VALUES, Job, Look, Scene, Sweep, inside
 
 BALL_SAMPLES, BALL_SIZE = 64, (256, 256)

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 
-from ...reference_py import presets
 from ...reference_py.errors import LaminaError
-from ...reference_py.json_input import parse_json, read_text
-from ...reference_py.network import DEFAULT_TIER, require_tier
-from ...reference_py.stack import Stack
-from ..nodes.backend import BACKENDS, DEFAULT_BACKEND
+from ...reference_py.lobes.methods import DEFAULT_TIER, require_tier
+from ...reference_py.material import presets
+from ...reference_py.material.json_input import parse_json, read_text
+from ...reference_py.material.stack import Stack
+from ..material.backend import BACKENDS, DEFAULT_BACKEND
 
 JOB_VERSION = 1
 BALL = "ball"

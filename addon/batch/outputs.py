@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ...reference_py.atomic import write_text
-from ...reference_py.network.choice import DEFAULT_TOLERANCE
+from ...reference_py.lobes.methods.auto import DEFAULT_TOLERANCE
 from .items import Item
 
 TABLE = "batch.csv"
@@ -98,7 +98,7 @@ def _errors(texts: Mapping[str, str]) -> dict[str, str]:
 
 
 def _pixels(path: Path) -> np.ndarray:
-    from ..rendering.images import read_exr
+    from ..blender.images import read_exr
 
     channels = read_exr(path).channels
     return np.stack([channels[c] for c in "RGB"], axis=-1)
@@ -109,7 +109,7 @@ def write_sheets(outputs: Sequence[Output], folder: Path, title: str, report: Ca
 
     Needs a running Blender.
     """
-    from ..rendering.images import write_png
+    from ..blender.images import write_png
     from ..rendering.sheet import Tile, compose
 
     frames: dict[str, list[Output]] = {}

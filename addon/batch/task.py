@@ -24,7 +24,7 @@ WITH_CAMERA = "lamina_with_camera"
 OTHER_INPUTS = "is of other inputs"
 
 if __package__:
-    from ..rendering import oiio
+    from ..blender import oiio
 else:
     _spec = importlib.util.spec_from_file_location("oiio", Path(__file__).with_name("oiio.py"))
     oiio = importlib.util.module_from_spec(_spec)

@@ -103,8 +103,8 @@ class Worker:
 
 def serve(folder: Path, threads: int) -> None:
     """Be a worker."""
-    from ..cli.session import blender
-    from .stage import SceneError, Stage
+    from ..session import blender
+    from .scene import SceneError, Stage
 
     channel = os.fdopen(os.dup(1), "w", encoding="utf-8")
     items: queue.SimpleQueue = queue.SimpleQueue()

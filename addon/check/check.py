@@ -13,24 +13,24 @@ from math import isfinite
 import bpy
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.schema import COLOR, FLOAT, NORMAL, SCHEMA, Parameter
-from ..background import bakes
-from ..network.inputs import BASE, layer_owner
-from ..network.node_groups import is_untouched as group_is_untouched
-from ..nodes import state
-from ..nodes.backend import AUTO, NODES, OSL, branches_here
-from ..nodes.elements import find_node, kind_of, node_of, outside_rec709
-from ..nodes.entry import feeds, output_after
-from ..nodes.hand_over import MIX, usd_takes
-from ..nodes.kind_groups import KIND_KEY, hands_on
-from ..nodes.live_values import live_values, resting_values
-from ..nodes.osl_setting import device_problem, why_stock_nodes
-from ..nodes.reading import require_editable, require_layered, stack_of
-from ..nodes.record import changed_values, recorded
-from ..nodes.roles import SWITCH, TEST, node_with
-from ..nodes.script_node import is_untouched
-from ..nodes.shader_node import shader_of, surface_of
-from ..rendering import environment
+from ...reference_py.material.schema import COLOR, FLOAT, NORMAL, SCHEMA, Parameter
+from ..blender import environment
+from ..jobs import bakes
+from ..material import state
+from ..material.backend import AUTO, NODES, OSL, branches_here
+from ..material.elements import find_node, kind_of, node_of, outside_rec709
+from ..material.entry import feeds, output_after
+from ..material.hand_over import MIX, usd_takes
+from ..material.kind_groups import KIND_KEY, hands_on
+from ..material.live_values import live_values, resting_values
+from ..material.osl_setting import device_problem, why_stock_nodes
+from ..material.reading import require_editable, require_layered, stack_of
+from ..material.record import changed_values, recorded
+from ..material.roles import SWITCH, TEST, node_with
+from ..material.script_node import is_untouched
+from ..material.shader_node import shader_of, surface_of
+from ..shader.inputs import BASE, layer_owner
+from ..shader.nodes.node_groups import is_untouched as group_is_untouched
 from .check_mends import MENDS
 
 # A note is of what does not show in this scene.

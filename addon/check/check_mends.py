@@ -4,18 +4,18 @@
 import bpy
 import numpy as np
 
-from ...reference_py.schema import COLOR, FLOAT
-from ..background import bakes
-from ..nodes import material as materials
-from ..nodes import state
-from ..nodes.backend import AUTO
-from ..nodes.elements import find_node, kind_of, new_node, node_of
-from ..nodes.entry import entry_of, output_after
-from ..nodes.kind_groups import fresh_group
-from ..nodes.node_copy import animation_by_name, copy_inputs
-from ..nodes.osl_setting import enable_osl
-from ..nodes.record import give_recorded, recorded
-from ..nodes.shader_node import surface_of
+from ...reference_py.material.schema import COLOR, FLOAT
+from ..jobs import bakes
+from ..material import material as materials
+from ..material import state
+from ..material.backend import AUTO
+from ..material.elements import find_node, kind_of, new_node, node_of
+from ..material.entry import entry_of, output_after
+from ..material.kind_groups import fresh_group
+from ..material.node_copy import animation_by_name, copy_inputs
+from ..material.osl_setting import enable_osl
+from ..material.record import give_recorded, recorded
+from ..material.shader_node import surface_of
 
 _BELOW = 160  # of an output, where another one has place
 

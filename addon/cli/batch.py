@@ -9,8 +9,8 @@ from ...reference_py.atomic import output_folder
 from ...reference_py.errors import LaminaError
 from ..batch.items import expand
 from ..batch.job import KEYS, REQUIRED, Job
-from ..nodes.backend import branches_here
-from .session import blender, say
+from ..material.backend import branches_here
+from ..session import blender, say
 
 FAILED = 1
 
@@ -34,7 +34,7 @@ def batch(options) -> int | None:
         from ..batch.lock import sole_owner
         from ..batch.outputs import missed, write_sheets, write_table
         from ..batch.run import run_items
-        from ..rendering.images import require_pictures
+        from ..blender.images import require_pictures
 
         require_pictures()
         branches_here(job.backend)

@@ -10,8 +10,8 @@ from ...reference_py.exchange.materialx import SUFFIX, load_mtlx, save_mtlx
 from ...reference_py.exchange.openpbr import from_openpbr, to_openpbr
 from ...reference_py.exchange.principled import to_principled
 from ...reference_py.exchange.report import shown
+from ..session import say
 from .numbers import load_stack
-from .session import say
 
 PRINCIPLED, OPENPBR = "principled", "openpbr"
 _SUFFIXES = {PRINCIPLED: ".json", OPENPBR: SUFFIX}

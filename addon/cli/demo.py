@@ -4,11 +4,11 @@
 import time
 from pathlib import Path
 
-from ...reference_py import presets
 from ...reference_py.atomic import output_folder, write_text
-from ...reference_py.network import DEFAULT_TIER
-from .charts.presets import THETA_DEG, errors_of
-from .session import blender, say
+from ...reference_py.lobes.methods import DEFAULT_TIER
+from ...reference_py.material import presets
+from ..session import blender, say
+from .stack_errors import THETA_DEG, errors_of
 
 COLUMNS = 5
 
@@ -39,7 +39,7 @@ def _render(stacks, sheet: Path, options, report) -> dict[str, float]:
     """Render the page; returns wall seconds per preset."""
     import bpy
 
-    from ..nodes.material import apply_stack, refresh
+    from ..material.material import apply_stack, refresh
     from ..rendering.sheet import Tile, render_sheet
 
     tiles = []

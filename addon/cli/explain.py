@@ -7,21 +7,21 @@ from pathlib import Path
 
 import numpy as np
 
-from ...reference_py.coverage import Patch, patches
 from ...reference_py.errors import LaminaError
-from ...reference_py.network import WeidlichWilkieNetwork
-from ...reference_py.network.baking import MAX_GLOSSY
-from ...reference_py.network.choice import DEFAULT_TOLERANCE, AutoNetwork, Choice, choose, with_anisotropy
-from ...reference_py.network.judge import SOFT_LIGHT_DEG
-from ...reference_py.network.memory import truth_of
-from ...reference_py.network.mixture import glossy_of_each
-from ...reference_py.network.unbaked import unbaked, without_unbaked
-from ...reference_py.schema import ANISOTROPY, THIN_FILM
-from ...reference_py.stack import Stack
-from ..nodes.backend import OSL
-from ..nodes.limits import require_shader
+from ...reference_py.lobes.baked import MAX_GLOSSY
+from ...reference_py.lobes.cache import truth_of
+from ...reference_py.lobes.error_estimate import SOFT_LIGHT_DEG
+from ...reference_py.lobes.methods import WeidlichWilkieNetwork
+from ...reference_py.lobes.methods.auto import DEFAULT_TOLERANCE, AutoNetwork, Choice, choose, with_anisotropy
+from ...reference_py.lobes.methods.not_bakeable import unbaked, without_unbaked
+from ...reference_py.lobes.methods.patches import glossy_of_each
+from ...reference_py.material.coverage import Patch, patches
+from ...reference_py.material.schema import ANISOTROPY, THIN_FILM
+from ...reference_py.material.stack import Stack
+from ..material.backend import OSL
+from ..material.limits import require_shader
+from ..session import blender, say, tenths
 from .numbers import load_stack
-from .session import blender, say, tenths
 
 
 def explain(options) -> None:

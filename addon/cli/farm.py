@@ -17,8 +17,8 @@ from ..batch.job import Job
 from ..farm.bundle_names import FILES
 from ..farm.flamenco import job_type
 from ..farm.openjd import template
-from ..nodes.backend import branches_here
-from .session import blender, say
+from ..material.backend import branches_here
+from ..session import blender, say
 
 
 def farm(options) -> None:

@@ -4,22 +4,23 @@
 import json
 import sys
 from dataclasses import asdict
+from importlib.util import find_spec
 from pathlib import Path
 
-from ...reference_py import presets
 from ...reference_py.atomic import replacing, require_writable, write_text
 from ...reference_py.errors import LaminaError
 from ...reference_py.fit import read, select
 from ...reference_py.fit.compare import compare, of_fit
 from ...reference_py.fit.forward import evaluate
-from ...reference_py.fit.measurement import STEEPEST_DEG, Measurement
 from ...reference_py.fit.outcome import lines, outcome
 from ...reference_py.fit.readers import SUFFIXES
+from ...reference_py.fit.readers.measurement import STEEPEST_DEG, Measurement
 from ...reference_py.fit.readers.sampled import PAIRS, sample_model
 from ...reference_py.fit.selection import require_choices
-from ...reference_py.models import MODELS
-from ...reference_py.stack import Stack
-from .session import say, tenths
+from ...reference_py.material import presets
+from ...reference_py.material.stack import Stack
+from ...reference_py.registry import MODELS
+from ..session import say, tenths
 
 _PICTURES = (".png", ".svg", ".pdf")
 _MOST_ANGLES = 6
@@ -86,14 +87,12 @@ def _measurement(options, report) -> tuple[Measurement, Stack | None]:
 
 
 def _require_matplotlib() -> None:
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError:
-        raise LaminaError(f"--report needs matplotlib, which this Python has not; install it: {sys.executable} -m pip install matplotlib") from None
+    if find_spec("matplotlib") is None:
+        raise LaminaError(f"--report needs matplotlib, which this Python has not; install it: {sys.executable} -m pip install matplotlib")
 
 
 def _draw(options, measurement: Measurement, best, stack: Stack | None) -> None:
-    from ...reference_py.fit.draw import INCIDENT_DEG, picture
+    from ...reference_py.fit.report import INCIDENT_DEG, picture
 
     truth = None
     if stack is not None and options.wavelength is None:

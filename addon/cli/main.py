@@ -8,11 +8,13 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from importlib import import_module
+from importlib.util import find_spec
 
-from ... import version
 from ...reference_py.errors import LaminaError
-from ..nodes.backend import BACKENDS, DEFAULT_BACKEND
-from ..rendering.interrupt import raising
+from ...reference_py.version import version
+from ..blender.interrupt import raising
+from ..material.backend import BACKENDS, DEFAULT_BACKEND
 
 DONE, FAILED, BAD_INPUT, CANCELLED = 0, 1, 2, 130
 STACK_HELP = "name of a preset (see `lamina presets`) or a JSON file"
@@ -135,42 +137,28 @@ def build_parser() -> argparse.ArgumentParser:
     farm.add_argument("job", metavar="JOB.json", help="what to render (see `lamina batch --keys`)")
     farm.add_argument("-o", "--output", metavar="FOLDER", required=True, help="new folder for the template, its scenes and scripts")
     farm.add_argument("--chunk", type=_between(1, 10_000), default=10, metavar="N", help="pictures per task (default: %(default)s)")
-    chart = _command(commands, "chart", "chart", "measure a chart's numbers, print the table and draw it")
-    chart.add_argument("chart", choices=("network", "presets", "tiers", "error", "stress", "suite", "pareto", "pair", "levers", "fit", "scale", "viewport"), help=(
-        "network: what Cycles is told against the exact model; presets: what Cycles renders of every preset against the truth; "
-        "tiers: the same in every tier, for the presets of the paper and a suite of stacks; "
-        "error: every model against the truth, by angle; "
-        "stress: every model in every hard case; suite: the two truths against each other; "
-        "pareto: error against cost of every way to render a surface in Cycles; "
-        "levers: what lobes and closures cost in Cycles; "
-        "scale: time and memory over the number of materials, layers, samples and pictures; "
-        "fit: how well stacks are found from measurements, and a blue paint by other models; "
-        "viewport: how EEVEE shows every preset; LAMINA_BLENDER names a Blender that has it; "
-        "pair: one car paint by Cycles' layer(), by Lamina and as explicit geometry"))
-    chart.add_argument("-o", "--output", default=".", metavar="FOLDER", help="folder for table and picture (default: %(default)s)")
-    chart.add_argument("--surface", nargs="+", metavar="NAME", help="pareto, viewport: presets or stacks of the suite (default: six surface types; all presets)")
-    chart.add_argument("--rounds", type=_between(1, 1000), metavar="N", help="pareto: rounds of timing (default: 5)")
-
-    figures = _command(commands, "figures", "figures", "compute the paper's figures and check its sentences about them")
-    figures.add_argument("-o", "--out", dest="output", default="figures", metavar="FOLDER",
-                         help="folder for tables and pictures (default: %(default)s)")
-    figures.add_argument("--only", nargs="+", metavar="FIGURE", help="some of figure3, figure5 ... figure9, spectral (default: all)")
-    figures.add_argument("--size", type=_pixels, default=112, metavar="PIXELS", help="width of a sphere (default: %(default)s)")
-
     for command in (presets, schema, models, albedo, evaluate, render, explain, fit):
         command.add_argument("--json", action="store_true", help="print JSON")
+    if study := _study():
+        study.add_commands(commands)
     return parser
+
+
+def _study():
+    """The commands that a checkout has besides; None in an installed Lamina."""
+    root = __package__.rsplit(".", 2)[0]
+    return import_module(f"{root}.study.commands") if find_spec(f"{root}.study") else None
 
 
 def _command(commands, name: str, module: str, summary: str) -> argparse.ArgumentParser:
     command = commands.add_parser(name, help=summary, description=summary[0].upper() + summary[1:] + ".")
-    command.set_defaults(module=module)
+    command.set_defaults(module=f"{__package__}.{module}")
     return command
 
 
 def _keep_bakes() -> None:
-    from ...reference_py.network.memory import keep_in
-    from ..user_folders import cache_folder
+    from ...reference_py.lobes.cache import keep_in
+    from ..blender.user_folders import cache_folder
 
     keep_in(cache_folder(), lambda told: print(f"lamina: {told}", file=sys.stderr))
 
@@ -179,7 +167,7 @@ def run(arguments: Sequence[str]) -> int:
     """Run one command; returns its exit code. Bad input is one line on stderr."""
     try:
         options = build_parser().parse_args(arguments)
-        handler = getattr(_module(options.module), options.command)
+        handler = getattr(import_module(options.module), options.command)
         _keep_bakes()
         with raising():
             code = handler(options) or DONE
@@ -200,12 +188,6 @@ def run(arguments: Sequence[str]) -> int:
         return CANCELLED
     except SystemExit as done:  # argparse leaves so after --help
         return int(done.code or DONE)
-
-
-def _module(name: str):
-    from importlib import import_module
-
-    return import_module(f".{name}", __package__)
 
 
 def main() -> None:

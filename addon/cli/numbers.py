@@ -7,13 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ... import version
-from ...reference_py import presets as preset_files
 from ...reference_py.errors import LaminaError
-from ...reference_py.frame import spherical
-from ...reference_py.models import MODELS, make_model
-from ...reference_py.schema import SCHEMA, SCHEMA_VERSION
-from .session import say, tenths
+from ...reference_py.material import presets as preset_files
+from ...reference_py.material.schema import SCHEMA, SCHEMA_VERSION
+from ...reference_py.optics.frame import spherical
+from ...reference_py.registry import MODELS, make_model
+from ...reference_py.version import version
+from ..session import say, tenths
 
 
 def presets(options) -> None:
@@ -91,7 +91,7 @@ def print_albedo(
         print(f"{angle:6.2f} deg   {numbers}{error}")
 
 
-def eval(options) -> None:  # noqa: A001  (the command is called eval)
+def eval(options) -> None:
     """f for one view and any number of light directions."""
     wo, wi = directions([options.wo])[0], directions(options.wi)
     model, how = _model(options)
@@ -115,10 +115,10 @@ def eval(options) -> None:  # noqa: A001  (the command is called eval)
 
 def shader(options) -> None:
     """The generated OSL text."""
-    from ...reference_py.network import DEFAULT_TIER, make_network
-    from ..network.osl import generate
-    from ..nodes.backend import OSL
-    from ..nodes.limits import require_shader
+    from ...reference_py.lobes.methods import DEFAULT_TIER, make_network
+    from ..material.backend import OSL
+    from ..material.limits import require_shader
+    from ..shader.osl.generate import generate
 
     stack = load_stack(options.stack)
     require_shader(stack, OSL)

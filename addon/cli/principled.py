@@ -3,12 +3,12 @@
 
 from pathlib import Path
 
-from ...reference_py import presets
 from ...reference_py.atomic import require_writable
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.principled import to_principled
 from ...reference_py.exchange.report import LOST
-from .session import blender, say
+from ...reference_py.material import presets
+from ..session import blender, say
 
 
 def principled(options) -> int:
@@ -31,7 +31,7 @@ def principled(options) -> int:
     with blender(report):
         import bpy
 
-        from ..blend_files import open_file, save_copy
+        from ..blender.blend_files import open_file, save_copy
         from ..exchange.conversion import principled_copies
 
         open_file(source)

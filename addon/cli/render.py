@@ -7,11 +7,11 @@ from pathlib import Path
 
 from ...reference_py.atomic import replacing, require_writable
 from ...reference_py.errors import LaminaError
-from ...reference_py.network import DEFAULT_TIER, require_tier
-from ..nodes.backend import branches_here, notice
-from ..nodes.limits import require_shader
+from ...reference_py.lobes.methods import DEFAULT_TIER, require_tier
+from ..material.backend import branches_here, notice
+from ..material.limits import require_shader
+from ..session import blender, say, tenths
 from .numbers import load_stack, print_albedo, view_angles
-from .session import blender, say, tenths
 
 SUN_THETA_DEG = 45.0
 SIZE = {"sphere": 256, "ball": 256, "furnace": 32}
@@ -55,7 +55,7 @@ def _tier(options) -> str:
 def _material(stack, tier, backend, report):
     import bpy
 
-    from ..nodes.material import apply_stack, refresh
+    from ..material.material import apply_stack, refresh
 
     material = bpy.data.materials.new(stack.name or "Lamina")
     apply_stack(material, stack, tier, backend)
@@ -83,7 +83,7 @@ def _sphere(material, output: Path, options) -> None:
     """A sphere in the sun of irradiance pi: a white Lambert sphere shows the cosine."""
     import numpy as np
 
-    from ..rendering.images import write_exr, write_png
+    from ..blender.images import write_exr, write_png
     from ..rendering.measure import render_sun_sphere
 
     # a measurement has one sample; more samples are a finer picture, averaged down
@@ -131,10 +131,10 @@ def apply(options) -> None:
     with blender(report):
         import bpy
 
-        from ..blend_files import open_file, save_copy
+        from ..blender.blend_files import open_file, save_copy
         from ..check.check import find
-        from ..nodes.holders import can_hold_material
-        from ..nodes.material import make_renderable
+        from ..material.holders import can_hold_material
+        from ..material.material import make_renderable
 
         branches_here(options.backend)
         open_file(source)

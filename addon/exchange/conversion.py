@@ -9,16 +9,16 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.openpbr import from_openpbr
 from ...reference_py.exchange.principled import PLACES, from_principled, to_principled
 from ...reference_py.exchange.report import LOST, Report
-from ...reference_py.stack import Stack
-from ..nodes import material as materials
-from ..nodes.backend import NODES, OSL
-from ..nodes.elements import find_node, kind_of, node_of, shown_parameters
-from ..nodes.hand_over import MIX, VALUES
-from ..nodes.principled import COLOR, PRINCIPLED, has_linked_color, is_layer, link_through, linked_places, parameter_of, show_stack
-from ..nodes.reading import require_editable
-from ..nodes.record import drop_record
-from ..nodes.roles import ROLE, SWITCH, TEST, Roles
-from ..nodes.shader_node import backend_of, surface_of
+from ...reference_py.material.stack import Stack
+from ..material import material as materials
+from ..material.backend import NODES, OSL
+from ..material.elements import find_node, kind_of, node_of, shown_parameters
+from ..material.hand_over import MIX, VALUES
+from ..material.principled_node import COLOR, PRINCIPLED, has_linked_color, is_layer, link_through, linked_places, parameter_of, show_stack
+from ..material.reading import require_editable
+from ..material.record import drop_record
+from ..material.roles import ROLE, SWITCH, TEST, Roles
+from ..material.shader_node import backend_of, surface_of
 from .sources import animated_parts, principled_of, read_principled
 
 

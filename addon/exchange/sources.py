@@ -8,9 +8,9 @@ import numpy as np
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.principled import DEFAULTS
-from ..network.working_space import out_of_working
-from ..nodes.entry import find_entry
-from ..nodes.principled import NORMALS, PRINCIPLED
+from ..material.entry import find_entry
+from ..material.principled_node import NORMALS, PRINCIPLED
+from ..shader.working_space import out_of_working
 
 _NODE_PATH = re.compile(r'nodes\["(.*?)"\]')
 

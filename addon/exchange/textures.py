@@ -18,11 +18,12 @@ import numpy as np
 from ...reference_py.atomic import output_folder
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.principled import DEFAULTS, to_principled
-from ..network.working_space import out_of_working
-from ..nodes import material as materials
-from ..nodes.principled import linked_places
-from ..rendering.images import require_pictures, write_png
-from ..rendering.settings import node_tree, remove_scene
+from ..blender.images import require_pictures, write_png
+from ..blender.versions import node_tree
+from ..material import material as materials
+from ..material.principled_node import linked_places
+from ..rendering.settings import remove_scene
+from ..shader.working_space import out_of_working
 
 _MARGIN, _SAMPLES = 8, 4
 _FLAT_NORMAL = 0.5, 0.5, 1.0

@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ...reference_py.atomic import replacing, write_text
-from ..background.ahead import bake_ahead
 from ..batch.items import Item
-from ..batch.stage import Stage, own_texts
-from ..blend_files import save_copy, save_material
-from ..nodes.state import Wanted
+from ..batch.scene import Stage, own_texts
+from ..blender.blend_files import save_copy, save_material
+from ..jobs.prefetch import bake_ahead
+from ..material.state import Wanted
 from .bundle_names import ITEMS, SCRIPT
 
 _ADDON = Path(__file__).resolve().parents[1]

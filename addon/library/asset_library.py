@@ -5,7 +5,7 @@ from pathlib import Path
 
 import bpy
 
-from ..user_folders import presets_folder
+from ..blender.user_folders import presets_folder
 from .preset_catalogues import FOLDER
 
 NAME, OWN_NAME = "Lamina", "Lamina Own Presets"

@@ -14,12 +14,12 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.stack import Stack
-from ..blend_files import save_material
-from ..nodes import material as materials
-from ..nodes.elements import node_of
-from ..nodes.node_copy import channel_bags, copy_sources
-from ..nodes.shader_node import remove_material
+from ...reference_py.material.stack import Stack
+from ..blender.blend_files import save_material
+from ..material import material as materials
+from ..material.elements import node_of
+from ..material.node_copy import channel_bags, copy_sources
+from ..material.shader_node import remove_material
 from .thumbnails import give_preview
 
 _TEMPORARY = "Lamina Preset"

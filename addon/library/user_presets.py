@@ -5,12 +5,12 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from ...reference_py import presets
 from ...reference_py.atomic import output_folder, write_text
 from ...reference_py.errors import LaminaError
-from ...reference_py.json_input import read_text
-from ...reference_py.stack import Stack
-from ..user_folders import presets_folder
+from ...reference_py.material import presets
+from ...reference_py.material.json_input import read_text
+from ...reference_py.material.stack import Stack
+from ..blender.user_folders import presets_folder
 from .preset_catalogues import CATALOGUE_FILE, OWN, catalogue_head, catalogue_id, catalogue_line
 
 LONGEST = 60

@@ -5,10 +5,10 @@ import bpy
 from bpy.app.translations import pgettext_tip as tip_
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 
-from ...reference_py import ready_layers
 from ...reference_py.errors import LaminaError
-from ...reference_py.schema import SCHEMA
-from ..nodes import layers
+from ...reference_py.material import ready_layers
+from ...reference_py.material.schema import SCHEMA
+from ..material import layers
 from .material_operators import LayeredOperator, material_of
 
 _ROW_HEIGHT = 20  # pixels of a list's row at scale 1

@@ -9,17 +9,17 @@ from bpy.app.translations import pgettext_tip as tip_
 from bpy.props import EnumProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from ...reference_py import presets
 from ...reference_py.errors import LaminaError
-from ...reference_py.schema import SCHEMA
-from ...reference_py.stack import Stack
-from ..background import bakes
+from ...reference_py.material import presets
+from ...reference_py.material.schema import SCHEMA
+from ...reference_py.material.stack import Stack
+from ..jobs import bakes
 from ..library import user_presets
-from ..nodes import material as materials
-from ..nodes.entry import find_entry, surface_output
-from ..nodes.holders import can_hold_material
-from ..nodes.live_values import live_values
-from ..nodes.osl_setting import enable_osl
+from ..material import material as materials
+from ..material.entry import find_entry, surface_output
+from ..material.holders import can_hold_material
+from ..material.live_values import live_values
+from ..material.osl_setting import enable_osl
 
 _JSON = "*.json"
 _UNNAMED = "Lamina"

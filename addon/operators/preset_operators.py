@@ -7,16 +7,15 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from ...reference_py import presets
-from ...reference_py.stack import Stack
+from ...reference_py.material import presets
+from ...reference_py.material.stack import Stack
+from ..blender.user_folders import presets_folder
 from ..library import asset_library, preset_assets, user_presets
 from ..library.preset_catalogues import CATALOGUES, OWN, catalogue_id
+from ..library.preset_icons import preset_icon, user_preset_icon
 from ..library.thumbnails import pixels_of, render_thumbnail
-from ..nodes import material as materials
-from ..ui.preset_icons import preset_icon, user_preset_icon
-from ..user_folders import presets_folder
+from ..material import material as materials
 from . import material_operators as ops
-
 
 _DIALOG_WIDTH = 400  # pixels: for the sentences of what a preset leaves out
 # Before the source of the numbers that a preset was begun from: they may have been changed since.

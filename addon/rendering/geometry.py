@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes made with numpy: the measuring sphere and plane, and the ball on its stand that pictures show."""
 
-import numpy as np
-
 import bpy
+import numpy as np
 
 
 def mesh_of(name: str, vertices: np.ndarray, faces: np.ndarray, uv: np.ndarray, smooth: bool,

@@ -12,9 +12,10 @@ import bpy
 import numpy as np
 
 from ...reference_py.errors import LaminaError
+from ..blender.images import read_exr
+from ..blender.versions import node_tree
 from .geometry import plane_mesh, sphere_mesh
-from .images import read_exr
-from .settings import add_object, measurement_settings, node_tree, render_to, scratch_scene
+from .settings import add_object, measurement_settings, render_to, scratch_scene
 
 CAMERA_DISTANCE = 100.0
 # of the orthographic camera over the plane: so narrow, grazing rays start above the plane up to 89.999 deg

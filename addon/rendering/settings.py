@@ -9,18 +9,9 @@ from pathlib import Path
 import bpy
 
 from ...reference_py.errors import LaminaError
-from .environment import osl_available
-from .interrupt import interruptible
-
-
-def node_tree(owner: bpy.types.ID) -> bpy.types.NodeTree:
-    """Node tree of a new material, world or light, made when there is none.
-
-    From Blender 5.0 on new materials and worlds have one, and setting `use_nodes` is deprecated.
-    """
-    if owner.node_tree is None:
-        owner.use_nodes = True
-    return owner.node_tree
+from ..blender.environment import osl_available
+from ..blender.interrupt import interruptible
+from ..blender.versions import set_media_type
 
 
 def _common(scene: bpy.types.Scene, samples: int, size: int | tuple[int, int]) -> None:
@@ -73,8 +64,7 @@ def measurement_settings(scene: bpy.types.Scene, samples: int, size: int | tuple
     cycles.transparent_max_bounces = 8
     scene.view_settings.view_transform, scene.view_settings.look = "Raw", "None"
     image = scene.render.image_settings
-    if hasattr(image, "media_type"):  # Blender 5.0: without it the format below is refused
-        image.media_type = "MULTI_LAYER_IMAGE"
+    set_media_type(image, "MULTI_LAYER_IMAGE")
     image.file_format = "OPEN_EXR_MULTILAYER"
     image.color_depth, image.exr_codec = "32", "ZIP"
 
@@ -101,8 +91,7 @@ def studio_settings(scene: bpy.types.Scene, samples: int, size: int | tuple[int,
     cycles.max_bounces, cycles.diffuse_bounces, cycles.glossy_bounces = 4, 1, 3
     scene.view_settings.view_transform, scene.view_settings.look = "Khronos PBR Neutral", "None"
     image = scene.render.image_settings
-    if hasattr(image, "media_type"):
-        image.media_type = "IMAGE"
+    set_media_type(image, "IMAGE")
     image.file_format, image.color_mode, image.color_depth, image.compression = "PNG", "RGB", "8", 15
 
 

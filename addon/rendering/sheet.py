@@ -11,8 +11,9 @@ import bpy
 import numpy as np
 
 from ...reference_py.errors import LaminaError
-from .images import read_exr, read_png, write_png
-from .settings import add_object, measurement_settings, node_tree, render_to, scratch_scene
+from ..blender.images import read_exr, read_png, write_png
+from ..blender.versions import node_tree
+from .settings import add_object, measurement_settings, render_to, scratch_scene
 from .studio import build_ball_scene
 
 PAGE = np.array([21, 22, 24]) / 255.0  # sRGB

@@ -6,8 +6,9 @@ from typing import NamedTuple
 import bpy
 from mathutils import Vector
 
+from ..blender.versions import node_tree
 from .geometry import STAND_FLOOR, backdrop_mesh, ball_mesh, stand_mesh
-from .settings import add_object, node_tree, remove_scene, studio_settings
+from .settings import add_object, remove_scene, studio_settings
 
 BALL_CENTRE = Vector((0.0, 0.0, -STAND_FLOOR))
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from .images import read_png
+from ..blender.images import read_png
 from .settings import scratch_scene, studio_settings
 
 

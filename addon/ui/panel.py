@@ -3,13 +3,13 @@
 
 import bpy
 
-from ..background import fitting
-from ..nodes.elements import kind_of
-from ..nodes.holders import can_hold_material
+from ..material.elements import kind_of
+from ..material.holders import can_hold_material
 from ..operators import material_operators as ops
+from ..operators.fit_operators import LAMINA_OT_fit_measurement
 from ..operators.preset_operators import draw_presets
 from . import panel_layers
-from .panel_feedback import draw_shader, draw_status
+from .panel_feedback import draw_fit, draw_shader, draw_status
 from .panel_layers import draw_layers
 from .panel_values import draw_element
 
@@ -20,7 +20,7 @@ class LAMINA_MT_presets(bpy.types.Menu):
     def draw(self, _context):
         draw_presets(self.layout)
         self.layout.operator(ops.LAMINA_OT_import_stack.bl_idname, text="Import...", icon="IMPORT")
-        self.layout.operator(fitting.LAMINA_OT_fit_measurement.bl_idname, text="Fit Measurement...", icon="RNDCURVE")
+        self.layout.operator(LAMINA_OT_fit_measurement.bl_idname, text="Fit Measurement...", icon="RNDCURVE")
 
 
 class LAMINA_PT_material(bpy.types.Panel):
@@ -47,7 +47,7 @@ class LAMINA_PT_material(bpy.types.Panel):
         layout.use_property_split = True
         material = ops.material_of(context)
         draw_status(layout, context, material)
-        fitting.draw_fit(layout, context, material)
+        draw_fit(layout, context, material)
         if material is None or not material.lamina.is_layered:
             layout.menu(LAMINA_MT_presets.__name__, text="Pick a Preset", icon="PRESET")
             layout.operator("lamina.convert_principled", icon="NODE_MATERIAL")

@@ -4,14 +4,14 @@
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.network import AutoNetwork
-from ..background import bakes
+from ...reference_py.lobes.methods import AutoNetwork
 from ..check import check
-from ..nodes.backend import NODES, OSL, branches_here, notice
-from ..nodes.hand_over import has_hand_over
-from ..nodes.reading import require_editable
-from ..nodes.roles import node_with
-from ..nodes.shader_node import backend_of
+from ..jobs import bakes, fitting
+from ..material.backend import NODES, OSL, branches_here, notice
+from ..material.hand_over import has_hand_over
+from ..material.reading import require_editable
+from ..material.roles import node_with
+from ..material.shader_node import backend_of
 from ..operators import check_operators as check_ops
 from ..operators import material_operators as ops
 from .panel_values import draw_choice, draw_fact, draw_message
@@ -112,3 +112,13 @@ def _draw_without_osl(layout, context, material) -> None:
             box = draw_message(layout, context, finding.text(iface_), "INFO")
             if finding.mending:
                 box.operator(ops.LAMINA_OT_enable_osl.bl_idname)
+
+
+def draw_fit(layout, context, material) -> None:
+    """A running fit with its progress, or what the last one told of this material or object."""
+    if (running := fitting.running()) is not None:
+        row = layout.row(align=True)
+        row.progress(factor=running.share, text=iface_("Fitting the measurement"))
+        row.operator("lamina.cancel_fit", text="", icon="CANCEL")
+    elif told := fitting.last_told(material) or fitting.last_told(getattr(context, "object", None)):
+        draw_message(layout, context, told, "INFO")

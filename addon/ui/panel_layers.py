@@ -4,10 +4,10 @@
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
+from ...reference_py.material.schema import COLOR, CONDUCTOR
 from ...reference_py.optics.microfacet import slope_deg_from_roughness
-from ...reference_py.schema import COLOR, CONDUCTOR
-from ..nodes.elements import find_node, kind_of
-from ..nodes.properties import choice_label
+from ..material.elements import find_node, kind_of
+from ..material.properties import choice_label
 from ..operators import layer_operators as layer_ops
 from ..operators import material_operators as ops
 from .panel_values import draw_choice

@@ -6,11 +6,11 @@ import textwrap
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...reference_py.errors import LaminaError
+from ...reference_py.material.schema import Parameter
 from ...reference_py.optics.microfacet import slope_deg_from_roughness
-from ...reference_py.schema import Parameter
-from ..nodes.backend import OSL
-from ..nodes.elements import kind_of, node_of, shown_parameters, use_of, used_features
-from ..rendering import environment
+from ..blender import environment
+from ..material.backend import OSL
+from ..material.elements import kind_of, node_of, shown_parameters, use_of, used_features
 
 _MARGIN, _CHARACTER = 60, 6.4  # pixels at scale 1: what borders and the icon take, and a mean letter
 # By the schema's unit. A column for it would shift the value from under the others.

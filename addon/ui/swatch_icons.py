@@ -5,9 +5,9 @@ import bpy
 import bpy.utils.previews
 import numpy as np
 
-from ...reference_py.schema import COLOR, CONDUCTOR, COVERAGE
-from ..network.working_space import out_of_working
-from ..nodes.elements import find_node, kind_of
+from ...reference_py.material.schema import COLOR, CONDUCTOR, COVERAGE
+from ..material.elements import find_node, kind_of
+from ..shader.working_space import out_of_working
 from .swatch import SIZE, base_picture, layer_picture
 
 # Looks that are kept; then all are drawn anew.

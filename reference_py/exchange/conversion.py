@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import LaminaError
-from ..stack import Stack
+from ..material.stack import Stack
 from .matching import ColorMap, color_key, color_map, compared, mean, peer, recolored, solve, truth
 from .report import APPROXIMATED, LOST, Loss, Match, Report, shown
 from .slots import MOST_REFLECTANCE, Slots, from_stack, to_stack

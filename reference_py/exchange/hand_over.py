@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..network.memory import content, known, remembered
-from ..schema import COVERAGE
-from ..stack import Stack
+from ..lobes.cache import content, known, remembered
+from ..material.schema import COVERAGE
+from ..material.stack import Stack
 from .matching import ColorMap
 from .principled import NAME, to_principled, values_of
 from .slots import from_stack

@@ -12,11 +12,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ..frame import spherical
-from ..models import make_model
-from ..optics.material import mean_alpha
-from ..schema import ANISOTROPY, NORMAL, THIN_FILM
-from ..stack import Element, Stack
+from ..material.schema import ANISOTROPY, NORMAL, THIN_FILM
+from ..material.stack import Element, Stack
+from ..optics.frame import spherical
+from ..optics.optical_stack import mean_alpha
+from ..registry import make_model
 from .report import Match
 from .slots import Slots
 

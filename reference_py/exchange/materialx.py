@@ -12,7 +12,7 @@ from xml.parsers import expat
 
 from ..atomic import write_text
 from ..errors import LaminaError
-from ..json_input import read_text
+from ..material.json_input import read_text
 from .openpbr import DEFAULTS
 
 SUFFIX = ".mtlx"

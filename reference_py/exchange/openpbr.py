@@ -8,10 +8,10 @@ keeps the mean of their squares at roughness^4.
 
 import numpy as np
 
-from ..models.peers import OpenPbrCoat
-from ..models.peers.parts import metal_colors
+from ..material.stack import Stack
+from ..models.baselines import OpenPbrCoat
+from ..models.baselines.parts import metal_colors
 from ..optics.diffuse import fujii_roughness
-from ..stack import Stack
 from .conversion import Converted, lost_if, require_finite, slots_to_stack, stack_to_slots
 from .principled import coat_ior_loss, effective_ior
 from .report import APPROXIMATED, KEPT, LOST, Loss, Report

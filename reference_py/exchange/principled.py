@@ -3,10 +3,10 @@
 
 import numpy as np
 
-from ..models.peers import PrincipledCoat
-from ..models.peers.parts import dielectric_f0, metal_colors
+from ..material.stack import Stack
+from ..models.baselines import PrincipledCoat
+from ..models.baselines.parts import dielectric_f0, metal_colors
 from ..optics.diffuse import fujii_roughness
-from ..stack import Stack
 from .conversion import Converted, lost_if, require_finite, slots_to_stack, stack_to_slots
 from .report import APPROXIMATED, KEPT, LOST, Loss
 from .slots import BASE, COAT, GLOSS, Slots, Surface, edge_of_f82, sigma_of_fujii

@@ -5,12 +5,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..colour import artist_color, artist_index
-from ..models.peers.parts import COS_82, conductor
+from ..material.schema import ANISOTROPY, CONDUCTOR, COVERAGE, DIELECTRIC, NORMAL, THIN_FILM
+from ..material.stack import Element, Stack
+from ..models.baselines.parts import COS_82, conductor
+from ..optics.colour import artist_color, artist_index
 from ..optics.diffuse import fujii_roughness
-from ..optics.material import conductor_index, mean_alpha, optical_depth
-from ..schema import ANISOTROPY, CONDUCTOR, COVERAGE, DIELECTRIC, NORMAL, THIN_FILM
-from ..stack import Element, Stack
+from ..optics.optical_stack import conductor_index, mean_alpha, optical_depth
 from .report import APPROXIMATED, KEPT, LOST, Loss, shown
 
 BASE, COAT, GLOSS = "base", "coat", "gloss"

@@ -9,8 +9,8 @@ A stack is fitted by bounded least squares (`solve`) of a compressed residual (`
 runs inside Blender.
 """
 from .fitting import Fit, fit_structure
-from .measurement import Measurement
 from .readers import read
+from .readers.measurement import Measurement
 from .selection import Selection, select
 
 __all__ = ["Fit", "Measurement", "Selection", "fit_structure", "read", "select"]

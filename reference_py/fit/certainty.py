@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .elsewhere import COHERENT_ERROR, MOST_ALIKE, held, loose, straight
 from .fitting import Fit, rough_fits
 from .forward import MODEL_ERROR, stand_in
-from .measurement import half_angles
 from .metric import rms
+from .profile_likelihood import COHERENT_ERROR, MOST_ALIKE, held, loose, straight
+from .readers.measurement import half_angles
 
 # A value is not determined when its standard error exceeds this part of it.
 OF_VALUE = 0.05

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..models import make_model
+from ..registry import make_model
+from .baseline_fits import PEER_MODELS, fit_peer
 from .fitting import Fit, Progress, fit_structure
 from .forward import evaluate
-from .measurement import Measurement, subsample
 from .metric import Metric, shape_error
-from .peers import PEER_MODELS, fit_peer
+from .readers.measurement import Measurement, subsample
 
 JUDGED = 3000
 Evaluator = Callable[[np.ndarray, np.ndarray], np.ndarray]

@@ -3,12 +3,12 @@
 
 import numpy as np
 
-from ..models import make_model
+from ..material.stack import Stack
 from ..models.adding.direct import direct_f
 from ..models.adding.facets import MULTIPLE
 from ..models.adding.recipe import Recipe
-from ..frame import spherical
-from ..stack import Stack
+from ..optics.frame import spherical
+from ..registry import make_model
 
 _CHUNK = 50_000
 # Below this count models are asked directly.

@@ -13,13 +13,13 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ..stack import Stack
-from .elsewhere import held, loose, straight
+from ..material.stack import Stack
 from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, Forward, require_fittable, stand_in
-from .measurement import Measurement, subsample
 from .metric import Metric, percent, rms
 from .parameters import Parameters, Structure
 from .prior import FINE, ROUGH, SETTLED, pulled
+from .profile_likelihood import held, loose, straight
+from .readers.measurement import Measurement, subsample
 from .solve import Solution
 from .starts import best_starts
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import LaminaError
-from ..models import MODELS, make_model
+from ..registry import MODELS, make_model
 from .metric import Metric
 from .parameters import Parameters
 

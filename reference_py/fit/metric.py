@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .measurement import STEEPEST_DEG, Measurement
+from .readers.measurement import STEEPEST_DEG, Measurement
 
 FLOOR = 0.1
 _COMPRESSED = {

@@ -5,11 +5,11 @@ from dataclasses import asdict, replace
 
 import numpy as np
 
-from ..stack import Stack
+from ..material.stack import Stack
 from .certainty import OF_VALUE, certainty
 from .dense import evaluate_all
-from .measurement import Measurement
 from .metric import Metric, shape_error
+from .readers.measurement import Measurement
 from .selection import UNEXPLAINED, Selection
 
 # Where so much of the data is off and hidden by a highlight, people are told.

@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import LaminaError
-from ..schema import COLOR, DIELECTRIC, SCHEMA, Kind, Parameter
-from ..stack import Stack
+from ..material.schema import COLOR, DIELECTRIC, SCHEMA, Kind, Parameter
+from ..material.stack import Stack
 
 BASES = tuple(SCHEMA.bases)
 _METAL_BY = ("reflectance", "edge_color")

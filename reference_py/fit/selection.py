@@ -14,13 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import LaminaError
-from ..schema import DIELECTRIC
+from ..material.schema import DIELECTRIC
 from .certainty import independent_pairs
 from .fitting import SAMPLES, Fit, Progress, corrected, refined, rough_fits, settled, share_of, subsampled
 from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, require_fittable, stand_in
-from .measurement import Measurement
 from .metric import Metric, percent
 from .parameters import BASES, Parameters, Structure
+from .readers.measurement import Measurement
 
 AUTO = "auto"
 DISTRIBUTIONS = DIELECTRIC.parameter("distribution").choices

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .metric import rms
 from .forward import Forward
+from .metric import rms
 from .parameters import Parameters
 from .prior import USUAL
 

@@ -15,15 +15,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import LaminaError
-from ..frame import dot, half_vector
+from ..material.stack import Stack
 from ..optics import microfacet
 from ..optics.diffuse import oren_nayar, oren_nayar_1994
+from ..optics.frame import dot, half_vector
 from ..optics.fresnel import fresnel_conductor, fresnel_dielectric
-from ..optics.material import channels, conductor_index, interfaces, n_above_base
 from ..optics.microfacet import alpha_from_roughness, is_specular
-from ..stack import Stack
-from . import weidlich_wilkie_sampling as sampling
+from ..optics.optical_stack import channels, conductor_index, interfaces, n_above_base
 from ..optics.quadrature import directional_albedo
+from . import weidlich_wilkie_sampling as sampling
 
 # The print's ambiguities, each a named option; the first choice is the default.
 OPTIONS = {

@@ -19,9 +19,9 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import LaminaError
-from ..stack import Stack
-from . import weidlich_wilkie_sampling as sampling
+from ..material.stack import Stack
 from ..optics.quadrature import cosine_directions, points
+from . import weidlich_wilkie_sampling as sampling
 from .weidlich_wilkie import Level, WeidlichWilkie
 
 WEIGHTS = ("energy", "constant")

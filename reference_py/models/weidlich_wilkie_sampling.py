@@ -14,8 +14,8 @@ from itertools import islice
 
 import numpy as np
 
-from ..frame import dot, half_vector, normalize, reflect
 from ..optics import microfacet
+from ..optics.frame import dot, half_vector, normalize, reflect
 from ..optics.microfacet import is_specular
 from ..optics.quadrature import cosine_directions, facet_normals
 

@@ -9,7 +9,7 @@ facet statistics in both.
 
 import numpy as np
 
-from ..frame import dot
+from .frame import dot
 
 _G0 = 0.5 * np.pi - 2.0 / 3.0
 # Of the color, in light that meets several facets: the model's, and that of Cycles up to Blender 5.2.

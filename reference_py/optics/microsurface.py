@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import LaminaError
-from ..frame import dot
+from .frame import dot
 from .fresnel import cos_theta_t, fresnel_dielectric
 from .microfacet import facet_distribution
 from .sampling import components, projected_area, sample_visible_normals, take, vectors

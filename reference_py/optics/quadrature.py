@@ -10,8 +10,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..frame import dot, half_vector, reflect
 from . import microfacet
+from .frame import dot, half_vector, reflect
 
 # Roberts' R2 sequence: the generalised golden ratio of two dimensions.
 _GOLDEN_2 = 1.32471795724474602596

@@ -11,7 +11,7 @@ from functools import cache
 
 import numpy as np
 
-from ..colour.spectrum import observer_rgb
+from .colour.spectrum import observer_rgb
 from .fresnel import cos_theta_t
 
 TERMS = 3

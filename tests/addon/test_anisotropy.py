@@ -6,18 +6,18 @@ import pytest
 
 pytest.importorskip("bpy")
 
-import bpy  # noqa: E402
+import bpy
+from support.goniometer import TOLERANCE, tangent_parity
 
-from lamina.addon.nodes import material  # noqa: E402
-from lamina.addon.network.stock_nodes import stock_tables  # noqa: E402
-from lamina.addon.nodes.shader_node import shader_of  # noqa: E402
-from lamina.addon.rendering.measure import render_furnace, render_sun_sphere  # noqa: E402
-from lamina.reference_py.frame import azimuth, spherical  # noqa: E402
-from lamina.reference_py.models import make_model  # noqa: E402
-from lamina.reference_py.network import make_network  # noqa: E402
-from lamina.reference_py.network.closure import lobe_f  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
-from support.goniometer import TOLERANCE, tangent_parity  # noqa: E402
+from lamina.addon.material import material
+from lamina.addon.material.shader_node import shader_of
+from lamina.addon.rendering.measure import render_furnace, render_sun_sphere
+from lamina.addon.shader.nodes.stock_nodes import stock_tables
+from lamina.reference_py.lobes.closure import lobe_f
+from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.optics.frame import azimuth, spherical
+from lamina.reference_py.registry import make_model
 
 pytestmark = pytest.mark.blender
 

@@ -9,12 +9,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from lamina.addon import user_folders
-from lamina.reference_py import presets
+
+from lamina.addon.blender import user_folders
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import make_model
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.registry import make_model
 
 pytestmark = pytest.mark.blender
 
@@ -39,7 +40,8 @@ def own(blender, tmp_path, monkeypatch):
 def layered(blender):
     """A selected plane with a layered material."""
     import bpy
-    from lamina.addon.nodes.material import apply_stack
+
+    from lamina.addon.material.material import apply_stack
 
     bpy.ops.mesh.primitive_plane_add()
     material = bpy.data.materials.new("Layered")
@@ -58,7 +60,7 @@ class Icons(dict):
 
 @pytest.fixture
 def icons(blender, monkeypatch):
-    from lamina.addon.ui import preset_icons
+    from lamina.addon.library import preset_icons
 
     monkeypatch.setattr(preset_icons, "_icons", Icons())
     return preset_icons
@@ -73,6 +75,7 @@ def libraries() -> list:
 def appended(name: str):
     """A preset as a drop from the library with `Append` brings it."""
     import bpy
+
     from lamina.addon.library.preset_catalogues import ASSETS
 
     with bpy.data.libraries.load(str(ASSETS), link=False, assets_only=True) as (there, here):
@@ -89,7 +92,7 @@ def rendered_albedo(material) -> np.ndarray:
 
 
 def test_every_preset_is_in_one_catalogue_and_has_a_picture(catalogue):
-    from lamina.addon.rendering.images import read_png
+    from lamina.addon.blender.images import read_png
 
     members = [name for names in catalogue.CATALOGUES.values() for name in names]
     assert sorted(members) == presets.names()
@@ -103,8 +106,9 @@ def test_every_preset_is_in_one_catalogue_and_has_a_picture(catalogue):
 def test_the_library_holds_every_preset_as_it_is_now(catalogue):
     """What is committed is not stale: names, stacks, catalogues, previews."""
     import bpy
-    from lamina.addon.nodes.material import stack_of
-    from lamina.addon.nodes.state import is_settled
+
+    from lamina.addon.material.material import stack_of
+    from lamina.addon.material.state import is_settled
 
     assert catalogue.CATALOGUE_FILE.read_text() == catalogue.catalogue_text()
     with bpy.data.libraries.load(str(catalogue.ASSETS), link=False, assets_only=True) as (there, here):
@@ -130,10 +134,9 @@ def test_catalogues_are_in_the_form_that_blender_reads(catalogue):
 
 
 def test_a_dropped_preset_renders_as_it_should_and_can_be_edited(catalogue):
-    from lamina.addon.nodes.elements import node_of
-    from lamina.addon.nodes.layers import add_layer
-    from lamina.addon.nodes.material import stack_of
-    from lamina.addon.nodes.state import is_settled
+    from lamina.addon.material.elements import node_of
+    from lamina.addon.material.layers import add_layer
+    from lamina.addon.material.material import stack_of
 
     dropped = appended("urushi_lacquer")
     assert dropped.library is None
@@ -149,7 +152,7 @@ def test_a_dropped_preset_renders_as_it_should_and_can_be_edited(catalogue):
 
 
 def test_two_drops_are_two_materials(catalogue):
-    from lamina.addon.nodes.elements import node_of
+    from lamina.addon.material.elements import node_of
 
     first, second = appended("glossy_plastic"), appended("glossy_plastic")
     node_of(first.lamina.base).inputs["Color"].default_value = (0.0, 1.0, 0.0, 1.0)
@@ -158,6 +161,7 @@ def test_two_drops_are_two_materials(catalogue):
 
 def test_the_library_comes_and_goes_with_the_extension(catalogue):
     import bpy
+
     from lamina.addon.library import asset_library
 
     asset_library.unregister()
@@ -190,9 +194,9 @@ def test_icons_are_those_of_the_pictures_and_missing_ones_are_none(icons):
 
 def test_a_saved_preset_is_in_the_menu_and_comes_back(layered, own, icons):
     import bpy
-    from lamina.addon.nodes.elements import node_of
-    from lamina.addon.nodes.material import stack_of
-    from lamina.addon.nodes.state import is_settled
+
+    from lamina.addon.material.elements import node_of
+    from lamina.addon.material.material import stack_of
 
     node_of(layered.lamina.base).inputs["Color"].default_value = (0.5, 0.25, 0.125, 1.0)
     saved = stack_of(layered)

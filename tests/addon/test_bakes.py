@@ -9,17 +9,17 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from lamina.addon.background import ahead, bakes, conversions  # noqa: E402
-from lamina.addon.network.node_groups import network_group  # noqa: E402
-from lamina.addon.network.stock_nodes import stock_tables  # noqa: E402
-from lamina.addon.nodes import elements, material  # noqa: E402
-from lamina.addon.nodes.hand_over import MIX  # noqa: E402
-from lamina.addon.nodes.live_values import live_values  # noqa: E402
-from lamina.addon.nodes.shader_node import shader_of  # noqa: E402
-from lamina.addon.nodes.state import is_settled, is_stale, lags, wanted_network  # noqa: E402
-from lamina.addon.nodes.roles import ROLE  # noqa: E402
-from lamina.reference_py.network import memory  # noqa: E402
-from lamina.reference_py.suite import suite_stack  # noqa: E402
+from lamina.addon.jobs import bakes, conversions, prefetch
+from lamina.addon.material import elements, material
+from lamina.addon.material.hand_over import MIX
+from lamina.addon.material.live_values import live_values
+from lamina.addon.material.roles import ROLE
+from lamina.addon.material.shader_node import shader_of
+from lamina.addon.material.state import is_settled, is_stale, lags, wanted_network
+from lamina.addon.shader.nodes.node_groups import network_group
+from lamina.addon.shader.nodes.stock_nodes import stock_tables
+from lamina.reference_py.lobes import cache
+from lamina.study.suite import suite_stack
 
 pytestmark = pytest.mark.blender
 
@@ -29,15 +29,15 @@ COATED = suite_stack("plastic_grey_0")
 @pytest.fixture
 def window(blender, monkeypatch, tmp_path):
     """Blender as with a window: nothing waits for a bake. Nothing baked before is known."""
-    memory.keep_in(tmp_path)
+    cache.keep_in(tmp_path)
     monkeypatch.setenv("LAMINA_CACHE", str(tmp_path))
-    monkeypatch.setattr(memory, "_memory", {})
+    monkeypatch.setattr(cache, "_memory", {})
     yield blender
     conversions.stop()
     if bakes._state.bake is not None:
         bakes._state.bake.cancel()
         bakes._state.bake = None
-    memory.keep_in(None)
+    cache.keep_in(None)
 
 
 def coated(bpy, tier="baked"):
@@ -115,14 +115,14 @@ def test_a_changed_value_is_shown_at_once_and_baked_when_it_rests(window):
 
 def test_what_was_baked_before_is_there_at_once(window):
     rest(coated(window))
-    memory._memory.clear()  # as in a new session: the folder remains
+    cache._memory.clear()  # as in a new session: the folder remains
     owner = coated(window)
     assert not is_live(owner) and is_settled(owner)
 
 
 def test_a_save_without_a_window_bakes_all_that_it_needs_side_by_side(window, monkeypatch, tmp_path, capsys):
     started = []
-    monkeypatch.setattr(ahead, "Bake", lambda wanted: started.append(wanted.key) or bakes.Bake(wanted))
+    monkeypatch.setattr(prefetch, "Bake", lambda wanted: started.append(wanted.key) or bakes.Bake(wanted))
     owners = [coated(window) for _ in range(2)]
     elements.node_of(owners[1].lamina.base).inputs["Color"].default_value = (0.5, 0.2, 0.1, 1.0)
     window.ops.wm.save_as_mainfile(filepath=str(tmp_path / "two.blend"))

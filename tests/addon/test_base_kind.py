@@ -7,13 +7,14 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.check import check  # noqa: E402
-from lamina.addon.nodes import layers, material  # noqa: E402
-from lamina.addon.nodes.elements import kind_of, node_of  # noqa: E402
-from lamina.addon.nodes.live_values import live_values  # noqa: E402
-from lamina.reference_py.schema import SCHEMA  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
-from support.animation import at_frame, curves_of, driven, keyed, strip  # noqa: E402
+from support.animation import at_frame, curves_of, driven, keyed, strip
+
+from lamina.addon.check import check
+from lamina.addon.material import layers, material
+from lamina.addon.material.elements import kind_of, node_of
+from lamina.addon.material.live_values import live_values
+from lamina.reference_py.material.schema import SCHEMA
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 

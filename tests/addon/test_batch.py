@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 from support.commands import RUN, lamina
 
-import lamina as package
-from lamina.reference_py import presets
 from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.material import presets
+from lamina.reference_py.version import version
 
 pytest.importorskip("bpy")
 
@@ -58,7 +58,7 @@ def copy(done, tmp_path):
 
 
 def test_a_batch_leaves_pictures_with_their_origin_a_table_and_a_sheet(done, registered_lamina):
-    from lamina.addon.rendering.images import read_exr, read_png
+    from lamina.addon.blender.images import read_exr, read_png
 
     folder, said = done
     rows = table(folder / "out")
@@ -69,7 +69,7 @@ def test_a_batch_leaves_pictures_with_their_origin_a_table_and_a_sheet(done, reg
         texts = picture.metadata
         assert set(picture.channels) == set("RGBA") and picture.channels["R"].shape == (16, 16)
         assert json.loads(texts["lamina:stack"]) == presets.load("clean_copper").to_dict()
-        assert texts["lamina:version"] == package.version() and texts["lamina:tier"] == "weidlich_wilkie"
+        assert texts["lamina:version"] == version() and texts["lamina:tier"] == "weidlich_wilkie"
         assert texts["lamina:seed"] == row["frame"] == row["seed"] and texts["lamina:samples"] == "2"
         assert texts["lamina:blender"][0] in "45" and texts["lamina:inputs"] == row["inputs"]
         assert 0.0 < float(row["soft_light_error"]) < 1.0 and "soft_light " + row["soft_light_error"] in texts["lamina:error"]
@@ -82,7 +82,7 @@ def test_a_batch_leaves_pictures_with_their_origin_a_table_and_a_sheet(done, reg
 
 def test_whole_pictures_are_kept_and_damaged_ones_made_anew(done, copy, registered_lamina):
     """Truncated, bent and missing ones; dates that a clock running backwards leaves do not matter."""
-    from lamina.addon.rendering import oiio
+    from lamina.addon.blender import oiio
 
     out = copy / "out"
     first, second, third = (out / f"{row['id']}.exr" for row in table(out))
@@ -286,7 +286,7 @@ def test_a_scene_without_cycles_is_bad_input(tmp_path, blender):
 def test_each_object_of_one_file_is_shown_in_its_turn(tmp_path, blender):
     from lamina.addon.batch.items import expand
     from lamina.addon.batch.job import Job
-    from lamina.addon.batch.stage import Stage
+    from lamina.addon.batch.scene import Stage
     from lamina.addon.rendering.settings import add_object
     from lamina.addon.rendering.studio import build_ball_scene
 
@@ -337,7 +337,8 @@ def test_cells_hold_whole_pictures_of_any_shape():
 def test_the_sheet_shows_what_render_shows(blender, tmp_path):
     """The same light through the scene's own view transform, which is not sRGB's curve alone."""
     from lamina.addon.batch.task import view_of
-    from lamina.addon.rendering import images, settings, view
+    from lamina.addon.blender import images
+    from lamina.addon.rendering import settings, view
     from lamina.addon.rendering.studio import build_ball_scene
 
     studio = build_ball_scene(None, (24, 16), 4)

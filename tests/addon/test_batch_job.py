@@ -11,8 +11,8 @@ import lamina
 from lamina.addon.batch.estimate import estimate
 from lamina.addon.batch.items import Item, expand
 from lamina.addon.batch.job import Job
-from lamina.reference_py import presets
 from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.material import presets
 
 ONE = {"stacks": ["clean_copper"]}
 

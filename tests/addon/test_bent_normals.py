@@ -11,12 +11,13 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from lamina.addon.network import parts, stock_nodes  # noqa: E402
-from lamina.addon.nodes import material as materials  # noqa: E402
-from lamina.addon.rendering import settings  # noqa: E402
-from lamina.addon.rendering.geometry import plane_mesh, sphere_mesh  # noqa: E402
-from lamina.addon.rendering.images import read_exr  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.addon.blender.images import read_exr
+from lamina.addon.material import material as materials
+from lamina.addon.rendering import settings
+from lamina.addon.rendering.geometry import plane_mesh, sphere_mesh
+from lamina.addon.shader.nodes import stock_nodes
+from lamina.addon.shader.osl import parts
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 

@@ -36,7 +36,7 @@ os._exit(0)
 
 
 def render_elsewhere(blend: Path, picture: Path) -> np.ndarray:
-    from lamina.addon.rendering.images import read_exr
+    from lamina.addon.blender.images import read_exr
 
     subprocess.run([sys.executable, "-c", STRANGER, str(blend), str(picture)], check=True, capture_output=True, timeout=300)
     channels = read_exr(picture).channels
@@ -45,8 +45,8 @@ def render_elsewhere(blend: Path, picture: Path) -> np.ndarray:
 
 def test_presets_blend_renders_the_same_without_lamina(blender, tmp_path):
     """Against a copy that this Lamina builds now: the committed file is not stale either."""
-    from lamina.addon.blend_files import save_copy
-    from lamina.demo_blend.presets import build
+    from lamina.addon.blender.blend_files import save_copy
+    from lamina.demo_blend.build_presets import build
 
     build()
     save_copy(tmp_path / "fresh.blend")
@@ -60,7 +60,7 @@ def test_a_lost_shader_would_be_caught(blender, tmp_path):
     """A deliberate fault: materials that lost the link to their shader must not compare equal."""
     import bpy
 
-    from lamina.addon.blend_files import save_copy
+    from lamina.addon.blender.blend_files import save_copy
 
     bpy.ops.wm.open_mainfile(filepath=str(BUILT))
     for material in bpy.data.materials:

@@ -5,15 +5,15 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.background import bakes  # noqa: E402
-from lamina.addon.check import check, check_mends  # noqa: E402
-from lamina.addon.nodes import layers, material, osl_setting, properties, record  # noqa: E402
-from lamina.addon.nodes.elements import node_of  # noqa: E402
-from lamina.addon.nodes.roles import node_with  # noqa: E402
-from lamina.addon.nodes.shader_node import shader_of, surface_of  # noqa: E402
-from lamina.addon.rendering import environment  # noqa: E402
-from lamina.reference_py.errors import LaminaError  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.addon.blender import environment
+from lamina.addon.check import check, check_mends
+from lamina.addon.jobs import bakes
+from lamina.addon.material import layers, material, osl_setting, properties, record
+from lamina.addon.material.elements import node_of
+from lamina.addon.material.roles import node_with
+from lamina.addon.material.shader_node import shader_of, surface_of
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 

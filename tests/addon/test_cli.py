@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from support.commands import RUN, lamina
 
-from lamina import version
-from lamina.reference_py import presets
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import MODELS, make_model
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.registry import MODELS, make_model
+from lamina.reference_py.version import version
 
 
 def test_albedo_prints_the_documented_json():
@@ -195,7 +195,7 @@ def test_a_folder_without_permission(tmp_path):
 
 @pytest.mark.blender
 def test_render_writes_both_formats_and_furnace_prints_json(tmp_path, blender):
-    from lamina.addon.rendering.images import read_exr, read_png
+    from lamina.addon.blender.images import read_exr, read_png
 
     lamina("render", "metal_foil", "--scene", "sphere", "--tier", "analytic", "-o", "a.exr", "--size", 24, "--samples", 4, cwd=tmp_path)
     red = read_exr(tmp_path / "a.exr").channels["R"]
@@ -254,7 +254,7 @@ def test_apply_gives_an_object_the_material(tmp_path, blender):
     _, said = lamina("apply", "--stack", "glazed_mug", "--object", "Thing", "in.blend", "-o", "out.blend", cwd=tmp_path)
     assert "Shown by stock nodes, as the render engine is not Cycles" in said
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "out.blend"))
-    from lamina.addon.nodes.material import stack_of
+    from lamina.addon.material.material import stack_of
 
     (material,) = bpy.data.objects["Thing"].data.materials
     assert stack_of(material).to_dict() == presets.load("glazed_mug").to_dict()
@@ -262,7 +262,7 @@ def test_apply_gives_an_object_the_material(tmp_path, blender):
     _, said = lamina("apply", "--stack", "glazed_mug", "--object", "Thing", "in.blend", "-o", "nodes.blend", "--backend", "nodes", cwd=tmp_path)
     assert "render engine" not in said
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "nodes.blend"))
-    from lamina.addon.nodes.shader_node import backend_of
+    from lamina.addon.material.shader_node import backend_of
 
     assert backend_of(bpy.data.objects["Thing"].active_material) == "nodes"
     _, error = lamina("apply", "--stack", "glazed_mug", "--object", "Other", "in.blend", "-o", "o2.blend", code=2, cwd=tmp_path)

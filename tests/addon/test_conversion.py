@@ -11,25 +11,26 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.nodes import material as materials  # noqa: E402
-from lamina.addon.nodes.elements import node_of  # noqa: E402
-from lamina.addon.exchange import conversion, texture_operator, textures  # noqa: E402
-from lamina.addon.exchange.operators import REPORT_TEXT  # noqa: E402
-from lamina.addon.exchange.sources import PRINCIPLED, principled_of  # noqa: E402
-from lamina.addon.nodes.hand_over import VALUES  # noqa: E402
-from lamina.addon.nodes.roles import ROLE, give  # noqa: E402
-from lamina.addon.rendering.geometry import plane_mesh  # noqa: E402
-from lamina.addon.rendering.images import read_png  # noqa: E402
-from lamina.addon.rendering.measure import render_furnace  # noqa: E402
-from lamina.addon.rendering.settings import node_tree  # noqa: E402
-from lamina.reference_py.errors import LaminaError  # noqa: E402
-from lamina.reference_py.exchange import openpbr  # noqa: E402
-from lamina.reference_py.exchange.materialx import to_mtlx  # noqa: E402
-from lamina.reference_py.exchange.openpbr import to_openpbr  # noqa: E402
-from lamina.reference_py.exchange.principled import to_principled  # noqa: E402
-from lamina.reference_py.frame import spherical  # noqa: E402
-from lamina.reference_py.models import make_model  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.addon.blender.images import read_png
+from lamina.addon.blender.versions import node_tree
+from lamina.addon.exchange import conversion, textures
+from lamina.addon.exchange.sources import PRINCIPLED, principled_of
+from lamina.addon.material import material as materials
+from lamina.addon.material.elements import node_of
+from lamina.addon.material.hand_over import VALUES
+from lamina.addon.material.roles import ROLE, give
+from lamina.addon.operators import texture_operator
+from lamina.addon.operators.exchange_operators import REPORT_TEXT
+from lamina.addon.rendering.geometry import plane_mesh
+from lamina.addon.rendering.measure import render_furnace
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.exchange import openpbr
+from lamina.reference_py.exchange.materialx import to_mtlx
+from lamina.reference_py.exchange.openpbr import to_openpbr
+from lamina.reference_py.exchange.principled import to_principled
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.registry import make_model
 
 pytestmark = pytest.mark.blender
 

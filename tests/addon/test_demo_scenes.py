@@ -37,7 +37,7 @@ def signed_volume(mesh) -> float:
 
 def linear_picture(scene, folder: Path, width: int, samples: int) -> np.ndarray:
     """(h, w, 3) linear pixels."""
-    from lamina.addon.rendering.images import read_exr
+    from lamina.addon.blender.images import read_exr
     from lamina.addon.rendering.settings import render_to
 
     scene.render.resolution_y = round(scene.render.resolution_y * width / scene.render.resolution_x)
@@ -74,7 +74,7 @@ def test_everything_layered_is_in_the_picture_and_solid(blender, name):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_committed_file_is_this_scene(blender, name):
-    from lamina.addon.nodes.state import is_settled
+    from lamina.addon.material.state import is_settled
 
     fresh = {(item.name, item.type) for item in built(name).objects}
     path = ROOT / "demo_blend" / f"{name}.blend"
@@ -136,7 +136,7 @@ def test_the_turntable_turns_once(blender):
 
 
 def test_the_patina_is_a_mask(blender):
-    from lamina.addon.nodes.elements import node_of
+    from lamina.addon.material.elements import node_of
 
     built("copper_vases")
     (patina,) = blender.data.materials["Weathered Copper"].lamina.layers

@@ -8,18 +8,20 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-import addon_utils  # noqa: E402
-from lamina.addon.check import check  # noqa: E402
-from lamina.addon.exchange import conversion  # noqa: E402
-from lamina.addon.nodes import layers, material, osl_setting  # noqa: E402
-from lamina.addon.nodes.elements import node_of  # noqa: E402
-from lamina.addon.nodes.entry import surface_output  # noqa: E402
-from lamina.addon.nodes.shader_node import surface_of  # noqa: E402
-from lamina.addon.operators.material_operators import what_gives_way  # noqa: E402
-from lamina.addon.rendering.geometry import sphere_mesh  # noqa: E402
-from lamina.addon.rendering.images import read_exr  # noqa: E402
-from lamina.addon.rendering.settings import measurement_settings, node_tree, render_to  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+import addon_utils
+
+from lamina.addon.blender.images import read_exr
+from lamina.addon.blender.versions import node_tree
+from lamina.addon.check import check
+from lamina.addon.exchange import conversion
+from lamina.addon.material import layers, material, osl_setting
+from lamina.addon.material.elements import node_of
+from lamina.addon.material.entry import surface_output
+from lamina.addon.material.shader_node import surface_of
+from lamina.addon.operators.material_operators import what_gives_way
+from lamina.addon.rendering.geometry import sphere_mesh
+from lamina.addon.rendering.settings import measurement_settings, render_to
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 

@@ -7,15 +7,15 @@ from support.sunlit_ball import AGREE, picture, stage
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.check import check  # noqa: E402
-from lamina.addon.nodes import material as materials  # noqa: E402
-from lamina.addon.nodes import osl_setting  # noqa: E402
-from lamina.addon.nodes.elements import node_of  # noqa: E402
-from lamina.addon.nodes.roles import node_with  # noqa: E402
-from lamina.addon.nodes.shader_node import backend_of  # noqa: E402
-from lamina.addon.nodes.state import is_settled, is_stale, lacks_branch, lags  # noqa: E402
-from lamina.addon.rendering import environment  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.addon.blender import environment
+from lamina.addon.check import check
+from lamina.addon.material import material as materials
+from lamina.addon.material import osl_setting
+from lamina.addon.material.elements import node_of
+from lamina.addon.material.roles import node_with
+from lamina.addon.material.shader_node import backend_of
+from lamina.addon.material.state import is_settled, is_stale, lacks_branch, lags
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 

@@ -5,10 +5,11 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from field import CASES, FAILS  # noqa: E402
-from field.case import NONE, OK, Case, case  # noqa: E402
-from field.trial import PAINT, Surface  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from field import CASES, FAILS
+from field.case import NONE, OK, Case, case
+from field.trial import PAINT, Surface
+
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 

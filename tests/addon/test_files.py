@@ -9,14 +9,14 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.check import check  # noqa: E402
-from lamina.addon.nodes import layers, material, osl_setting  # noqa: E402
-from lamina.addon import registration  # noqa: E402
-from lamina.addon.nodes.elements import node_of  # noqa: E402
-from lamina.addon.rendering.images import read_exr  # noqa: E402
-from lamina.reference_py.errors import LaminaError  # noqa: E402
-from lamina.reference_py.schema import SCHEMA_VERSION  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.addon import registration
+from lamina.addon.blender.images import read_exr
+from lamina.addon.check import check
+from lamina.addon.material import layers, material, osl_setting
+from lamina.addon.material.elements import node_of
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.material.schema import SCHEMA_VERSION
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 
@@ -181,7 +181,7 @@ def test_disabling_leaves_nothing_behind(registered_lamina, blender):
     def ours() -> list[str]:
         found = [name for name in dir(bpy.types) if name.lower().startswith("lamina")]
         found += [f.__name__ for each in handlers for f in each if "lamina" in getattr(f, "__module__", "")]
-        found += [name for name in dir(bpy.ops.lamina)]
+        found += dir(bpy.ops.lamina)
         found += [name for name in ("Material", "Scene", "WindowManager", "Object") if hasattr(getattr(bpy.types, name), "lamina")]
         return found
 

@@ -13,8 +13,8 @@ import pytest
 from support import measured
 
 from lamina.addon.cli.main import run
-from lamina.reference_py.fit.measurement import spread_pairs
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.fit.readers.measurement import spread_pairs
+from lamina.reference_py.material.stack import Stack
 
 RUN = [sys.executable, "-c", "from lamina.addon.cli.main import main; main()"]
 
@@ -106,8 +106,8 @@ def test_the_report_is_a_picture(matte):
 
 
 def test_a_study_goes_on_where_it_stopped_and_an_ended_one_begins_anew(tmp_path):
-    from lamina.addon.cli.charts import fit as chart
-    from lamina.addon.cli.charts.output import write_table
+    from lamina.study.charts import fit_charts as chart
+    from lamina.study.charts.output import write_table
 
     path, heading = tmp_path / "fit_recovery.csv", ("lamina chart fit", "random stacks, with a comma")
     rows = [tuple(f"{i}" for _ in chart._RECOVERY_COLUMNS) for i in range(3)]
@@ -139,7 +139,7 @@ def run_out(fitting) -> None:
 
 @pytest.mark.blender
 def test_the_operator_gives_the_object_the_fitted_stack(blender, item, matte):
-    from lamina.addon.nodes import material
+    from lamina.addon.material import material
 
     assert blender.ops.lamina.fit_measurement(filepath=str(matte), layers=0, base="lambert") == {"FINISHED"}
     (made,) = item.data.materials
@@ -151,8 +151,8 @@ def test_the_operator_gives_the_object_the_fitted_stack(blender, item, matte):
 
 @pytest.mark.blender
 def test_a_fit_beside_the_window(blender, item, matte, tmp_path):
-    from lamina.addon.background import fitting
-    from lamina.addon.nodes import material
+    from lamina.addon.jobs import fitting
+    from lamina.addon.material import material
 
     owner = blender.data.materials.new("owner")
     item.data.materials.append(owner)

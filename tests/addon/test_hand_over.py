@@ -8,21 +8,21 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.background import bakes, conversions  # noqa: E402
-from lamina.addon.check import check  # noqa: E402
-from lamina.addon.cli.main import run  # noqa: E402
-from lamina.addon.nodes import material as materials  # noqa: E402
-from lamina.addon.nodes.elements import node_of  # noqa: E402
-from lamina.addon.nodes.hand_over import MIX, VALUES, follow_hand_over, is_handed_over  # noqa: E402
-from lamina.addon.nodes.principled import PRINCIPLED  # noqa: E402
-from lamina.addon.nodes.roles import ROLE, Roles  # noqa: E402
-from lamina.addon.nodes.shader_node import shading_of  # noqa: E402
-from lamina.addon.rendering.geometry import plane_mesh  # noqa: E402
-from lamina.addon.rendering.measure import render_sun_sphere  # noqa: E402
-from lamina.addon.rendering.settings import node_tree  # noqa: E402
-from lamina.reference_py import presets  # noqa: E402
-from lamina.reference_py.exchange.principled import to_principled  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.addon.blender.versions import node_tree
+from lamina.addon.check import check
+from lamina.addon.cli.main import run
+from lamina.addon.jobs import bakes, conversions
+from lamina.addon.material import material as materials
+from lamina.addon.material.elements import node_of
+from lamina.addon.material.hand_over import MIX, VALUES, follow_hand_over, is_handed_over
+from lamina.addon.material.principled_node import PRINCIPLED
+from lamina.addon.material.roles import ROLE, Roles
+from lamina.addon.material.shader_node import shading_of
+from lamina.addon.rendering.geometry import plane_mesh
+from lamina.addon.rendering.measure import render_sun_sphere
+from lamina.reference_py.exchange.principled import to_principled
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 
@@ -146,7 +146,7 @@ def test_what_is_equal_writes_nothing(blender):
     material.node_tree.links.new(picture.outputs["Color"], node_of(material.lamina.base).inputs["Color"])
     materials.hand_over(material, settle=True)
     seen = []
-    listener = lambda *_: seen.append(1)  # noqa: E731
+    listener = lambda *_: seen.append(1)
     bpy.app.handlers.depsgraph_update_post.append(listener)
     try:
         bpy.context.view_layer.update()

@@ -24,10 +24,10 @@ import numpy as np
 import pytest
 from support.commands import RUN, lamina
 
-from lamina.reference_py import presets
 from lamina.reference_py.atomic import write_text
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.network import memory
+from lamina.reference_py.lobes import cache
+from lamina.reference_py.material import presets
 
 
 @pytest.fixture
@@ -51,8 +51,8 @@ def mounted(tmp_path):
 def test_a_full_disk_keeps_what_was_there(mounted, registered_lamina):
     """Every kind of file that Lamina writes."""
     from lamina.addon.batch import task
-    from lamina.addon.blend_files import save_copy
-    from lamina.addon.rendering import images, oiio
+    from lamina.addon.blender import images, oiio
+    from lamina.addon.blender.blend_files import save_copy
 
     disk, noise = mounted("disk"), np.random.default_rng(1).random((120, 120)).astype(np.float32)
     channels = dict.fromkeys("RGBA", noise)
@@ -121,8 +121,8 @@ WRITES = """
 import sys
 from pathlib import Path
 import numpy as np
-from lamina.addon.cli.session import blender
-from lamina.addon.nodes.shader_node import shader_of
+from lamina.addon.session import blender
+from lamina.addon.material.shader_node import shader_of
 with blender(lambda text: None):
     from lamina.addon.batch import task
     from lamina.reference_py.atomic import write_text
@@ -165,7 +165,7 @@ def test_without_osl_stock_nodes_work_and_osl_is_refused_in_one_line(tmp_path, r
     _, said = lamina("batch", job, "-o", tmp_path / "out", code=2, env=environment)
     assert len(said.splitlines()) == 1 and "backend osl needs Cycles with OSL" in said and "choose backend auto or nodes" in said
     assert not (tmp_path / "out").exists()
-    from lamina.addon.rendering.images import read_exr
+    from lamina.addon.blender.images import read_exr
 
     pictures = []
     for backend in ("nodes", "auto"):
@@ -176,24 +176,25 @@ def test_without_osl_stock_nodes_work_and_osl_is_refused_in_one_line(tmp_path, r
 
 
 def test_a_render_of_osl_where_there_is_none_is_announced(blender, monkeypatch, capsys):
-    from lamina.addon.nodes import freshness, material
-    from lamina.addon.rendering import environment
+    from lamina.addon.blender import environment
+    from lamina.addon.jobs import staleness
+    from lamina.addon.material import material
 
     for backend in ("osl", "nodes"):
         material.apply_stack(blender.data.materials.new(backend), presets.load("clean_copper"), "weidlich_wilkie", backend)
     blender.context.scene.render.engine, blender.context.scene.cycles.shading_system = "CYCLES", True
-    freshness.announce()
+    staleness.announce()
     assert "OSL" not in capsys.readouterr().out
     monkeypatch.setattr(environment, "renders_osl", lambda: False)
-    freshness.announce()
+    staleness.announce()
     said = [line for line in capsys.readouterr().out.splitlines() if "OSL script alone" in line]
     assert len(said) == 1 and said[0].startswith("Lamina: osl: renders black")
 
 
 def test_a_file_whose_shader_was_edited_by_hand_opens_and_keeps_the_edit(tmp_path, blender):
     from lamina.addon.check import check
-    from lamina.addon.nodes import material
-    from lamina.addon.nodes.shader_node import shader_of
+    from lamina.addon.material import material
+    from lamina.addon.material.shader_node import shader_of
 
     owner = blender.data.materials.new("edited")
     owner.use_fake_user = True
@@ -213,23 +214,23 @@ def test_a_file_whose_shader_was_edited_by_hand_opens_and_keeps_the_edit(tmp_pat
 
 @pytest.mark.parametrize("text", ["", "{", "null", "[1]", '{"chosen": 99}', '{"chosen": 0, "network": {"a": []}, "tried": [{}], "reason": 1}', "[" * 100_000, "\x00"])
 def test_a_broken_cache_counts_as_none(tmp_path, monkeypatch, text):
-    from lamina.reference_py.network import AutoNetwork
+    from lamina.reference_py.lobes.methods import AutoNetwork
 
-    monkeypatch.setattr(memory, "_memory", {})
-    monkeypatch.setattr(memory, "_folder", tmp_path)
+    monkeypatch.setattr(cache, "_memory", {})
+    monkeypatch.setattr(cache, "_folder", tmp_path)
     stack = presets.load("clean_copper")
-    memory._file(AutoNetwork.key(stack)).write_text(text)
+    cache._file(AutoNetwork.key(stack)).write_text(text)
     assert not AutoNetwork.is_known(stack)
 
 
 def test_the_clock_may_run_backwards(tmp_path, monkeypatch):
     """The cache drops its oldest files by their dates: what was just written stays, whatever the clock says."""
-    monkeypatch.setattr(memory, "_memory", {})
-    monkeypatch.setattr(memory, "_folder", tmp_path)
-    monkeypatch.setattr(memory, "_FILES", 2)
+    monkeypatch.setattr(cache, "_memory", {})
+    monkeypatch.setattr(cache, "_folder", tmp_path)
+    monkeypatch.setattr(cache, "_FILES", 2)
     for i, date in enumerate((4e9, 3e9)):
-        memory.remembered(f"key {i}", lambda: i, lambda v: {"v": v}, lambda d: d["v"])
-        os.utime(memory._file(f"key {i}"), (date, date))
-    memory.remembered("now", lambda: 7, lambda v: {"v": v}, lambda d: d["v"])
-    memory._memory.clear()
-    assert memory.known("now", lambda d: d["v"]) == 7
+        cache.remembered(f"key {i}", lambda: i, lambda v: {"v": v}, lambda d: d["v"])
+        os.utime(cache._file(f"key {i}"), (date, date))
+    cache.remembered("now", lambda: 7, lambda v: {"v": v}, lambda d: d["v"])
+    cache._memory.clear()
+    assert cache.known("now", lambda d: d["v"]) == 7

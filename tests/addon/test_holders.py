@@ -5,8 +5,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.nodes.holders import can_hold_material  # noqa: E402
-from lamina.addon.operators import material_operators as ops  # noqa: E402
+from lamina.addon.material.holders import can_hold_material
+from lamina.addon.operators import material_operators as ops
 
 pytestmark = pytest.mark.blender
 

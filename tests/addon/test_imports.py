@@ -11,8 +11,9 @@ import pytest
 
 pytest.importorskip("bpy")
 
-import lamina  # noqa: E402
-from lamina.addon.cli import charts, main  # noqa: E402
+import lamina
+from lamina.addon.cli import main
+from lamina.study.commands import CHARTS
 
 pytestmark = pytest.mark.blender
 
@@ -85,8 +86,7 @@ def test_the_search_sees_imports_inside_functions_and_in_code_as_text():
 def test_every_command_and_chart_has_its_function():
     commands = next(a for a in main.build_parser()._actions if isinstance(a, argparse._SubParsersAction)).choices
     for name, command in commands.items():
-        module = importlib.import_module(f"lamina.addon.cli.{command.get_default('module')}")
+        module = importlib.import_module(command.get_default("module"))
         assert callable(getattr(module, name)), name
-    choices = next(a for a in commands["chart"]._actions if a.dest == "chart").choices
-    for name in choices:
-        assert callable(importlib.import_module(f"{charts.__name__}.{name}").chart), name
+    for name in CHARTS.values():
+        assert callable(importlib.import_module(f"lamina.study.charts.{name}").chart), name

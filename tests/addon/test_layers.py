@@ -8,12 +8,12 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.nodes import layers, material  # noqa: E402
-from lamina.addon.nodes.elements import node_of  # noqa: E402
-from lamina.addon.operators.layer_operators import LAMINA_OT_layer_drag  # noqa: E402
-from lamina.reference_py import presets, ready_layers  # noqa: E402
-from lamina.reference_py.errors import LaminaError  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.addon.material import layers, material
+from lamina.addon.material.elements import node_of
+from lamina.addon.operators.layer_operators import LAMINA_OT_layer_drag
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.material import presets, ready_layers
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 

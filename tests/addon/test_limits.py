@@ -7,10 +7,10 @@ import time
 import pytest
 from support.commands import lamina
 
-from lamina.addon.nodes.limits import require_shader
-from lamina.reference_py.coverage import MAX_COVERED
+from lamina.addon.material.limits import require_shader
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.stack import MAX_LAYERS, Stack
+from lamina.reference_py.material.coverage import MAX_COVERED
+from lamina.reference_py.material.stack import MAX_LAYERS, Stack
 
 MANY = {"layers": [{"kind": "dielectric", "ior": 1.5 + 0.001 * i, "roughness": 0.1} for i in range(50)], "base": {"kind": "lambert"}}
 PATCHY = {"layers": [{"kind": "dielectric", "coverage": 0.5} for _ in range(MAX_COVERED + 1)], "base": {"kind": "lambert"}}
@@ -61,7 +61,7 @@ def test_commands_refuse_at_once_and_write_nothing(refused, command, tmp_path):
 @pytest.mark.blender
 @pytest.mark.parametrize("tier", ["auto", "baked", "analytic", "weidlich_wilkie"])
 def test_a_material_refuses_at_once_and_stays(blender, refused, tier, monkeypatch):
-    from lamina.addon.nodes import material, state
+    from lamina.addon.material import material, state
 
     path, told = refused
     monkeypatch.setattr(state.Wanted, "make", lambda *_: pytest.fail("it began to compute"))
@@ -77,7 +77,7 @@ def test_a_material_refuses_at_once_and_stays(blender, refused, tier, monkeypatc
 @pytest.mark.blender
 def test_what_was_computed_before_is_refused_alike(blender, monkeypatch):
     """A bake in the cache needs no parameters; whether there is one must not decide."""
-    from lamina.addon.nodes import material, state
+    from lamina.addon.material import material, state
 
     owner = blender.data.materials.new("owner")
     monkeypatch.setattr(state.Wanted, "is_known", lambda _: True)
@@ -87,7 +87,7 @@ def test_what_was_computed_before_is_refused_alike(blender, monkeypatch):
 
 @pytest.mark.blender
 def test_stock_nodes_take_as_many_layers_as_a_stack_may_have(blender):
-    from lamina.addon.nodes import material, state
+    from lamina.addon.material import material
 
     layers = (MANY["layers"] * 2)[:MAX_LAYERS]
     owner = blender.data.materials.new("owner")

@@ -10,27 +10,28 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from lamina.addon.nodes import elements, kind_groups, layers, material, properties, script_node  # noqa: E402
-from lamina.addon.network.inputs import PRIMARIES  # noqa: E402
-from lamina.addon.nodes.roles import node_with  # noqa: E402
-from lamina.addon.nodes.shader_node import shader_of, surface_of  # noqa: E402
-from lamina.addon.nodes.state import is_stale  # noqa: E402
-from lamina.addon.network.osl import generate  # noqa: E402
-from lamina.addon.nodes.hand_over import MIX, VALUES  # noqa: E402
-from lamina.addon.nodes.principled import PRINCIPLED  # noqa: E402
-from lamina.addon.network.inputs import PRIMARIES  # noqa: E402
-from lamina.addon.nodes.roles import ROLE  # noqa: E402
-from lamina.addon.rendering import environment  # noqa: E402
-from lamina.addon.rendering.measure import render_furnace  # noqa: E402
-from lamina.addon.rendering.settings import node_tree  # noqa: E402
-from lamina.reference_py import presets  # noqa: E402
-from lamina.reference_py.colour import artist_index, conductor_rgb  # noqa: E402
-from lamina.reference_py.errors import LaminaError  # noqa: E402
-from lamina.reference_py.models.adding.model import Adding  # noqa: E402
-from lamina.reference_py.network import make_network  # noqa: E402
-from lamina.reference_py.schema import CHOICE, COVERAGE, DIELECTRIC, FLOAT, SCHEMA, Parameter  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
-from lamina.reference_py.suite import suite_stack  # noqa: E402
+from lamina.addon.blender import environment
+from lamina.addon.blender.versions import node_tree
+from lamina.addon.material import elements, kind_groups, layers, material, properties, script_node
+from lamina.addon.material.hand_over import VALUES
+from lamina.addon.material.principled_node import PRINCIPLED
+from lamina.addon.material.roles import (
+    ROLE,
+    node_with,
+)
+from lamina.addon.material.shader_node import shader_of, surface_of
+from lamina.addon.material.state import is_stale
+from lamina.addon.rendering.measure import render_furnace
+from lamina.addon.shader.inputs import PRIMARIES
+from lamina.addon.shader.osl.generate import generate
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.schema import CHOICE, COVERAGE, DIELECTRIC, FLOAT, SCHEMA, Parameter
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.models.adding.model import Adding
+from lamina.reference_py.optics.colour import artist_index, conductor_rgb
+from lamina.study.suite import suite_stack
 
 pytestmark = pytest.mark.blender
 

@@ -6,12 +6,13 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from lamina.addon.nodes import elements, material  # noqa: E402
-from lamina.addon.rendering.measure import render_sun_sphere  # noqa: E402
-from lamina.reference_py.network import make_network  # noqa: E402
-from lamina.reference_py.network.closure import lobe_f  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
-from support.goniometer import TOLERANCE, local_directions, parity  # noqa: E402
+from support.goniometer import TOLERANCE, local_directions, parity
+
+from lamina.addon.material import elements, material
+from lamina.addon.rendering.measure import render_sun_sphere
+from lamina.reference_py.lobes.closure import lobe_f
+from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 

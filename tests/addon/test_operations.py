@@ -10,16 +10,16 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from hypothesis import HealthCheck, Phase, given, settings  # noqa: E402
-from hypothesis import strategies as st  # noqa: E402
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
 
-from lamina.addon.check import check  # noqa: E402
-from lamina.addon.nodes import material as materials  # noqa: E402
-from lamina.addon.nodes.elements import node_of  # noqa: E402
-from lamina.addon.nodes.roles import node_with  # noqa: E402
-from lamina.addon.nodes.shader_node import shader_of  # noqa: E402
-from lamina.reference_py.coverage import MAX_COVERED  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.addon.check import check
+from lamina.addon.material import material as materials
+from lamina.addon.material.elements import node_of
+from lamina.addon.material.roles import node_with
+from lamina.addon.material.shader_node import shader_of
+from lamina.reference_py.material.coverage import MAX_COVERED
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 

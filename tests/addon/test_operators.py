@@ -8,20 +8,19 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.nodes import material as materials  # noqa: E402
-from lamina.addon.check import check  # noqa: E402
-from lamina.addon.operators import material_operators  # noqa: E402
-from lamina.addon.ui import panel  # noqa: E402
-from lamina.addon.nodes import osl_setting, properties  # noqa: E402
-from lamina.addon import registration  # noqa: E402
-from lamina.addon.nodes.elements import node_of  # noqa: E402
-from lamina.addon.rendering.settings import node_tree  # noqa: E402
-from lamina.addon.rendering import environment  # noqa: E402
-from lamina.addon.nodes.roles import node_with  # noqa: E402
-from lamina.addon.nodes.shader_node import backend_of  # noqa: E402
-from lamina.reference_py import presets  # noqa: E402
-from lamina.reference_py.schema import SCHEMA  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.addon import registration
+from lamina.addon.blender import environment
+from lamina.addon.blender.versions import node_tree
+from lamina.addon.material import material as materials
+from lamina.addon.material import osl_setting, properties
+from lamina.addon.material.elements import node_of
+from lamina.addon.material.roles import node_with
+from lamina.addon.material.shader_node import backend_of
+from lamina.addon.operators import material_operators
+from lamina.addon.ui import panel
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.schema import SCHEMA
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 

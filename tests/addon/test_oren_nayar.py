@@ -6,14 +6,14 @@ import pytest
 
 pytest.importorskip("bpy")
 
-import bpy  # noqa: E402
+import bpy
+from support.goniometer import TOLERANCE, parity
 
-from lamina.addon.nodes import material  # noqa: E402
-from lamina.addon.rendering.measure import render_furnace  # noqa: E402
-from lamina.reference_py.models import make_model  # noqa: E402
-from lamina.reference_py.optics.diffuse import oren_nayar  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
-from support.goniometer import TOLERANCE, parity  # noqa: E402
+from lamina.addon.material import material
+from lamina.addon.rendering.measure import render_furnace
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.optics.diffuse import oren_nayar
+from lamina.reference_py.registry import make_model
 
 pytestmark = pytest.mark.blender
 

@@ -5,12 +5,12 @@ import re
 
 import pytest
 
-from lamina.addon.network.osl import generate
-from lamina.reference_py import presets
+from lamina.addon.material.shader_node import shader_of
+from lamina.addon.shader.osl.generate import generate
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.network import make_network
-from lamina.reference_py.stack import Stack
-from lamina.addon.nodes.shader_node import shader_of
+from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
 
 COAT = {"kind": "dielectric", "ior": 1.4, "roughness": 0.2}
 LAMBERT = {"kind": "lambert"}
@@ -69,7 +69,7 @@ def test_more_parameters_than_cycles_takes_are_refused():
 def test_any_number_of_layers_compiles(blender, layers):
     import bpy
 
-    from lamina.addon.nodes.material import apply_stack
+    from lamina.addon.material.material import apply_stack
 
     for base in (LAMBERT, {"kind": "oren_nayar"}, {"kind": "conductor", "reflectance": [0.9, 0.5, 0.3], "edge_color": [1, 1, 1]}):
         material = bpy.data.materials.new("compiled")

@@ -6,14 +6,17 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.background import bakes  # noqa: E402
-from lamina.addon.check import check  # noqa: E402
-from lamina.addon.nodes import freshness, layers, material, osl_setting  # noqa: E402
-from lamina.addon.nodes.elements import node_of  # noqa: E402
-from lamina.addon.nodes.snapshot import snapshot  # noqa: E402
-from lamina.addon.rendering.geometry import sphere_mesh  # noqa: E402
-from lamina.reference_py.errors import LaminaError  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.addon.check import check
+from lamina.addon.jobs import (
+    bakes,
+    staleness,
+)
+from lamina.addon.material import layers, material, osl_setting
+from lamina.addon.material.elements import node_of
+from lamina.addon.material.snapshot import snapshot
+from lamina.addon.rendering.geometry import sphere_mesh
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 
@@ -118,7 +121,7 @@ def test_neither_a_save_nor_the_timer_nor_a_call_changes_them(brought, tmp_path,
             with pytest.raises(LaminaError, match="make it local"):
                 call(owner)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "here.blend"))
-    freshness.announce(bpy.context.scene)
+    staleness.announce(bpy.context.scene)
     assert {name: facts(owner) for name, owner in brought.items()} == before
     said = [line for line in capsys.readouterr().out.splitlines() if "renders old values" in line]
     overridden = brought["held"].override_library is not None

@@ -9,15 +9,16 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon import user_folders  # noqa: E402
-from lamina.addon.library import asset_library, preset_assets, preset_catalogues, thumbnails, user_presets  # noqa: E402
-from lamina.addon.nodes import layers, material  # noqa: E402
-from lamina.addon.nodes.elements import node_of  # noqa: E402
-from lamina.addon.nodes.state import is_stale  # noqa: E402
-from lamina.addon.operators import preset_operators  # noqa: E402
-from lamina.addon.rendering.images import read_png, write_png  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
-from support.animation import driven, keyed  # noqa: E402
+from support.animation import driven, keyed
+
+from lamina.addon.blender import user_folders
+from lamina.addon.blender.images import read_png, write_png
+from lamina.addon.library import asset_library, preset_assets, preset_catalogues, thumbnails, user_presets
+from lamina.addon.material import layers, material
+from lamina.addon.material.elements import node_of
+from lamina.addon.material.state import is_stale
+from lamina.addon.operators import preset_operators
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 

@@ -3,14 +3,14 @@
 
 import numpy as np
 import pytest
-
-from lamina.reference_py import presets
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import make_model
-from lamina.reference_py.stack import Stack
-from lamina.reference_py.suite import suite_stack
-from lamina.addon.nodes.shader_node import shader_of
 from support.goniometer import SUN_THETA_DEG, beckmann_sampling_bias, highlight_window, parity, tolerance
+
+from lamina.addon.material.shader_node import shader_of
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.registry import make_model
+from lamina.study.suite import suite_stack
 
 pytestmark = pytest.mark.blender
 
@@ -21,7 +21,7 @@ QUADRATURE_ERROR = 5e-4  # see tests/reference_py/test_quadrature.py
 def _material(stack: Stack, tier: str = "weidlich_wilkie"):
     import bpy
 
-    from lamina.addon.nodes.material import apply_stack, refresh, stack_of
+    from lamina.addon.material.material import apply_stack, refresh, stack_of
 
     material = bpy.data.materials.new("Parity")
     apply_stack(material, stack, tier)
@@ -93,11 +93,11 @@ def test_a_wrong_index_is_caught(blender):
 @pytest.mark.parametrize("links", [{"Roughness": 0.42}, {"Thickness": 1.5, "Roughness": 0.12}], ids=["one", "two"])
 def test_a_bake_over_live_values_equals_its_network(blender, links):
     """Values come in through sockets, as from textures; those of the test lie between knots, and below the first."""
-    from lamina.addon.nodes.elements import node_of
-    from lamina.addon.nodes.live_values import live_values
-    from lamina.addon.nodes.material import apply_stack, refresh, stack_of
-    from lamina.reference_py.network import make_network
-    from lamina.reference_py.network.closure import lobe_f
+    from lamina.addon.material.elements import node_of
+    from lamina.addon.material.live_values import live_values
+    from lamina.addon.material.material import apply_stack, refresh, stack_of
+    from lamina.reference_py.lobes.closure import lobe_f
+    from lamina.reference_py.lobes.methods import make_network
 
     material = blender.data.materials.new("Live")
     stack = Stack.from_dict({"layers": [{"kind": "dielectric", "ior": 1.5, "roughness": 0.3, "tint": [0.9, 0.6, 0.3]}], "base": {"kind": "lambert"}})

@@ -4,14 +4,14 @@
 import re
 
 import pytest
-
-from lamina.addon.network.osl import generate
-from lamina.reference_py import presets
-from lamina.reference_py.models import make_model
-from lamina.reference_py.network import make_network
-from lamina.reference_py.stack import Stack
-from lamina.reference_py.suite import suite, suite_stack
 from support.goniometer import SUN_THETA_DEG, parity, tolerance
+
+from lamina.addon.shader.osl.generate import generate
+from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.registry import make_model
+from lamina.study.suite import suite, suite_stack
 
 pytestmark = pytest.mark.blender
 
@@ -27,7 +27,7 @@ STACKS = {
 
 @pytest.mark.parametrize("name", STACKS)
 def test_render_equals_mirror(blender, name):
-    from lamina.addon.nodes.material import apply_stack, stack_of
+    from lamina.addon.material.material import apply_stack, stack_of
 
     material = blender.data.materials.new("Parity")
     apply_stack(material, STACKS[name], "analytic")

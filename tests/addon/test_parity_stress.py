@@ -3,13 +3,13 @@
 
 import numpy as np
 import pytest
-
-from lamina.reference_py.models import make_model
-from lamina.reference_py.network.closure import lobe_f
-from lamina.reference_py.network.lobe import GlossyLobe, SchlickCurve
-from lamina.reference_py.network import TIERS, AutoNetwork
-from lamina.reference_py.stack import Stack
 from support.goniometer import TOLERANCE, parity
+
+from lamina.reference_py.lobes.closure import lobe_f
+from lamina.reference_py.lobes.lobe import GlossyLobe, SchlickCurve
+from lamina.reference_py.lobes.methods import TIERS, AutoNetwork
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.registry import make_model
 
 pytestmark = pytest.mark.blender
 
@@ -32,7 +32,7 @@ STACKS = {
 def test_render_equals_mirror(blender, name, tier):
     import bpy
 
-    from lamina.addon.nodes.material import apply_stack, refresh, stack_of
+    from lamina.addon.material.material import apply_stack, refresh, stack_of
 
     if (name, tier) == ("eight layers", "baked"):
         pytest.skip("its bake takes most of a minute")
@@ -65,7 +65,7 @@ def test_tilted_anisotropic_schlick_lobes(blender, distribution, tilt, alpha_x, 
     import bpy
     import cycles.osl
 
-    from lamina.addon.rendering.settings import node_tree
+    from lamina.addon.blender.versions import node_tree
 
     bpy.context.scene.render.engine = "CYCLES"
     material = bpy.data.materials.new("lobe")

@@ -5,14 +5,14 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.check import check  # noqa: E402
-from lamina.addon.nodes import layers, material, osl_setting  # noqa: E402
-from lamina.addon.nodes.elements import ID_KEY, node_of  # noqa: E402
-from lamina.addon.nodes.roles import ROLE, node_with  # noqa: E402
-from lamina.addon.nodes.shader_node import surface_of  # noqa: E402
-from lamina.addon.rendering.geometry import sphere_mesh  # noqa: E402
-from lamina.addon.rendering.settings import node_tree  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.addon.blender.versions import node_tree
+from lamina.addon.check import check
+from lamina.addon.material import layers, material, osl_setting
+from lamina.addon.material.elements import ID_KEY, node_of
+from lamina.addon.material.roles import ROLE, node_with
+from lamina.addon.material.shader_node import surface_of
+from lamina.addon.rendering.geometry import sphere_mesh
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 

@@ -3,14 +3,14 @@
 
 import numpy as np
 import pytest
-
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import make_model
-from lamina.reference_py.models.peers.parts import dielectric_f0
-from lamina.reference_py.optics.diffuse import fujii_roughness
-from lamina.reference_py.optics.material import conductor_index, interfaces, n_above_base
-from lamina.reference_py.stack import Stack
 from support.goniometer import beckmann_sampling_bias, parity, tolerance
+
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.models.baselines.parts import dielectric_f0
+from lamina.reference_py.optics.diffuse import fujii_roughness
+from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.optics.optical_stack import conductor_index, interfaces, n_above_base
+from lamina.reference_py.registry import make_model
 
 pytestmark = pytest.mark.blender
 
@@ -78,8 +78,8 @@ def osl_of(stack: Stack, ggx: str) -> str:
 
 
 def layer_material(bpy, stack: Stack, ggx: str = "multi_ggx"):
-    from lamina.addon.network.osl import Shader
-    from lamina.addon.nodes.script_node import set_script
+    from lamina.addon.material.script_node import set_script
+    from lamina.addon.shader.osl.generate import Shader
 
     material, script, output = _new_material(bpy, "ShaderNodeScript")
     set_script(script, Shader("peer", osl_of(stack, ggx), (), 1))
@@ -96,7 +96,7 @@ def principled_material(bpy, settings):
 
 
 def _new_material(bpy, kind):
-    from lamina.addon.rendering.settings import node_tree
+    from lamina.addon.blender.versions import node_tree
 
     bpy.context.scene.render.engine = "CYCLES"
     material = bpy.data.materials.new("Peer")

@@ -8,13 +8,13 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.background import bakes  # noqa: E402
-from lamina.addon.check import check  # noqa: E402
-from lamina.addon.nodes import layers, material, osl_setting  # noqa: E402
-from lamina.addon.nodes.elements import ID_KEY, node_of  # noqa: E402
-from lamina.addon.nodes.roles import ROLE, node_with  # noqa: E402
-from lamina.reference_py.ready_layers import load, names  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.addon.check import check
+from lamina.addon.jobs import bakes
+from lamina.addon.material import layers, material, osl_setting
+from lamina.addon.material.elements import ID_KEY, node_of
+from lamina.addon.material.roles import ROLE, node_with
+from lamina.reference_py.material.ready_layers import load, names
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 

@@ -7,9 +7,9 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.nodes import layers, material  # noqa: E402
-from lamina.addon.ui import panel_layers  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.addon.material import layers, material
+from lamina.addon.ui import panel_layers
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 

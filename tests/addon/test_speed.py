@@ -7,12 +7,12 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.check import check  # noqa: E402
-from lamina.addon.nodes import material  # noqa: E402
-from lamina.addon.ui import swatch_icons  # noqa: E402
-from lamina.addon.nodes.elements import node_of  # noqa: E402
-from lamina.addon.nodes.shader_node import shader_of  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.addon.check import check
+from lamina.addon.material import material
+from lamina.addon.material.elements import node_of
+from lamina.addon.material.shader_node import shader_of
+from lamina.addon.ui import swatch_icons
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 

@@ -6,25 +6,28 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from lamina.addon.nodes import layers  # noqa: E402
-from lamina.addon.nodes import material as materials  # noqa: E402
-from lamina.addon.network.node_groups import network_group  # noqa: E402
-from lamina.addon.network.stock_nodes import DIFFUSE_POWER, HAS_DIELECTRIC, stock_tables  # noqa: E402
-from lamina.addon.rendering import environment, settings  # noqa: E402
-from lamina.addon.nodes.shader_node import backend_of, shader_of, surface_of  # noqa: E402
-from lamina.reference_py import presets  # noqa: E402
-from lamina.reference_py.errors import LaminaError  # noqa: E402
-from lamina.reference_py.models import make_model  # noqa: E402
-from lamina.reference_py.network import make_network  # noqa: E402
-from lamina.reference_py.network.lobe import DielectricCurve  # noqa: E402
-from lamina.reference_py.network.table import KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork  # noqa: E402
-from lamina.reference_py.network.tabulate import tabulate  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
-from support.goniometer import SUN_THETA_DEG, TOLERANCE, highlight_window, parity  # noqa: E402
+from support.goniometer import SUN_THETA_DEG, TOLERANCE, highlight_window, parity
+
+from lamina.addon.blender import environment
+from lamina.addon.blender.versions import DIFFUSE_POWER, HAS_DIELECTRIC
+from lamina.addon.material import layers
+from lamina.addon.material import material as materials
+from lamina.addon.material.shader_node import backend_of, shader_of, surface_of
+from lamina.addon.rendering import settings
+from lamina.addon.shader.nodes.node_groups import network_group
+from lamina.addon.shader.nodes.stock_nodes import stock_tables
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.lobes.lobe import DielectricCurve
+from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.lobes.tabulate import tabulate
+from lamina.reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.registry import make_model
 
 pytestmark = pytest.mark.blender
 
-# Below alpha .03 Glossy nodes have no exact isotropic lobe, see addon/network/stock_nodes.py; measured 1.3e-3.
+# Below alpha .03 Glossy nodes have no exact isotropic lobe, see addon/shader/nodes/stock_nodes.py; measured 1.3e-3.
 NARROW_TOLERANCE = 2e-3
 MISSING = (False, "this Blender was built without OSL")
 
@@ -241,7 +244,7 @@ def test_a_metal_is_converted_though_no_socket_is_read(layered):
 
 
 def make_gold_k():
-    from lamina.reference_py.colour import conductor_rgb
+    from lamina.reference_py.optics.colour import conductor_rgb
 
     return conductor_rgb("gold")[1]
 

@@ -6,13 +6,14 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.nodes import material  # noqa: E402
-from lamina.addon.network.osl import generate  # noqa: E402
-from lamina.addon.rendering.measure import render_sun_sphere  # noqa: E402
-from lamina.reference_py.models import make_model  # noqa: E402
-from lamina.reference_py.network import make_network  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
-from support.goniometer import TOLERANCE, parity  # noqa: E402
+from support.goniometer import TOLERANCE, parity
+
+from lamina.addon.material import material
+from lamina.addon.rendering.measure import render_sun_sphere
+from lamina.addon.shader.osl.generate import generate
+from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.registry import make_model
 
 pytestmark = pytest.mark.blender
 

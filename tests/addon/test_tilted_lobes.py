@@ -10,16 +10,16 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.network.node_groups import network_group  # noqa: E402
-from lamina.addon.rendering import settings  # noqa: E402
-from lamina.addon.rendering.measure import render_furnace  # noqa: E402
-from lamina.reference_py.frame import normalize, reflect  # noqa: E402
-from lamina.reference_py.network.closure import unit_energy  # noqa: E402
-from lamina.reference_py.network.lobe import GlossyLobe  # noqa: E402
-from lamina.reference_py.network.table import KNOTS, GlossyTable, TableNetwork  # noqa: E402
-from lamina.reference_py.optics.microfacet import smith_lambda  # noqa: E402
-from lamina.reference_py.optics.quadrature import points  # noqa: E402
-from lamina.reference_py.optics.sampling import ggx_visible_normals  # noqa: E402
+from lamina.addon.rendering import settings
+from lamina.addon.rendering.measure import render_furnace
+from lamina.addon.shader.nodes.node_groups import network_group
+from lamina.reference_py.lobes.closure import unit_energy
+from lamina.reference_py.lobes.lobe import GlossyLobe
+from lamina.reference_py.lobes.view_table import KNOTS, GlossyTable, TableNetwork
+from lamina.reference_py.optics.frame import normalize, reflect
+from lamina.reference_py.optics.microfacet import smith_lambda
+from lamina.reference_py.optics.quadrature import points
+from lamina.reference_py.optics.sampling import ggx_visible_normals
 
 pytestmark = pytest.mark.blender
 

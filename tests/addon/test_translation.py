@@ -7,8 +7,9 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from lamina.addon.ui import translation  # noqa: E402
-from support import translatable  # noqa: E402
+from support import translatable
+
+from lamina.addon.ui import translation
 
 pytestmark = pytest.mark.blender
 

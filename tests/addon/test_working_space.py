@@ -6,14 +6,14 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.check import check  # noqa: E402
-from lamina.addon.network.working_space import REC709, into_working, out_of_working, primaries  # noqa: E402
-from lamina.addon.nodes import material as materials  # noqa: E402
-from lamina.addon.nodes.elements import node_of  # noqa: E402
-from lamina.addon.nodes.roles import Roles, node_with  # noqa: E402
-from lamina.addon.nodes.state import is_stale, lags  # noqa: E402
-from lamina.addon.rendering.measure import render_furnace  # noqa: E402
-from lamina.reference_py.stack import Stack  # noqa: E402
+from lamina.addon.check import check
+from lamina.addon.material import material as materials
+from lamina.addon.material.elements import node_of
+from lamina.addon.material.roles import Roles, node_with
+from lamina.addon.material.state import is_stale, lags
+from lamina.addon.rendering.measure import render_furnace
+from lamina.addon.shader.working_space import REC709, into_working, out_of_working, primaries
+from lamina.reference_py.material.stack import Stack
 
 pytestmark = [pytest.mark.blender, pytest.mark.skipif(bpy.app.version < (5, 0, 0), reason="Blender before 5.0 has one working space")]
 

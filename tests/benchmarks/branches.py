@@ -15,12 +15,12 @@ from statistics import median
 import bpy
 
 import lamina
-from lamina.addon.nodes import material as materials
-from lamina.addon.nodes.shader_node import remove_material
-from lamina.addon.rendering.environment import ensure_osl_query_on_path
+from lamina.addon.blender.environment import ensure_osl_query_on_path
+from lamina.addon.material import material as materials
+from lamina.addon.material.shader_node import remove_material
 from lamina.addon.rendering.geometry import plane_mesh
 from lamina.addon.rendering.settings import measurement_settings, render_to
-from lamina.reference_py import presets
+from lamina.reference_py.material import presets
 
 NAMES = ("glazed_mug", "metallic_car_paint", "frosted_paint")
 ROUNDS, SIZE, SAMPLES, COPIES = 5, 96, 64, 8
@@ -77,7 +77,7 @@ def paired(one, other, rounds: int) -> tuple[float, float, float]:
 
 def making(name: str, tier: str, backend: str) -> float:
     """Seconds to make a material of known bakes; a script that was compiled before is compiled again."""
-    from lamina.addon.nodes import script_node
+    from lamina.addon.material import script_node
 
     script_node._compiled.clear()
     new = bpy.data.materials.new("made")

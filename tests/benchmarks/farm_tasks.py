@@ -17,8 +17,8 @@ import tempfile
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))
-from support.commands import RUN  # noqa: E402
-from support.wheel_blender import blender_program  # noqa: E402
+from support.commands import RUN
+from support.wheel_blender import blender_program
 
 PICTURES = 8
 JOB = {"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "frames": f"1-{PICTURES}", "size": 32, "samples": 4}

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from lamina.reference_py import presets
 from lamina.reference_py.fit import read, select
 from lamina.reference_py.fit.outcome import outcome
 from lamina.reference_py.fit.readers.merl import SCALES, cell_directions
-from lamina.reference_py.models import make_model
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.registry import make_model
 
 SIZES = (90, 90, 180)
 VARNISH = Stack.from_dict({

@@ -8,6 +8,7 @@ bytes changed, cut, doubled or put in. What it finds becomes a case of a test. P
 on a finding.
 """
 
+import importlib
 import json
 import os
 import random
@@ -25,18 +26,19 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from support.measured import merl_bytes, merl_values, rgl_fields, table_text, tensor_bytes  # noqa: E402
+from support.measured import merl_bytes, merl_values, rgl_fields, table_text, tensor_bytes
 
 from lamina.addon.batch.items import expand
 from lamina.addon.batch.job import KEYS, Job
-from lamina.reference_py import presets
 from lamina.reference_py.atomic import write_text
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.fit.measurement import spread_pairs
 from lamina.reference_py.fit.readers import read
-from lamina.reference_py.network import AutoNetwork, BakedNetwork, memory
-from lamina.reference_py.schema import SCHEMA
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.fit.readers.measurement import spread_pairs
+from lamina.reference_py.lobes import cache
+from lamina.reference_py.lobes.methods import AutoNetwork, BakedNetwork
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.schema import SCHEMA
+from lamina.reference_py.material.stack import Stack
 
 COUNT, SEED = 100_000, 5
 HOME = Path(tempfile.mkdtemp(prefix="lamina-fuzz."))
@@ -58,10 +60,10 @@ def read_job(text: str) -> None:
 
 
 def read_cache(text: str) -> None:
-    memory._memory.clear()
+    cache._memory.clear()
     stack = presets.load("clean_copper")
     for network in (AutoNetwork, BakedNetwork):
-        memory._file(network.key(stack)).write_text(text, encoding="utf-8", errors="replace")
+        cache._file(network.key(stack)).write_text(text, encoding="utf-8", errors="replace")
         network.is_known(stack)
 
 
@@ -72,7 +74,7 @@ def read_preset_file(data: bytes) -> None:
 
 
 def read_picture(data: bytes) -> None:
-    from lamina.addon.rendering.images import read_exr
+    from lamina.addon.blender.images import read_exr
 
     path = HOME / "picture.exr"
     path.write_bytes(data)
@@ -183,7 +185,7 @@ class Trial:
 
 
 def pictures() -> list[bytes]:
-    from lamina.addon.rendering import oiio
+    from lamina.addon.blender import oiio
 
     rng, files = np.random.default_rng(SEED), []
     for i, shape in enumerate(((4, 4), (17, 40))):
@@ -193,15 +195,15 @@ def pictures() -> list[bytes]:
 
 
 def main() -> int:
-    import bpy  # noqa: F401  (OpenImageIO lies beside it)
+    importlib.import_module("bpy")  # OpenImageIO lies beside it
 
-    from lamina.addon.rendering.environment import ensure_osl_query_on_path
+    from lamina.addon.blender.environment import ensure_osl_query_on_path
 
     ensure_osl_query_on_path()
     warnings.simplefilter("error", RuntimeWarning)  # lines on stderr beside the one that is meant
     total = int(sys.argv[1]) if len(sys.argv) > 1 else COUNT
     part = -(-total // 20)
-    memory.keep_in(HOME)
+    cache.keep_in(HOME)
     stacks = [presets.load(name).to_json().encode() for name in presets.names()[:8]]
     job = {"stacks": ["clean_copper", {"name": "a", "stack": presets.load("frosted_metal").to_dict()}], "views": [0, 20], "frames": "1-5x2", "size": [20, 10],
            "sweeps": [{"parameter": "base.roughness", "values": [0.1, 0.2]}], "tiers": ["auto"], "scenes": ["ball"], "seed": 3, "samples": 4}

@@ -11,11 +11,11 @@ from multiprocessing import get_context
 
 import numpy as np
 
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import make_model
-from lamina.reference_py.network.baking import BakedNetwork
-from lamina.reference_py.stack import Stack
-from lamina.reference_py.suite import suite_stack
+from lamina.reference_py.lobes.baked import BakedNetwork
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.registry import make_model
+from lamina.study.suite import suite_stack
 
 REPEATS = 5
 WALKS = 1 << 17

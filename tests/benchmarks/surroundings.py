@@ -18,13 +18,13 @@ import bpy
 import numpy as np
 
 import lamina
-from lamina.addon.nodes.material import apply_stack, refresh
-from lamina.addon.rendering.environment import ensure_osl_query_on_path
-from lamina.addon.rendering.images import read_exr, write_png
+from lamina.addon.blender.environment import ensure_osl_query_on_path
+from lamina.addon.blender.images import read_exr, write_png
+from lamina.addon.material.material import apply_stack, refresh
 from lamina.addon.rendering.settings import render_to
 from lamina.addon.rendering.studio import build_ball_scene
-from lamina.addon.viewport.eevee import blender_program, blender_version, eevee_pictures
-from lamina.reference_py import presets
+from lamina.reference_py.material import presets
+from lamina.study.viewport.eevee import blender_program, blender_version, eevee_pictures
 
 NAMES = ("glazed_mug", "metallic_car_paint", "patina_copper")
 SIZE, SAMPLES, EEVEE_SAMPLES, BLOCK = 160, 128, 64, 8

@@ -12,16 +12,16 @@ import bpy
 import numpy as np
 
 import lamina
-from lamina.addon.nodes import material as materials
-from lamina.addon.rendering.environment import ensure_osl_query_on_path
+from lamina.addon.blender.environment import ensure_osl_query_on_path
+from lamina.addon.material import material as materials
 from lamina.addon.rendering.measure import render_furnace
-from lamina.reference_py import presets
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import make_model
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.registry import make_model
 
 sys.path.append(str(Path(__file__).parents[1]))
-from support.goniometer import parity  # noqa: E402
+from support.goniometer import parity
 
 THETA_DEG = (0.0, 30.0, 60.0, 75.0, 85.0)
 WHITE = Stack.from_dict({

@@ -16,10 +16,10 @@ from pathlib import Path
 import bpy
 
 import lamina
-from lamina.addon.nodes import material
-from lamina.addon.rendering.environment import ensure_osl_query_on_path
-from lamina.reference_py.schema import SCHEMA_VERSION
-from lamina.reference_py.stack import Stack
+from lamina.addon.blender.environment import ensure_osl_query_on_path
+from lamina.addon.material import material
+from lamina.reference_py.material.schema import SCHEMA_VERSION
+from lamina.reference_py.material.stack import Stack
 
 SIZE, SAMPLES = 48, 16
 STACKS = {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The field test: cases, the trials that they are made of, and the verdicts."""
 
-from . import animation, exporters, files, geometry, materials, rendering  # noqa: F401  (they register their cases)
-from .case import CASES, FAILS  # noqa: F401
+from . import animation, exporters, files, geometry, materials, rendering  # they register their cases
+from .case import CASES, FAILS

@@ -71,7 +71,7 @@ def _group(names: list[str]) -> list[dict]:
 
 
 def _in_blender(task: str, told: str, *names: str) -> int:
-    from lamina.addon.rendering.environment import ensure_osl_query_on_path
+    from lamina.addon.blender.environment import ensure_osl_query_on_path
 
     ensure_osl_query_on_path()
     import lamina

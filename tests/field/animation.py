@@ -3,7 +3,7 @@
 
 import bpy
 
-from lamina.addon.rendering.images import read_exr
+from lamina.addon.blender.images import read_exr
 
 from .case import case
 from .trial import BLUE, LIVE, METAL, PAINT, RED, Picture, Surface, Trial

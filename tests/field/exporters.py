@@ -8,9 +8,9 @@ import bpy
 import numpy as np
 from bpy_extras.node_shader_utils import PrincipledBSDFWrapper
 
-from lamina.addon.nodes import material as materials
+from lamina.addon.blender.images import write_png
+from lamina.addon.material import material as materials
 from lamina.addon.rendering.geometry import plane_mesh
-from lamina.addon.rendering.images import write_png
 from lamina.reference_py.exchange.principled import to_principled
 
 from .case import case

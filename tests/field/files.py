@@ -10,10 +10,11 @@ import bpy
 import numpy as np
 
 import lamina
-from lamina.addon.nodes import material as materials
-from lamina.addon.rendering import environment, settings
+from lamina.addon.blender import environment
+from lamina.addon.material import material as materials
+from lamina.addon.rendering import settings
 from lamina.addon.rendering.settings import add_object
-from lamina.reference_py import presets
+from lamina.reference_py.material import presets
 
 from .case import case
 from .trial import BLUE, GLAZE, LIVE, METAL, PAINT, RED, Picture, Trial, image_of

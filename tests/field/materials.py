@@ -7,13 +7,13 @@ import bpy
 import numpy as np
 from mathutils import Color
 
-from lamina.addon.nodes import material as materials
+from lamina.addon.blender.versions import node_tree
+from lamina.addon.material import material as materials
 from lamina.addon.rendering.geometry import plane_mesh
-from lamina.addon.rendering.settings import node_tree
-from lamina.reference_py import presets
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.exchange.principled import to_principled
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
 
 from .case import case
 from .files import set_working_space

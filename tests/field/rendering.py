@@ -6,8 +6,9 @@ import json
 import bpy
 import numpy as np
 
+from lamina.addon.blender.versions import node_tree
 from lamina.addon.rendering.geometry import plane_mesh
-from lamina.addon.rendering.settings import add_object, node_tree
+from lamina.addon.rendering.settings import add_object
 
 from .case import case
 from .trial import METAL, PAINT, SAME, Surface, Trial

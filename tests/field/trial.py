@@ -8,14 +8,15 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from lamina.addon.blender.images import Exr, read_exr, write_exr
+from lamina.addon.blender.versions import node_tree
 from lamina.addon.check import check
-from lamina.addon.nodes import material as materials
-from lamina.addon.nodes.elements import node_of
+from lamina.addon.material import material as materials
+from lamina.addon.material.elements import node_of
 from lamina.addon.rendering.geometry import sphere_mesh
-from lamina.addon.rendering.images import Exr, read_exr, write_exr
-from lamina.addon.rendering.settings import add_object, measurement_settings, node_tree, render_to
-from lamina.reference_py.schema import SCHEMA
-from lamina.reference_py.stack import Stack
+from lamina.addon.rendering.settings import add_object, measurement_settings, render_to
+from lamina.reference_py.material.schema import SCHEMA
+from lamina.reference_py.material.stack import Stack
 
 LAMINA, PRINCIPLED = "Lamina", "Principled"
 SAME = 0.01  # the same picture: the same samples, and float32

@@ -5,21 +5,21 @@ import numpy as np
 import pytest
 
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import make_model
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.adding import Adding, facets, operators
 from lamina.reference_py.models.adding.assembly import Layers, add
 from lamina.reference_py.models.adding.bounces import Microsurface
-from lamina.reference_py.models.adding.grid import Grid
+from lamina.reference_py.models.adding.direction_grid import Grid
 from lamina.reference_py.models.adding.operators import Resolution, interface_operators
 from lamina.reference_py.models.adding.recipe import Recipe
 from lamina.reference_py.models.position_free import PositionFree
-from lamina.reference_py import presets
+from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.fresnel import cos_theta_t, fresnel_dielectric
-from lamina.reference_py.optics.material import rough_surfaces
+from lamina.reference_py.optics.optical_stack import rough_surfaces
 from lamina.reference_py.optics.quadrature import directional_albedo
-from lamina.reference_py.stack import Stack
-from lamina.reference_py.suite import suite, suite_stack
+from lamina.reference_py.registry import make_model
+from lamina.study.suite import suite, suite_stack
 
 VIEWS = spherical(np.radians([0.0, 25.0, 45.0, 60.0, 75.0, 85.0, 89.5]), 0.3)
 

@@ -4,14 +4,14 @@
 import numpy as np
 import pytest
 
-from lamina.reference_py import presets
-from lamina.reference_py.compare import distance
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import make_model
-from lamina.reference_py.network import make_network
-from lamina.reference_py.stack import Stack
-from lamina.reference_py.stress import CASES, pairs, views
-from lamina.reference_py.suite import suite, suite_stack
+from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.models.distance import distance
+from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.registry import make_model
+from lamina.study.stress import CASES, pairs, views
+from lamina.study.suite import suite, suite_stack
 
 VIEWS = np.radians([0.0, 40.0, 65.0, 80.0])
 FURNACE_VIEWS = np.radians([0.0, 45.0, 70.0, 85.0])

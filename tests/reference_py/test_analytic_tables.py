@@ -4,11 +4,11 @@
 import numpy as np
 import pytest
 
-from lamina.reference_py.network.analytic import tables
-from lamina.reference_py.network.analytic.make_tables import lossless_reflectance
-from lamina.reference_py.network.closure import unit_energy
-from lamina.reference_py.network.lobe import DielectricCurve, GlossyLobe
+from lamina.reference_py.lobes.analytic import tables
+from lamina.reference_py.lobes.closure import unit_energy
+from lamina.reference_py.lobes.lobe import DielectricCurve, GlossyLobe
 from lamina.reference_py.optics.fresnel import fresnel_dielectric
+from lamina.study.make_interface_tables import lossless_reflectance
 
 COS = np.cos(np.radians(np.linspace(0.0, 85.0, 18)))
 KINDS = ("ggx", "beckmann")

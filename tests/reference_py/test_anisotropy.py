@@ -4,19 +4,19 @@
 import numpy as np
 import pytest
 
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import make_model
-from lamina.reference_py.network import AutoNetwork, make_network
-from lamina.reference_py.network.analytic.tables import brushed_energy
-from lamina.reference_py.network.choice import DEFAULT_TOLERANCE, with_anisotropy
-from lamina.reference_py.network.closure import lobe_energy, lobe_f, unit_energy
-from lamina.reference_py.network.featured import seen_alpha
-from lamina.reference_py.network.lobe import DielectricCurve, GlossyLobe
-from lamina.reference_py.network.tabulate import tabulate
-from lamina.reference_py.network.unbaked import unbaked, without_unbaked
-from lamina.reference_py.optics.material import Brushed
+from lamina.reference_py.lobes.analytic.tables import brushed_energy
+from lamina.reference_py.lobes.closure import lobe_energy, lobe_f, unit_energy
+from lamina.reference_py.lobes.lobe import DielectricCurve, GlossyLobe
+from lamina.reference_py.lobes.methods import AutoNetwork, make_network
+from lamina.reference_py.lobes.methods.auto import DEFAULT_TOLERANCE, with_anisotropy
+from lamina.reference_py.lobes.methods.not_bakeable import unbaked, without_unbaked
+from lamina.reference_py.lobes.methods.with_features import seen_alpha
+from lamina.reference_py.lobes.tabulate import tabulate
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.optics.optical_stack import Brushed
 from lamina.reference_py.optics.quadrature import directional_albedo
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.registry import make_model
 
 THETA = np.radians([0.0, 20.0, 40.0, 60.0, 80.0])
 AZIMUTHS = np.radians([0.0, 45.0, 90.0])

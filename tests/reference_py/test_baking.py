@@ -4,17 +4,17 @@
 import numpy as np
 import pytest
 
-from lamina.reference_py import presets
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import make_model
+from lamina.reference_py.lobes import cache
+from lamina.reference_py.lobes.baked import BakedNetwork, Baker
+from lamina.reference_py.lobes.baked.fit_lobes import non_negative
+from lamina.reference_py.lobes.closure import lobe_energy
+from lamina.reference_py.lobes.lobe import DiffuseLobe
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.adding.model import Adding
-from lamina.reference_py.network import memory
-from lamina.reference_py.network.baking import BakedNetwork, Baker
-from lamina.reference_py.network.baking.fit import non_negative
-from lamina.reference_py.network.closure import lobe_energy
-from lamina.reference_py.network.lobe import DiffuseLobe
-from lamina.reference_py.stack import Stack
-from lamina.reference_py.suite import suite_stack
+from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.registry import make_model
+from lamina.study.suite import suite_stack
 
 # Between knots, and not where fits begin.
 VIEWS_DEG = np.array([3.0, 25.0, 42.0, 61.0, 73.0, 80.0])
@@ -113,10 +113,10 @@ def test_mirror_evaluates_the_bake():
 def test_a_cache_that_cannot_be_written_is_told_of_once(tmp_path):
     (tmp_path / "file").write_text("")
     told = []
-    memory.keep_in(tmp_path / "file" / "bakes", told.append)
+    cache.keep_in(tmp_path / "file" / "bakes", told.append)
     try:
         for number in range(2):
-            memory.remembered(f"key {number}", lambda: 1.0, lambda value: {"value": value}, lambda data: data["value"])
+            cache.remembered(f"key {number}", lambda: 1.0, lambda value: {"value": value}, lambda data: data["value"])
         assert len(told) == 1 and str(tmp_path / "file") in told[0]
     finally:
-        memory.keep_in(None)
+        cache.keep_in(None)

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lamina.addon.cli.charts import error
-from lamina.reference_py import presets
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import MODELS, make_model
-from lamina.reference_py.stack import Stack
-from lamina.reference_py.stress import SUBJECTS, albedo_and_error, energy_excess, f_and_error, make_subject, reciprocity_defect
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.registry import MODELS, make_model
+from lamina.study.charts import error
+from lamina.study.stress import SUBJECTS, albedo_and_error, energy_excess, f_and_error, make_subject, reciprocity_defect
 
 STACKS = {
     "plastic": {

@@ -4,9 +4,9 @@
 import numpy as np
 import pytest
 
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.network.closure import lobe_f, unit_energy
-from lamina.reference_py.network.lobe import DielectricCurve, GlossyLobe
+from lamina.reference_py.lobes.closure import lobe_f, unit_energy
+from lamina.reference_py.lobes.lobe import DielectricCurve, GlossyLobe
+from lamina.reference_py.optics.frame import spherical
 
 VIEWS_DEG = np.array([0.0, 40.0, 75.0, 85.0])
 LOBES = {

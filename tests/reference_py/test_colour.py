@@ -4,7 +4,8 @@
 import numpy as np
 import pytest
 
-from lamina.reference_py.colour import (
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.optics.colour import (
     artist_color,
     artist_index,
     reflectance_to_rgb,
@@ -14,7 +15,6 @@ from lamina.reference_py.colour import (
     standard_wavelengths,
     xyz_to_rgb,
 )
-from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.optics.fresnel import fresnel_conductor
 
 

@@ -5,16 +5,16 @@ import numpy as np
 import pytest
 
 from lamina.addon.cli.main import run
-from lamina.reference_py import presets
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.exchange.materialx import from_mtlx, load_mtlx, to_mtlx
 from lamina.reference_py.exchange.matching import color_map, mean, peer, truth
+from lamina.reference_py.exchange.materialx import from_mtlx, load_mtlx, to_mtlx
 from lamina.reference_py.exchange.openpbr import from_openpbr, to_openpbr
 from lamina.reference_py.exchange.principled import effective_ior, from_principled, to_principled
 from lamina.reference_py.exchange.report import LOST
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import make_model
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.registry import make_model
 
 PAINT = {"kind": "lambert", "color": [0.7, 0.3, 0.05]}
 METAL = {"kind": "conductor", "reflectance": [0.8, 0.6, 0.4], "edge_color": [0.9, 0.85, 0.8], "roughness": 0.4}

@@ -3,22 +3,22 @@
 
 import numpy as np
 import pytest
+from support.chi_square import chi_square_p_value
 
-from lamina.reference_py.coverage import patches
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import MODELS, make_model
-from lamina.reference_py.models.mixture import PatchModel
-from lamina.reference_py.network import make_network
-from lamina.reference_py.network.mixture import MAX_CLOSURES
-from lamina.reference_py.network.unbaked import needs_live
+from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.lobes.methods.not_bakeable import needs_live
+from lamina.reference_py.lobes.methods.patches import MAX_CLOSURES
+from lamina.reference_py.material.coverage import patches
+from lamina.reference_py.material.schema import ANISOTROPY, COVERAGE, NORMAL, SCHEMA_VERSION, THIN_FILM
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.models.patch_model import PatchModel
 from lamina.reference_py.optics import microsurface
+from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
 from lamina.reference_py.optics.sampling import sample_visible_normals, visible_normal_density
 from lamina.reference_py.optics.thin_film import Film, film_reflectance
-from lamina.reference_py.schema import ANISOTROPY, COVERAGE, NORMAL, SCHEMA_VERSION, THIN_FILM
-from lamina.reference_py.stack import Stack
-from support.chi_square import chi_square_p_value
+from lamina.reference_py.registry import MODELS, make_model
 
 COAT = {"kind": "dielectric", "ior": 1.5, "roughness": 0.5}
 WHITE = {"kind": "lambert", "color": [1, 1, 1]}
@@ -157,7 +157,7 @@ def test_single_scattering_brushed_metal_is_the_formula():
     d = visible_normal_density(h, h, alpha, "ggx") * microsurface.projected_area(h, alpha, "ggx")
     g = microsurface.masking(own[0], alpha, "ggx") * microsurface.masking(own[1], alpha, "ggx")
     cos_h = np.sum(own[0] * h, axis=-1)
-    from lamina.reference_py.colour import conductor_rgb
+    from lamina.reference_py.optics.colour import conductor_rgb
 
     expected = (d * g / (4.0 * WO[:, 2] * wi[:, 2]))[:, None] * fresnel_conductor(cos_h[:, None], *conductor_rgb("iron"))
     assert np.allclose(model.f(WO, wi), expected, rtol=1e-6)
@@ -209,7 +209,7 @@ def test_a_quarter_wave_film_does_not_reflect():
 @pytest.mark.parametrize("thickness", [120.0, 500.0])
 def test_a_film_against_airys_formula_integrated_over_the_spectrum(k, thickness):
     """The exact amplitude of a film per wavelength, an independent way to the same color; the series stops at three terms."""
-    from lamina.reference_py.colour.spectrum import observer_rgb
+    from lamina.reference_py.optics.colour.spectrum import observer_rgb
 
     n = np.array([1.5, 1.5, 1.5]) if k is None else np.array([0.3, 0.8, 1.2])
     film = Film(thickness, 1.7)

@@ -7,24 +7,24 @@ import numpy as np
 import pytest
 from support.measured import paint
 
-from lamina.reference_py import presets
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.fit import fit_structure, select
-from lamina.reference_py.fit.bound import least_error
+from lamina.reference_py.fit.baseline_fits import PEER_MODELS, fit_peer
 from lamina.reference_py.fit.certainty import certainty, independent_pairs
 from lamina.reference_py.fit.dense import evaluate_all
 from lamina.reference_py.fit.fitting import refined, subsampled
-from lamina.reference_py.fit.measurement import checked, spread_pairs
 from lamina.reference_py.fit.metric import Metric, shape_error
 from lamina.reference_py.fit.outcome import outcome
 from lamina.reference_py.fit.parameters import Parameters, Structure
-from lamina.reference_py.fit.peers import PEER_MODELS, fit_peer
+from lamina.reference_py.fit.readers.measurement import checked, spread_pairs
 from lamina.reference_py.fit.readers.sampled import sample_model
 from lamina.reference_py.fit.solve import least_squares
-from lamina.reference_py.fit.study import SETTINGS, data_of, random_stack, random_structure, recovery
-from lamina.reference_py.frame import half_vector
-from lamina.reference_py.models import make_model
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.optics.frame import half_vector
+from lamina.reference_py.registry import make_model
+from lamina.study.fit_bound import least_error
+from lamina.study.fit_recovery import SETTINGS, data_of, random_stack, random_structure, recovery
 
 COATED = Stack.from_dict({
     "layers": [{"kind": "dielectric", "ior": 1.6, "roughness": 0.45, "tint": [0.9, 0.6, 0.5]}],

@@ -9,8 +9,8 @@ from support import measured
 
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.fit import read
-from lamina.reference_py.fit.measurement import checked, half_angles, directions_of, spread_pairs, subsample
 from lamina.reference_py.fit.readers import rgl
+from lamina.reference_py.fit.readers.measurement import checked, directions_of, half_angles, spread_pairs, subsample
 
 
 def refused(path, *words):

@@ -6,14 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lamina.reference_py import presets
-from lamina.reference_py.network import AnalyticNetwork, memory
-from lamina.reference_py.network.baking import BakedNetwork
-from lamina.reference_py.network.closure import lobe_energy
-from lamina.reference_py.network.grid import GridNetwork
-from lamina.reference_py.network.judge import Judge
-from lamina.reference_py.network.memory import truth_of
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.lobes import cache
+from lamina.reference_py.lobes.baked import BakedNetwork
+from lamina.reference_py.lobes.cache import truth_of
+from lamina.reference_py.lobes.closure import lobe_energy
+from lamina.reference_py.lobes.error_estimate import Judge
+from lamina.reference_py.lobes.live_grid import GridNetwork
+from lamina.reference_py.lobes.methods import AnalyticNetwork
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
 
 VIEWS_DEG = np.array([3.0, 25.0, 42.0, 61.0, 73.0, 80.0])
 # Measured: 1.4 %, and 8.4 % where widths go on below the first knot, at roughness .15.
@@ -46,7 +47,7 @@ def test_energy_follows_the_thickness_to_black():
 
 
 def test_live_values_do_not_make_another_bake(monkeypatch):
-    monkeypatch.setattr(memory, "_memory", {})
+    monkeypatch.setattr(cache, "_memory", {})
     stack, live = presets.load("tinted_glaze"), ((0, "thickness"),)
     assert BakedNetwork.key(stack, live) == BakedNetwork.key(with_layer(stack, thickness=3.0), live)
     assert BakedNetwork.key(stack, live) != BakedNetwork.key(with_layer(stack, ior=1.7), live)

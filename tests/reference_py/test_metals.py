@@ -6,12 +6,12 @@ import json
 import numpy as np
 import pytest
 
-from lamina.reference_py.colour import conductor_rgb, load_metal, metal_index, metal_names
-from lamina.reference_py.colour.make_metals_rgb import COS_THETA, LARGEST_REFLECTANCE, rgb_entry, rgb_reflectance
-from lamina.reference_py.colour.metals import RGB_FILE
 from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.material.schema import METALS
+from lamina.reference_py.optics.colour import conductor_rgb, load_metal, metal_index, metal_names
+from lamina.reference_py.optics.colour.metals import RGB_FILE
 from lamina.reference_py.optics.fresnel import fresnel_conductor
-from lamina.reference_py.schema import METALS
+from lamina.study.make_metals_rgb import COS_THETA, LARGEST_REFLECTANCE, rgb_entry, rgb_reflectance
 
 RGB_TABLE = json.loads(RGB_FILE.read_text(encoding="utf-8"))["metals"]
 

@@ -4,8 +4,8 @@ import pytest
 from support.chi_square import chi_square_p_value, chi_square_tail
 
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.frame import dot, spherical
 from lamina.reference_py.optics import microsurface
+from lamina.reference_py.optics.frame import dot, spherical
 from lamina.reference_py.optics.microfacet import distribution, masking_g1
 from lamina.reference_py.optics.microsurface import scatter_conductor, scatter_dielectric, scattering_density
 from lamina.reference_py.optics.sampling import (

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import lamina
-from lamina.reference_py import presets
-from lamina.reference_py.compare import distance
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import make_model
-from lamina.reference_py.network import make_network
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.models.distance import distance
+from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.registry import make_model
 
 BLACK = {"kind": "lambert", "color": [0, 0, 0]}
 CHART = Path(lamina.__file__).parent / "figures" / "network_error.csv"

@@ -4,12 +4,12 @@
 import numpy as np
 import pytest
 
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.optics.quadrature import directional_albedo
+from lamina.reference_py.lobes.lobe import DARK
 from lamina.reference_py.optics import microfacet
-from lamina.reference_py.network.lobe import DARK
 from lamina.reference_py.optics.diffuse import CYCLES_5_2_POWER, OREN_NAYAR_POWER, oren_nayar, oren_nayar_1994, oren_nayar_shares
+from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
+from lamina.reference_py.optics.quadrature import directional_albedo
 
 COS = np.linspace(0.0, 1.0, 101)
 

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import MODELS, make_model
-from lamina.reference_py.models.peers import PEERS
-from lamina.reference_py.models.peers.cycles import Closure
-from lamina.reference_py.models.peers.energy import mean_fresnel
-from lamina.reference_py.models.peers.parts import dielectric, f82
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.models.baselines import PEERS
+from lamina.reference_py.models.baselines.cycles import Closure
+from lamina.reference_py.models.baselines.energy import mean_fresnel
+from lamina.reference_py.models.baselines.parts import dielectric, f82
+from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.fresnel import fresnel_conductor, fresnel_dielectric
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.registry import MODELS, make_model
 
 NAMES = [peer.name for peer in PEERS]
 NORMAL = spherical(0.0, 0.0)

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import lamina
-from lamina.reference_py import presets
 from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.material import presets
 from lamina.reference_py.optics.microfacet import GGX, roughness_from_slope_deg, slope_deg_from_roughness
 
 # name: ((ior, slope_deg, thickness) per layer, None where the paper gives no number), (base kind, metal, slope or sigma)
@@ -54,7 +54,7 @@ def test_every_preset_has_its_error_stated():
 
 @pytest.mark.parametrize("name", ["polished_chrome", "blued_steel"])
 def test_the_stated_error_is_that_of_this_code(name):
-    from lamina.addon.cli.charts.presets import errors_of
+    from lamina.addon.cli.stack_errors import errors_of
 
     row = next(row for row in csv.reader(ERRORS.read_text().splitlines()) if row[0] == name)
     found = errors_of(presets.load(name))

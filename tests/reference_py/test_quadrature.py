@@ -4,11 +4,11 @@
 import numpy as np
 import pytest
 
-from lamina.reference_py import presets
-from lamina.reference_py.optics.material import rough_surfaces
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import make_model
+from lamina.reference_py.material import presets
+from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.optics.optical_stack import rough_surfaces
 from lamina.reference_py.optics.quadrature import directional_albedo
+from lamina.reference_py.registry import make_model
 
 WO = spherical(np.radians([0.0, 45.0, 75.0]), 0.0)
 STATED_ERROR = 5e-4

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lamina.reference_py import presets
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.json_input import MAX_FILE_BYTES
-from lamina.reference_py.schema import SCHEMA, SCHEMA_VERSION, VECTOR
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.json_input import MAX_FILE_BYTES
+from lamina.reference_py.material.schema import SCHEMA, SCHEMA_VERSION, VECTOR
+from lamina.reference_py.material.stack import Stack
 
 LAMBERT = {"kind": "lambert"}
 

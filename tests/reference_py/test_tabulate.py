@@ -6,14 +6,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from lamina.reference_py import presets
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.network import make_network
-from lamina.reference_py.network.closure import lobe_f, unit_energy
-from lamina.reference_py.network.lobe import DielectricCurve, GlossyLobe, SchlickCurve, oren_nayar_lobes
-from lamina.reference_py.network.table import DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork, interpolate, knot_cosines
-from lamina.reference_py.network.tabulate import NARROWEST_CURVE, tabulate
+from lamina.reference_py.lobes.closure import lobe_f, unit_energy
+from lamina.reference_py.lobes.lobe import DielectricCurve, GlossyLobe, SchlickCurve, oren_nayar_lobes
+from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.lobes.tabulate import NARROWEST_CURVE, tabulate
+from lamina.reference_py.lobes.view_table import DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork, interpolate, knot_cosines
+from lamina.reference_py.material import presets
 from lamina.reference_py.optics.diffuse import CYCLES_5_2_POWER, OREN_NAYAR_POWER, oren_nayar, oren_nayar_albedo
+from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.quadrature import cosine_directions, directional_albedo, points
 
 COSINES = knot_cosines()

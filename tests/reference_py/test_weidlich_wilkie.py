@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import numpy as np
 import pytest
+from support.stacks import coat, conductor, lambert, stack, view
 
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.frame import dot, half_vector, spherical
-from lamina.reference_py.models import make_model
-from lamina.reference_py.optics.quadrature import directional_albedo
+from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.weidlich_wilkie import OPTIONS, WeidlichWilkie
 from lamina.reference_py.models.weidlich_wilkie_repaired import WeidlichWilkieRepaired
+from lamina.reference_py.optics.frame import dot, half_vector, spherical
 from lamina.reference_py.optics.fresnel import fresnel_conductor, fresnel_dielectric
 from lamina.reference_py.optics.microfacet import blinn_exponent, distribution, masking_g2
-from lamina.reference_py.stack import Stack
-from lamina.reference_py.suite import suite
-from support.stacks import coat, conductor, lambert, stack, view
+from lamina.reference_py.optics.quadrature import directional_albedo
+from lamina.reference_py.registry import make_model
+from lamina.study.suite import suite
 
 MODELS = (WeidlichWilkie, WeidlichWilkieRepaired)
 BLACK = {"kind": "lambert", "color": [0.0] * 3}

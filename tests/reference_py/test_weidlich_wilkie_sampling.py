@@ -3,13 +3,13 @@
 
 import numpy as np
 import pytest
-
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.models import make_model
-from lamina.reference_py.optics.quadrature import directional_albedo
-from lamina.reference_py.optics.fresnel import cos_theta_t
 from support.chi_square import chi_square_p_value
 from support.stacks import coat, conductor, lambert, stack
+
+from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.optics.fresnel import cos_theta_t
+from lamina.reference_py.optics.quadrature import directional_albedo
+from lamina.reference_py.registry import make_model
 
 # Rejects a right sampler once in 10 000 runs per case; seeds are fixed.
 SIGNIFICANCE = 1e-4

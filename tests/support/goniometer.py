@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamina.addon.rendering.measure import render_sun_sphere
-from lamina.reference_py.optics.material import rough_surfaces
+from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.microfacet import BECKMANN, smith_lambda
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.optics.optical_stack import rough_surfaces
 
 SUN_THETA_DEG = (10.0, 45.0, 75.0)
 BRIGHT = 1e-4  # share of the brightest pixel below which a pixel does not count

@@ -5,10 +5,10 @@ import struct
 
 import numpy as np
 
-from lamina.reference_py.fit.measurement import directions_of
+from lamina.reference_py.fit.readers.measurement import directions_of
 from lamina.reference_py.fit.readers.merl import SCALES
 from lamina.reference_py.fit.readers.tensor_file import MAGIC
-from lamina.reference_py.frame import half_vector
+from lamina.reference_py.optics.frame import half_vector
 from lamina.reference_py.optics.microfacet import GGX, distribution, smith_lambda
 
 SIZES = (20, 20, 40)
@@ -41,7 +41,7 @@ def merl_bytes(values, order="<"):
 def tensor_bytes(fields):
     """A tensor file of arrays by name."""
     kinds = {"u1": 1, "f4": 10, "f8": 11}
-    head, start = MAGIC + struct.pack("<2BI", 1, 0, len(fields)), 0
+    head = MAGIC + struct.pack("<2BI", 1, 0, len(fields))
     size = len(head) + sum(2 + len(n) + 11 + 8 * a.ndim for n, a in fields.items())
     body = b""
     for name, array in fields.items():

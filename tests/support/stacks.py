@@ -3,8 +3,8 @@
 
 import numpy as np
 
-from lamina.reference_py.frame import spherical
-from lamina.reference_py.stack import Stack
+from lamina.reference_py.material.stack import Stack
+from lamina.reference_py.optics.frame import spherical
 
 
 def lambert(value):

@@ -45,7 +45,7 @@ def picture(folder, osl: bool) -> np.ndarray:
 
 def means(path: Path) -> np.ndarray:
     """Means of the channels R, G, B of an EXR picture."""
-    from lamina.addon.rendering.images import read_exr
+    from lamina.addon.blender.images import read_exr
 
     channels = read_exr(path).channels
     named = [next(c for c in channels if c.split(".")[-1] == name) for name in "RGB"]

@@ -10,12 +10,12 @@ import bpy
 
 import lamina
 from lamina.addon import registration
+from lamina.addon.blender import environment
 from lamina.addon.check import check
 from lamina.addon.library.preset_catalogues import CATALOGUES, OWN
-from lamina.addon.nodes.properties import choice_label
-from lamina.addon.rendering import environment
+from lamina.addon.material.properties import choice_label
 from lamina.addon.ui.panel_values import UNITS
-from lamina.reference_py.schema import SCHEMA
+from lamina.reference_py.material.schema import SCHEMA
 
 ADDON = Path(lamina.__file__).parent / "addon"
 # Folders whose sources show text in Blender's window.

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import LaminaError
-from ..measurement import Measurement, checked, directions_of
+from .measurement import Measurement, checked, directions_of
 
 SCALES = np.array([1.0, 1.15, 1.66]) / 1500.0
 _MOST = 100_000_000

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import LaminaError
-from ..measurement import Measurement, checked, spread_pairs
+from .measurement import Measurement, checked, spread_pairs
 from .tensor_file import read_tensors
 
 _PAIRS = 20_000

@@ -4,9 +4,9 @@
 import numpy as np
 
 from ...errors import LaminaError
-from ...models import make_model
-from ...stack import Stack
-from ..measurement import Measurement, checked, spread_pairs
+from ...material.stack import Stack
+from ...registry import make_model
+from .measurement import Measurement, checked, spread_pairs
 
 PAIRS = 3000
 

@@ -18,8 +18,8 @@ from functools import lru_cache
 import numpy as np
 
 from ...optics.fresnel import fresnel_conductor, fresnel_dielectric
+from .direction_grid import chebyshev, gauss_legendre, legendre
 from .facets import MULTIPLE, smith_lambda, visible_facets
-from .grid import chebyshev, gauss_legendre, legendre
 
 DIRECTIONS, HEIGHTS = 20, 10
 # Quadrature over heights along a ray.

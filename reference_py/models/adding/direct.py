@@ -9,8 +9,8 @@ from itertools import takewhile
 
 import numpy as np
 
-from ...frame import dot, half_vector
 from ...optics.diffuse import oren_nayar
+from ...optics.frame import dot, half_vector
 from ...optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
 from ...optics.microfacet import is_specular
 from .facets import reflection_lobe

@@ -14,7 +14,7 @@ import numpy as np
 from ...optics.fresnel import fresnel_dielectric
 from ...optics.microfacet import GGX, distribution
 from ...optics.sampling import projected_area
-from .grid import gauss_legendre
+from .direction_grid import gauss_legendre
 
 SINGLE, MULTIPLE = "single", "multiple"
 SURFACES = (MULTIPLE, SINGLE)

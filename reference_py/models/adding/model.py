@@ -17,12 +17,12 @@ from math import ceil
 import numpy as np
 
 from ...errors import LaminaError
+from ...material.stack import Stack
 from ...optics.microfacet import is_specular
-from ...stack import Stack
 from .assembly import TRAPPED_LOSS, Layers, add, empty, round_trips
 from .direct import direct_f, mirror_reflectance
+from .direction_grid import Grid, chebyshev
 from .facets import MULTIPLE, SURFACES
-from .grid import Grid, chebyshev
 from .operators import Resolution, dielectric_rows, interface_operators, transmittance
 from .recipe import Recipe
 

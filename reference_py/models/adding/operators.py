@@ -12,14 +12,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...frame import spherical
 from ...optics.diffuse import oren_nayar
+from ...optics.frame import spherical
 from ...optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
 from ...optics.microfacet import is_specular
 from .assembly import Layers
 from .bounces import Microsurface
+from .direction_grid import Grid, gauss_legendre, legendre
 from .facets import MULTIPLE, dielectric_events, reflection_lobe, visible_facets
-from .grid import Grid, gauss_legendre, legendre
 
 # Azimuths of the quadrature of an Oren-Nayar base over the half circle.
 _OREN_NAYAR_AZIMUTHS = 128

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...optics.material import Interface, conductor_index, interfaces, n_above_base
+from ...material.stack import Stack
 from ...optics.microfacet import alpha_from_roughness, is_specular
-from ...stack import Stack
-from .grid import Grid
+from ...optics.optical_stack import Interface, conductor_index, interfaces, n_above_base
+from .direction_grid import Grid
 from .operators import Resolution, conductor_rows, lambert_rows, oren_nayar_rows
 
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import LaminaError
+from ...material.schema import ANISOTROPY, THIN_FILM
+from ...material.stack import Stack
 from ...optics.microsurface import SURFACES
-from ...schema import ANISOTROPY, THIN_FILM
-from ...stack import Stack
 from .surfaces import Surfaces
 from .walk import Walk, connected_f
 
@@ -132,8 +132,8 @@ class PositionFree:
         shape = (len(theta_edges) - 1, len(phi_edges) - 1)
         azimuth = np.arctan2(wo[1], wo[0])
         total, squares = np.zeros((2, shape[0] * shape[1], 3))
-        for count, rng in self._batches(1, rng, progress, cancel):
-            walk = Walk(self._surfaces, np.broadcast_to(wo, (len(count), 3)), rng)
+        for count, batch_rng in self._batches(1, rng, progress, cancel):
+            walk = Walk(self._surfaces, np.broadcast_to(wo, (len(count), 3)), batch_rng)
             for rays in walk.exits():
                 wi = rays.w
                 row = np.searchsorted(theta_edges, np.arccos(np.clip(wi[:, 2], -1.0, 1.0)), side="right") - 1
@@ -164,8 +164,8 @@ class PositionFree:
     def _estimate(self, sample: Callable, figures: int, shape, rng, progress, cancel):
         """Mean and standard error (figures, *shape) of `sample(figure, rng)`, one row per walk."""
         total, squares = np.zeros((2, figures, *shape))
-        for figure, rng in self._batches(figures, rng, progress, cancel):
-            values = sample(figure, rng)
+        for figure, batch_rng in self._batches(figures, rng, progress, cancel):
+            values = sample(figure, batch_rng)
             first = np.flatnonzero(np.diff(figure, prepend=-1))
             total[figure[first]] += np.add.reduceat(values, first, axis=0)
             squares[figure[first]] += np.add.reduceat(np.square(values), first, axis=0)

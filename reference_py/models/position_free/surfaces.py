@@ -10,14 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...material.stack import Stack
 from ...optics import microsurface
 from ...optics.diffuse import oren_nayar
 from ...optics.fresnel import fresnel_conductor
-from ...optics.material import Brushed, Interface, brushed, conductor_index, film_of, interfaces, mean_alpha, n_above_base
 from ...optics.microfacet import is_specular
+from ...optics.optical_stack import Brushed, Interface, brushed, conductor_index, film_of, interfaces, mean_alpha, n_above_base
 from ...optics.sampling import vectors
 from ...optics.thin_film import FilmInterface, film_reflectance
-from ...stack import Stack
 
 # Share of a cosine lobe in the density that weights a `multiple` surface's paths against each other.
 # Any share is unbiased; some is needed where the walk leaves far from the single-scattering lobe.

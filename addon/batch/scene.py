@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene and the material of each item, in the Blender that runs: made once for all items that share them."""
+
+import json
+from pathlib import Path
+
+import bpy
+
+from ...reference_py.errors import LaminaError
+from ...reference_py.version import version
+from ..material.holders import can_hold_material
+from ..material.material import apply_stack, make_renderable, refresh
+from ..material.shader_node import remove_material
+from ..rendering.studio import build_ball_scene
+from .estimate import estimate
+from .items import BALL_SAMPLES, Item
+from .task import WITH_CAMERA, render_item
+
+
+class SceneError(LaminaError):
+    """What is wrong with a scene or its object, and so with every item that names them."""
+
+
+class Stage:
+    """Shows one item after the other and renders it."""
+
+    def __init__(self, threads: int = 0):
+        self._threads = threads
+        self._scene_key = self._material_key = None
+        self.scene = self.target = self.material = None
+        self.slot = 0
+        self.texts: dict[str, str] = {}
+
+    def render(self, item: Item, folder: Path) -> None:
+        """Render an item into the folder. Raises LaminaError."""
+        self.show(item)
+        try:
+            render_item(self.scene, self.target, item.to_dict(), self.texts | own_texts(item), folder)
+        except (OSError, ValueError, RuntimeError) as error:
+            raise LaminaError(f"{item.file}: {' '.join(str(getattr(error, 'strerror', None) or error).split())}") from None
+
+    def show(self, item: Item) -> None:
+        """Make the item's scene and material the present ones. Raises LaminaError."""
+        key = (item.blend, item.scene.object)
+        if self._scene_key != key:
+            self._scene_key = self._material_key = None
+            self._open(item)
+            self._scene_key = key
+        key = (item.stack.to_json(), item.tier, item.backend)
+        if self._material_key != key:
+            self._material_key = None
+            former = self.material
+            self.material = self._made(item)
+            self.slot = put_on(self.target, self.material)
+            if former is not None:
+                remove_material(former)
+            self.texts = estimate(item.stack, item.tier)
+            self._material_key = key
+
+    def _open(self, item: Item) -> None:
+        self.material = None
+        if not item.blend:
+            if bpy.data.filepath:
+                bpy.ops.wm.read_homefile(use_empty=True)
+            studio = build_ball_scene(None, item.size, BALL_SAMPLES)
+            studio.scene[WITH_CAMERA] = "Backdrop\nHalo"
+            self.scene, self.target = studio.scene, studio.ball
+        else:
+            self.scene, self.target = open_scene(item)
+        if self._threads:
+            self.scene.render.threads_mode, self.scene.render.threads = "FIXED", self._threads
+
+    def _made(self, item: Item) -> bpy.types.Material:
+        material = bpy.data.materials.new(item.look)
+        try:
+            apply_stack(material, item.stack, item.tier, item.backend)
+            refresh(material, settle=True)
+            make_renderable(material, self.scene)
+        except Exception:
+            bpy.data.materials.remove(material)
+            raise
+        return material
+
+
+def own_texts(item: Item) -> dict[str, str]:
+    """What an item's picture says of its origin."""
+    return {
+        "lamina:id": item.id,
+        "lamina:version": version(),
+        "lamina:stack": json.dumps(item.stack.to_dict()),
+        "lamina:tier": item.tier,
+        "lamina:sweep": json.dumps(dict(item.values)),
+    }
+
+
+def open_scene(item: Item):
+    """The active scene of an item's .blend file and the item's object in it. Raises SceneError."""
+    try:
+        bpy.ops.wm.open_mainfile(filepath=item.blend, load_ui=False)
+    except RuntimeError as error:
+        raise SceneError(f"{item.scene.blend}: Blender cannot open it: {' '.join(str(error).split())}") from None
+    scene = bpy.context.scene
+    target = scene.objects.get(item.scene.object)
+    if not can_hold_material(target):
+        choices = sorted(o.name for o in scene.objects if can_hold_material(o))
+        raise SceneError(f"{item.scene.blend}: no object {item.scene.object!r} that takes a surface material; choose {', '.join(choices) or 'none'}")
+    if scene.camera is None:
+        raise SceneError(f"{item.scene.blend}: the scene {scene.name} has no camera")
+    if scene.render.engine != "CYCLES":
+        raise SceneError(f"{item.scene.blend}: the scene {scene.name} renders with {scene.render.engine}; choose Cycles in it")
+    return scene, target
+
+
+def put_on(target: bpy.types.Object, material: bpy.types.Material) -> int:
+    """Give an object the material in its active slot, the first if it has none. Returns the slot's index."""
+    if not target.material_slots:
+        target.data.materials.append(material)
+        return 0
+    index = target.active_material_index
+    target.material_slots[index].material = material
+    return index

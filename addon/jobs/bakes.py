@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes that run beside Blender's window, one at a time, and shaders that follow values which they hold.
+
+A timer looks at the materials after something changed: a shader of old values is replaced at once by one that reads
+them (tier analytic), and when the values have rested for one tick, a process starts to compute the network that the
+material's tier stands for. Without a window nothing of this runs: `material.refresh(settle=True)` waits instead.
+"""
+
+from dataclasses import dataclass
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ...reference_py.errors import LaminaError
+from ...reference_py.lobes.cache import content
+from ...reference_py.lobes.methods import HOLD_VALUES, TIERS, bake_process
+from ...reference_py.material.schema import SCHEMA_VERSION
+from ..blender.user_folders import cache_folder
+from ..material import material as materials
+from ..material import state
+from ..material.live_values import live_values
+from ..material.osl_setting import shows_osl
+from ..material.pasted import adopt_pasted
+from ..material.reading import is_own, require_editable, stack_of
+from ..material.record import keep_record
+from . import conversions
+from .process import Process
+
+TICK = 0.4
+
+
+class Bake(Process):
+    """One network in the making, in a process of its own."""
+
+    def __init__(self, wanted: state.Wanted):
+        request = bake_process.request(wanted.stack, wanted.tier, wanted.live, wanted.tolerance, cache_folder())
+        super().__init__("a bake", bake_process.MODULE, request)
+        self.wanted, self.key = wanted, wanted.key
+
+
+@dataclass
+class _State:
+    bake: Bake | None = None
+    resting: dict[str, str] | None = None
+    given_up: dict[str, str] | None = None
+
+
+_state = _State(resting={}, given_up={})
+
+
+def bake_of(material: bpy.types.Material) -> Bake | None:
+    """The bake that runs for this material's present values."""
+    return _state.bake if _state.bake is not None and _state.resting.get(material.name_full) == _state.bake.key else None
+
+
+def given_up(material: bpy.types.Material) -> str:
+    """Why there is no bake of a material's values, if it failed or was cancelled; empty otherwise."""
+    key, _, reason = _state.given_up.get(material.name_full, "").partition("\n")
+    return reason if key and key == _state.resting.get(material.name_full) else ""
+
+
+def cancel(material: bpy.types.Material) -> None:
+    """Stop the material's bake; its shader stays that of the tier analytic until a value changes."""
+    bake = bake_of(material)
+    if bake is None:
+        return
+    bake.cancel()
+    _state.bake = None
+    _state.given_up[material.name_full] = f"{bake.key}\ncancelled"
+
+
+def retry(material: bpy.types.Material) -> None:
+    """Bake again after a cancel or a failure; without a window, wait for it. Raises LaminaError for a material of another file."""
+    require_editable(material)
+    _state.given_up.pop(material.name_full, None)
+    if bpy.app.background:
+        materials.refresh(material, settle=True)
+    wake()
+
+
+def tick() -> float | None:
+    """One look at all materials. Returns the seconds to the next, or None when there is nothing left to do."""
+    if bpy.app.is_job_running("RENDER"):
+        return TICK  # nodes must not change under a render
+    _collect()
+    left = conversions.collect()
+    for material in bpy.data.materials:
+        adopt_pasted(material)
+        if is_own(material) and material.lamina.is_layered:
+            try:
+                left |= _follow(material)
+                left |= conversions.follow(material)
+            except LaminaError as error:
+                _give_up(material, str(error))
+    _redraw()
+    return TICK if left or _state.bake is not None else None
+
+
+def _follow(material: bpy.types.Material) -> bool:
+    """Bring one material nearer to what its tier stands for; whether there is more to do."""
+    if state.is_stale(material):
+        materials.refresh(material)
+    if state.is_settled(material):
+        is_older = state.lacks_branch(material) and material.lamina.schema_version < SCHEMA_VERSION
+        if is_older or not state.lags(material):  # opening a file changes nothing: an older one gets both branches at an edit or a save
+            _state.resting.pop(material.name_full, None)
+            if not is_older:
+                keep_record(material)
+            return False
+        if material.lamina.tier not in HOLD_VALUES or live_values(material):
+            return _follow_with_stock(material)
+    wanted = state.wanted_network(material)
+    rested = _state.resting.get(material.name_full) == wanted.key
+    _state.resting[material.name_full] = wanted.key
+    if wanted.is_known():
+        materials.refresh(material)
+        return False
+    if given_up(material):
+        return False
+    if rested and _state.bake is None:
+        _state.bake = Bake(wanted)
+    return True
+
+
+def _follow_with_stock(material: bpy.types.Material) -> bool:
+    """Let the stock nodes beside a script that reads its values follow: when these rest, or at once where no script shows."""
+    key = content(stack_of(material))
+    rested = _state.resting.get(material.name_full) == key
+    if rested or state.lacks_branch(material) or not any(shows_osl(w.scene) for w in bpy.context.window_manager.windows):
+        _state.resting.pop(material.name_full, None)
+        (materials.refresh if state.lacks_branch(material) else materials.refresh_stock)(material)
+        return False
+    _state.resting[material.name_full] = key
+    return True
+
+
+def _collect() -> None:
+    bake = _state.bake
+    if bake is None:
+        return
+    if bake.key not in _state.resting.values():
+        bake.cancel()  # nobody wants it any more
+    if not bake.is_done:
+        return
+    _state.bake = None
+    if bake.result is not None:
+        TIERS[bake.wanted.tier].remember(bake.key, bake.wanted.stack, bake.result)
+        return
+    for name, key in _state.resting.items():
+        if key == bake.key:
+            _state.given_up[name] = f"{key}\n{bake.error}"
+            print(f"Lamina: {name}: the bake failed: {bake.error}; its shader stays that of the tier analytic")
+
+
+def _give_up(material, reason: str) -> None:
+    if material.lamina.problem != reason:
+        material.lamina.problem = reason
+        print(f"Lamina: {material.name}: {reason}")
+
+
+def _redraw() -> None:
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "PROPERTIES":
+                area.tag_redraw()
+
+
+def wake() -> None:
+    """Let the timer look at the materials soon."""
+    if not bpy.app.background and not bpy.app.timers.is_registered(tick):
+        bpy.app.timers.register(tick, first_interval=TICK, persistent=True)
+
+
+@persistent
+def wake_after_change(_scene, depsgraph) -> None:
+    if bpy.app.background:
+        for material in bpy.data.materials:  # of one on no object Blender tells no change
+            adopt_pasted(material)
+    elif depsgraph.id_type_updated("MATERIAL") or depsgraph.id_type_updated("NODETREE"):
+        wake()
+
+
+@persistent
+def wake_after_load(*_) -> None:
+    wake()
+
+
+def handlers() -> list[tuple]:
+    """(list of Blender's handlers, ours) for `registration`."""
+    lists = bpy.app.handlers
+    return [(lists.depsgraph_update_post, wake_after_change), (lists.load_post, wake_after_load), (lists.undo_post, wake_after_load)]
+
+
+def stop() -> None:
+    """End the timer and what is baking."""
+    if bpy.app.timers.is_registered(tick):
+        bpy.app.timers.unregister(tick)
+    conversions.stop()
+    if _state.bake is not None:
+        _state.bake.cancel()
+        _state.bake = None

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What exporters find follows beside Blender's window: its base color is solved in a process, one at a time, once values rest."""
+
+from dataclasses import dataclass, field
+
+import bpy
+
+from ...reference_py.errors import LaminaError
+from ...reference_py.exchange import conversion_process
+from ...reference_py.exchange.hand_over import key_of, known_hand_over, remember
+from ...reference_py.material.stack import Stack
+from ..material import material as materials
+from ..material.hand_over import has_hand_over, is_handed_over
+from ..material.principled_node import has_linked_color
+from ..material.reading import stack_of
+from .process import Process
+
+
+class _Conversion(Process):
+    """One base color in the making, in a process of its own."""
+
+    def __init__(self, stack: Stack, textured: bool, key: str):
+        super().__init__("a conversion", conversion_process.MODULE, conversion_process.request(stack, textured))
+        self.stack, self.textured, self.key = stack, textured, key
+
+
+@dataclass
+class _State:
+    running: _Conversion | None = None
+    resting: dict[str, str] = field(default_factory=dict)
+    failed: set[str] = field(default_factory=set)
+
+
+_state = _State()
+
+
+def follow(material: bpy.types.Material) -> bool:
+    """Bring what exporters find of one material nearer to its values; whether there is more to do.
+
+    Opening a file changes nothing: a material that has no hand-over yet waits for its next change or save.
+    """
+    if not has_hand_over(material):
+        return False
+    try:
+        stack = stack_of(material)
+    except LaminaError:
+        return False  # Check names the value, and exporters find the last right ones
+    if is_handed_over(material, stack):
+        _state.resting.pop(material.name_full, None)
+        return False
+    textured = has_linked_color(material)
+    key = key_of(stack, textured)
+    if known_hand_over(stack, textured):
+        materials.hand_over(material)
+        return False
+    rested = _state.resting.get(material.name_full) == key
+    _state.resting[material.name_full] = key
+    if key in _state.failed:
+        return False
+    if rested and _state.running is None:
+        materials.hand_over(material)  # all but the base color, at once
+        try:
+            _state.running = _Conversion(stack, textured, key)
+        except LaminaError as error:
+            _fail(key, str(error))
+    return True
+
+
+def collect() -> bool:
+    """Take what a process has solved; whether one is at work."""
+    running = _state.running
+    if running is None:
+        return False
+    if running.key not in _state.resting.values():
+        running.cancel()  # nobody wants it any more
+    if not running.is_done:
+        return True
+    _state.running = None
+    if running.result is not None:
+        remember(running.stack, running.textured, running.result)
+    elif running.key in _state.resting.values():
+        _fail(running.key, running.error)
+    return False
+
+
+def _fail(key: str, why: str) -> None:
+    _state.failed.add(key)  # the panel says that the error is not known
+    print(f"Lamina: exporters find the stack's own base color, as the right one is not solved: {why}")
+
+
+def stop() -> None:
+    """End what is at work."""
+    if _state.running is not None:
+        _state.running.cancel()
+        _state.running = None

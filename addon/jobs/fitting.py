@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Measurements that become stacks: the fit runs beside Blender's window, in a process, and is applied when it is done."""
+
+from pathlib import Path
+
+import bpy
+
+from ...reference_py.errors import LaminaError
+from ...reference_py.fit import fit_process
+from ...reference_py.fit.forward import DEFAULT_MODEL
+from ...reference_py.fit.metric import percent
+from ...reference_py.fit.outcome import lines
+from ...reference_py.material.stack import Stack
+from ..material import material as materials
+from .process import Process
+
+TICK = 0.5
+
+
+class Fit(Process):
+    """One fit in the making, for a material or for an object that has none."""
+
+    def __init__(self, target: bpy.types.ID, file: str, layers: int | str, base: str):
+        super().__init__("a fit", fit_process.MODULE, fit_process.request(file, layers, base, DEFAULT_MODEL))
+        self.target, self.file = target.session_uid, file
+        self.is_object = isinstance(target, bpy.types.Object)
+
+    def apply(self, scene: bpy.types.Scene) -> list[str]:
+        """Give the target the fitted stack; what to tell the user. Raises LaminaError where there is none."""
+        if self.error:
+            raise LaminaError(self.error)
+        owner = _with_uid(bpy.data.objects if self.is_object else bpy.data.materials, self.target)
+        if owner is None:
+            raise LaminaError(f"{Path(self.file).name} is fitted, but the {'object' if self.is_object else 'material'} that it was for is gone")
+        stack = Stack.from_dict(self.result["stack"], Path(self.file).name)
+        material = bpy.data.materials.new(Path(self.file).stem) if self.is_object else owner
+        try:
+            materials.apply_stack(material, stack)
+        except LaminaError:
+            if self.is_object:
+                bpy.data.materials.remove(material)
+            raise
+        if self.is_object:
+            owner.active_material = material
+        return [_told(self.file, self.result, _noted(self.file, self.result)), *materials.make_renderable(material, scene)]
+
+
+def _with_uid(collection, uid: int) -> bpy.types.ID | None:
+    return next((item for item in collection if item.session_uid == uid), None)
+
+
+def _noted(file: str, result: dict) -> str:
+    """The name of a text in which all is said of the fit."""
+    text = bpy.data.texts.new(f"Fit of {Path(file).name}")
+    text.write("\n".join([file, *result["found"], *result["warnings"], "", *lines(result)]) + "\n")
+    return text.name
+
+
+def _told(file: str, result: dict, noted: str) -> str:
+    text = f"fitted to {Path(file).name}: {Stack.from_dict(result['stack']).name}, error {percent(result['error'])}"
+    if not result["explains"]:
+        text += "; no stack that was tried explains it"
+    for warning in result["warnings"]:
+        text += f"; {warning}"
+    if result["not_determined"]:
+        text += f"; the data do not determine {len(result['not_determined'])} of {len(result['parameters'])} values"
+    return f"{text}; more in the text {noted}"
+
+
+# The fit that runs, and by target what the last one told.
+_running: Fit | None = None
+_last: dict[int, str] = {}
+
+
+def running() -> Fit | None:
+    """The fit that runs."""
+    return _running
+
+
+def last_told(owner: bpy.types.ID | None) -> str:
+    """What the last fit for a material or an object told; empty if there was none."""
+    return _last.get(owner.session_uid, "") if owner is not None else ""
+
+
+def start(target: bpy.types.ID, file: str, layers: int | str, base: str) -> Fit:
+    """Begin a fit. Raises LaminaError when one runs already, or it cannot start."""
+    global _running
+    if _running is not None:
+        raise LaminaError(f"{Path(_running.file).name} is being fitted; wait for it, or cancel it")
+    _last.pop(target.session_uid, None)
+    _running = Fit(target, file, layers, base)
+    return _running
+
+
+def cancel() -> None:
+    """Stop the fit that runs; the material stays as it is."""
+    global _running
+    if _running is not None:
+        _running.cancel()
+        _running = None
+
+
+def tick() -> float | None:
+    """Look after the fit; apply it when it is done. Returns the seconds to the next look."""
+    global _running
+    if _running is None:
+        return None
+    if not _running.is_done or bpy.app.is_job_running("RENDER"):
+        _redraw()
+        return TICK
+    fit, _running = _running, None
+    try:
+        told = fit.apply(bpy.context.scene)
+        bpy.ops.ed.undo_push(message="Fit Measurement")
+    except LaminaError as error:
+        told = [f"fit failed: {error}"]
+    # the panel has notes of its own on how the material is made
+    _last[fit.target] = told[0]
+    for sentence in told:
+        print(f"Lamina: {sentence}")
+    _redraw()
+    return None
+
+
+def finish(scene: bpy.types.Scene) -> list[str]:
+    """Wait for the fit that runs and apply it; what to tell the user. Raises LaminaError where there is none."""
+    global _running
+    fit, _running = _running, None
+    fit.wait()
+    return fit.apply(scene)
+
+
+def stop() -> None:
+    """End the timer and the fit."""
+    if bpy.app.timers.is_registered(tick):
+        bpy.app.timers.unregister(tick)
+    cancel()
+
+
+def _redraw() -> None:
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "PROPERTIES":
+                area.tag_redraw()

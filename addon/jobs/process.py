@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One worker of `reference_py` in a process beside Blender's, and what it tells."""
+
+import json
+import os
+import subprocess
+import sys
+import threading
+
+from ...reference_py.errors import LaminaError
+from ...reference_py.lobes.methods.bake_process import ENVIRONMENT, command
+
+
+class Process:
+    """A worker that reads `request` and tells its progress in lines; `result` or `error` is there once it is done.
+
+    Raises LaminaError, which names `what`, where no process can be started.
+    """
+
+    def __init__(self, what: str, module: str, request: str):
+        self.share, self.error, self.result = 0.0, "", None
+        try:
+            self._process = subprocess.Popen(
+                command(sys.executable, module), env=os.environ | ENVIRONMENT, text=True,
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            )  # fmt: skip
+            self._process.stdin.write(request)
+            self._process.stdin.close()
+        except OSError as error:
+            raise LaminaError(f"cannot start {what} with {sys.executable}: {error.strerror or error}") from None
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        for line in self._process.stdout:
+            word, _, rest = line.strip().partition(" ")
+            if word == "progress":
+                self.share = float(rest)
+            elif word == "warning":
+                print(f"Lamina: {rest}")
+            elif word == "result":
+                self.result = json.loads(rest)
+            elif word == "error":
+                self.error = rest
+        code = self._process.wait()
+        if self.result is None and not self.error:
+            self.error = f"its process ended with code {code}"
+
+    @property
+    def is_done(self) -> bool:
+        return not self._reader.is_alive()
+
+    def wait(self) -> None:
+        self._reader.join()
+
+    def cancel(self) -> None:
+        self._process.kill()
+        self._reader.join()

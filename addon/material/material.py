@@ -1,0 +1,279 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A stack in a material: group nodes that hold its values, and the generated shader that reads them.
+
+The layer nodes feed one Script node, which is generated again only when structure or tier changes; in the backend of
+stock nodes the shader is a group that holds the values. Every function changes the material wholly or, when it
+raises LaminaError, not at all.
+"""
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import bpy
+
+from ...reference_py.errors import LaminaError
+from ...reference_py.lobes.cache import content
+from ...reference_py.lobes.methods import DEFAULT_TIER, HOLD_VALUES, PROVISIONAL_TIER, make_network, require_tier
+from ...reference_py.lobes.methods.patches import MAX_CLOSURES, estimated_cost, estimated_error, holds_values, tiers_of
+from ...reference_py.material.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
+from ...reference_py.material.stack import Stack
+from ..blender.versions import node_tree
+from ..shader.inputs import BASE, layer_owner
+from ..shader.nodes.stock_nodes import closure_count, left_out, stock_tables
+from ..shader.osl.generate import generate
+from .backend import AUTO, NODES, OSL, branches_here, notice
+from .base_kind import change_kind, lost_by_change
+from .elements import bring_up_to_date, carry_metal, fill_element, find_node, kind_of, node_of, show_name, structure_dict
+from .hand_over import follow_hand_over
+from .live_values import live_values
+from .osl_setting import prefer_osl
+from .properties import follow, quietly
+from .reading import require_editable, require_layered, stack_of
+from .record import keep_record, keep_structure, take_structure
+from .roles import node_with
+from .shader_node import Surface, backend_of, replacing_branches, shading_of
+from .snapshot import restore, snapshot
+from .state import SETTLED, TOLD, note_of, wanted_network
+
+_COLUMN, _ROW = 320, 240
+
+
+def apply_stack(
+    material: bpy.types.Material, stack: Stack, tier: str = DEFAULT_TIER, backend: str | None = None,
+    finish: Callable[[bpy.types.Material], None] | None = None,
+) -> None:
+    """Make `material` show `stack`, in place of what it showed. Without `backend` (a key of BACKENDS) its own one stays.
+
+    `finish` may link textures to the new nodes before the shader is made.
+    """
+    require_tier(tier)
+    branches_here(backend or material.lamina.backend)
+    with changing(material) as tree:
+        lamina = material.lamina
+        lamina.backend = backend or lamina.backend
+        lamina.stack_name, lamina.source, lamina.unknown = stack.name, stack.source, json.dumps(dict(stack.unknown))
+        lamina.tier, lamina.schema_version = tier, SCHEMA_VERSION
+        lamina.layers.clear()
+        lamina.solo = ""
+        for layer in stack.layers:
+            fill_element(tree, lamina.layers.add(), layer, SCHEMA.layers[layer.kind])
+        fill_element(tree, lamina.base, stack.base, SCHEMA.bases[stack.base.kind])
+        if finish is not None:
+            finish(material)
+
+
+def set_base(material: bpy.types.Material, kind: str) -> list[tuple[str, str]]:
+    """Replace the base by one of another kind, see `change_kind`. Returns what is lost, see `lost_by_change`."""
+    require_layered(material)
+    base, new_kind = material.lamina.base, SCHEMA.base(kind, f"material {material.name}")
+    is_there = find_node(base) is not None  # gone if somebody deleted it; then this is the way back
+    if is_there and base.kind == kind:
+        return []
+    lost = lost_by_change(base, new_kind) if is_there else []
+    with changing(material) as tree:
+        change_kind(tree, base, new_kind)
+    return lost
+
+
+def regenerate(material: bpy.types.Material) -> None:
+    """Make the shader anew, for instance after somebody deleted its node."""
+    require_layered(material)
+    with changing(material):
+        material.lamina.problem = ""
+
+
+def make_renderable(material: bpy.types.Material, scene: bpy.types.Scene) -> list[str]:
+    """Switch OSL on in a scene where nothing speaks against it. Returns one sentence for each thing that the user should see."""
+    if backend_of(material) == OSL:
+        return prefer_osl(scene, bpy.context.preferences)
+    told = notice(material.lamina.backend)
+    return [f"{material.name} is {told}"] if told else []
+
+
+@follow
+def structure_changed(material: bpy.types.Material, name: str) -> None:
+    """What setting the property `name` calls: a metal's sockets, if it concerns them, and the shader follow.
+
+    In a material of another file all properties become again what they were. Update functions cannot report to the user, so an error is kept for the panel to show.
+    """
+    lamina = material.lamina
+    if not lamina.is_layered:
+        return
+    try:
+        require_editable(material)
+    except LaminaError as error:
+        lamina.problem = "" if take_structure(material) else str(error)  # older files have nothing to put it back from
+        print(f"Lamina: {error}")
+        return
+    if name in ("name", "stack_name"):
+        for element in (*lamina.layers, lamina.base):
+            show_name(element)
+        keep_structure(material)
+        return
+    try:
+        if name in ("given", "metal") and lamina.base.kind == CONDUCTOR.name:
+            carry_metal(lamina.base, CONDUCTOR)
+        regenerate(material)
+    except LaminaError as error:
+        lamina.problem = str(error)
+        print(f"Lamina: {error}")
+
+
+@contextmanager
+def changing(material: bpy.types.Material) -> Iterator[bpy.types.NodeTree]:
+    """Change the structure in the block; then the shader follows, or, on an error, all is as before."""
+    require_editable(material)
+    lamina, tree = material.lamina, node_tree(material)
+    before, nodes_before, former = snapshot(lamina), _value_nodes(lamina), backend_of(material)
+    try:
+        with quietly():
+            yield tree
+            lamina.problem = ""
+            refresh(material)
+    except Exception:
+        _remove_nodes(tree, _value_nodes(lamina) - nodes_before)
+        with quietly():
+            restore(lamina, before)
+        raise
+    _remove_nodes(tree, nodes_before - _value_nodes(lamina))
+    if backend_of(material) != former and (told := notice(lamina.backend)):
+        print(f"Lamina: {material.name} is {told}")
+
+
+def _value_nodes(lamina) -> set[str]:
+    """Present names of the nodes of all elements."""
+    return {node.name for element in (*lamina.layers, lamina.base) if (node := find_node(element)) is not None}
+
+
+def _remove_nodes(tree, names: set[str]) -> None:
+    for node in [tree.nodes[name] for name in names if name in tree.nodes]:
+        tree.nodes.remove(node)
+
+
+def refresh(material: bpy.types.Material, settle: bool = False, progress: Callable[[float], None] | None = None) -> None:
+    """Make both branches follow the structure, and, where they hold values (tables), the present values.
+
+    Wires the visible layers to a shader that reads them. Tiers that compute the truth first take seconds: until that is
+    done, here with `settle` or by `bakes` in the background, the shader is that of the tier analytic. `progress` gets the
+    share done and may raise to cancel. Raises LaminaError; then the material is as before.
+    """
+    require_editable(material)
+    lamina, branches = material.lamina, branches_here(material.lamina.backend)
+    owners = _owners(material)
+    waits = lamina.tier in HOLD_VALUES
+    wanted = wanted_network(material) if waits else None
+    told = wanted.stack if wanted else _structure(material) if OSL in branches else stack_of(material)
+    settled = wanted is None or settle or wanted.is_known()
+    network = make_network(told, PROVISIONAL_TIER) if not settled else wanted.make(progress) if waits else make_network(told, lamina.tier)
+    key = wanted.key if wanted and settled else ""
+    with replacing_branches(material) as surface:
+        if OSL in branches:
+            shader = generate(network)
+            script = surface.script(shader, owners)
+            _note(script, content(told, live_values(material)) if holds_values(network) else "", key)
+            lamina.lobe_count = shader.lobe_count
+        elif lamina.backend == AUTO and _script_serves(material, network):
+            surface.keep(OSL)
+        if NODES in branches:
+            same = OSL not in branches or waits and not wanted.live
+            tables = _make_stock(surface, material, owners, *((network, key) if same else (None, "")))
+            lamina.lobe_count = lamina.lobe_count if OSL in branches else closure_count(tables)
+    others = ", ".join(sorted(tiers_of(network) - {lamina.tier}))
+    stand_in = f"{others}, as the tier {lamina.tier} knows no thin films" if others and not waits else ""
+    many = f"{lamina.lobe_count} closures, more than the {MAX_CLOSURES} that OptiX takes" if lamina.lobe_count > MAX_CLOSURES else ""
+    notes = [network.reason if wanted and settled else stand_in, left_out(told) if OSL not in branches else "", many]
+    lamina.note = "; ".join(filter(None, notes))
+    lamina.schema_version = max(lamina.schema_version, SCHEMA_VERSION)
+    error = estimated_error(network)
+    lamina.error, lamina.cost = -1.0 if error is None else 100.0 * error, estimated_cost(network)
+    hand_over(material, settle)
+    _arrange(lamina, node_with(material, branches[0]))
+    keep_record(material)
+
+
+def hand_over(material: bpy.types.Material, settle: bool = False) -> None:
+    """Make what exporters find follow, where there is a shader. Values that the schema does not allow leave it as it is, and Check tells them."""
+    closure = shading_of(material)
+    try:
+        stack = stack_of(material)
+    except LaminaError:
+        return
+    if closure is not None:
+        follow_hand_over(material, closure, stack, settle)
+
+
+def refresh_stock(material: bpy.types.Material, settle: bool = False) -> None:
+    """Make the stock nodes beside a script follow the present values. Raises LaminaError; then the material is as before.
+
+    Of tiers that compute first they are those of the tier analytic where nothing is computed yet, but for `settle`.
+    """
+    require_editable(material)
+    owners, network, key = _owners(material), None, ""
+    if material.lamina.tier in HOLD_VALUES:
+        wanted = wanted_network(material)
+        if not wanted.live and (settle or wanted.is_known()):
+            network, key = wanted.make(), wanted.key
+    with replacing_branches(material) as surface:
+        surface.keep(OSL)
+        _make_stock(surface, material, owners, network, key)
+    keep_record(material)
+
+
+def _owners(material) -> dict[str, bpy.types.Node]:
+    """The nodes of the values, which get what a later version than theirs has."""
+    lamina = material.lamina
+    layers = lamina.shown_layers
+    for element in (*layers, lamina.base):
+        bring_up_to_date(element)
+    return {layer_owner(i): node_of(e) for i, e in enumerate(layers)} | {BASE: node_of(lamina.base)}
+
+
+def _structure(material) -> Stack:
+    """The stack without its values."""
+    lamina = material.lamina
+    *layers, base = [structure_dict(e, kind_of(e)) for e in (*lamina.shown_layers, lamina.base)]
+    return Stack.from_dict({"layers": layers, "base": base}, f"material {material.name}")
+
+
+def _make_stock(surface: Surface, material, owners, network, key: str):
+    """The branch of stock nodes, of a network for the present values; without one, of a live tier's. Returns its tables.
+
+    Stock nodes follow no textures, so what a bake over live values becomes is the tier analytic at the sockets' own.
+    """
+    stack = stack_of(material)
+    if network is None:
+        tier = material.lamina.tier
+        network = make_network(stack, PROVISIONAL_TIER if tier in HOLD_VALUES else tier)
+    tables = stock_tables(network)
+    _note(surface.stock(tables, owners), content(stack), key)
+    return tables
+
+
+def _note(node: bpy.types.Node, told: str, settled: str) -> None:
+    """Write on a branch's node what it was made for."""
+    node[TOLD], node[SETTLED] = told, settled
+
+
+def _script_serves(material, network) -> bool:
+    """Whether the script of a material is right for its present values, in a Blender that cannot make another."""
+    script = node_with(material, OSL)
+    if script is None or script.script is None:
+        return False
+    if held := note_of(script, TOLD, material):
+        return held == content(stack_of(material), live_values(material))
+    return script.script.as_string() == generate(network).text
+
+
+def _arrange(lamina, shader) -> None:
+    """Layers in a column from the top, to the left of the shader."""
+    for row, element in enumerate([*lamina.layers, lamina.base]):
+        node = node_of(element)
+        place = (shader.location.x - _COLUMN, shader.location.y - row * _ROW)
+        mute = row < len(lamina.layers) and not lamina.shows(element)
+        # Blender looks through the whole tree after each of these, so only what differs is set
+        if tuple(node.location) != place:
+            node.location = place
+        if node.mute != mute:
+            node.mute = mute
+        show_name(element)

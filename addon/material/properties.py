@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Structure of a Lamina material: which layers, in which order, of which kind. Values live in node sockets.
+
+No property here can be animated: an f-curve moves a property without calling its update function, so the shader
+would not follow.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import bpy
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty, StringProperty
+
+from ...reference_py.lobes.methods import DEFAULT_TIER, TIERS
+from ...reference_py.lobes.methods.auto import DEFAULT_TOLERANCE
+from ...reference_py.material.schema import SCHEMA, SCHEMA_VERSION, Schema
+from .backend import AUTO, BACKENDS, DEFAULT_BACKEND, NODES, OSL
+from .selection import select_layer, selected_layer
+
+_NOT_ANIMATABLE: set[str] = set()
+_ACRONYMS = {"ggx": "GGX"}
+_BACKEND_LABELS = {AUTO: "Automatic", OSL: "OSL", NODES: "Stock Nodes"}
+
+_TIER_HELP = {
+    "auto": "Live while values change; when they rest, the cheapest shader whose error stays under the tolerance",
+    "baked": "The truth, computed once when values rest and fitted by few lobes: closest and cheapest",
+    "analytic": "Every value live, all reflections between the layers computed while shading: for textures and animation of many values",
+    "weidlich_wilkie": "Every value live, as the paper of 2007 has it, whose energy is far from the truth's",
+}
+
+_quiet = False
+_followers: list[Callable[[bpy.types.Material, str], None]] = []
+
+
+def follow(function: Callable[[bpy.types.Material, str], None]) -> Callable[[bpy.types.Material, str], None]:
+    """A decorator: call the function with a material and the name of each property that is set in it."""
+    _followers.append(function)
+    return function
+
+
+@contextmanager
+def quietly() -> Iterator[None]:
+    """Set properties without regenerating the shader after each of them."""
+    global _quiet
+    before, _quiet = _quiet, True
+    try:
+        yield
+    finally:
+        _quiet = before
+
+
+def _update(name: str) -> Callable:
+    """An update function that tells which property was set."""
+
+    def update(group, _context) -> None:
+        if not _quiet:
+            for follower in _followers:
+                follower(group.id_data, name)
+
+    return update
+
+
+def choice_label(choice: str) -> str:
+    """How a choice of the schema reads in a menu."""
+    return _ACRONYMS.get(choice, choice.replace("_", " ").title())
+
+
+def _enum(name: str, items: list[tuple[str, str]], label: str, help_text: str, default: str) -> EnumProperty:
+    return EnumProperty(
+        name=label,
+        description=help_text,
+        items=[(item, text, "") for item, text in items],
+        default=default,
+        options=_NOT_ANIMATABLE,
+        update=_update(name),
+    )
+
+
+def structure_annotations(schema: Schema) -> dict:
+    """One enum per structural parameter of the schema, one switch per feature, and `given`, the alternative that describes a kind."""
+    kinds = (*schema.layers.values(), *schema.bases.values())
+    annotations = {
+        p.name: _enum(p.name, [(c, choice_label(c)) for c in p.choices], p.label, p.help, p.default)
+        for kind in kinds
+        for p in kind.structure
+    }
+    for feature in {f.name: f for kind in kinds for f in kind.features}.values():
+        name = f"use_{feature.name}"
+        annotations[name] = BoolProperty(
+            name=feature.label, description=feature.help, options=_NOT_ANIMATABLE, update=_update(name)
+        )
+    given = [(choice, kind.given_label(choice)) for kind in kinds for choice in kind.given_choices]
+    if given:
+        annotations["given"] = _enum("given", given, "Given By", "What describes this material", given[0][0])
+    return annotations
+
+
+class LaminaElement(bpy.types.PropertyGroup):
+    """A layer or the base. `name` is the user's label, `node` the name of its group node, which never changes."""
+
+    name: StringProperty(name="Name", description="Name of this layer; double-click to change it", update=_update("name"))
+    node: StringProperty()
+    kind: StringProperty(description="A layer or base kind of the schema")
+    visible: BoolProperty(
+        name="Visible",
+        description="Let this layer take part in the material",
+        default=True,
+        options=_NOT_ANIMATABLE,
+        update=_update("visible"),
+    )
+    was_given: StringProperty(description="The value of `given` that the sockets were last written for")
+    unknown: StringProperty(description="JSON of the keys that this version does not know")
+
+
+LaminaElement.__annotations__.update(structure_annotations(SCHEMA))
+
+
+class LaminaMaterial(bpy.types.PropertyGroup):
+    """Structure of one material; empty `base.node` means that it is not a Lamina material."""
+
+    layers: CollectionProperty(type=LaminaElement)
+    solo: StringProperty(description="Node of the layer that alone is shown over the base; empty where all visible ones are")
+    base: PointerProperty(type=LaminaElement)
+    tier: EnumProperty(
+        name="Tier",
+        description="How the stack is told to Cycles",
+        items=[(name, name.replace("_", " ").title(), _TIER_HELP[name]) for name in TIERS],
+        default=DEFAULT_TIER,
+        options=_NOT_ANIMATABLE,
+        update=_update("tier"),
+    )
+    backend: EnumProperty(
+        name="Backend",
+        description="What the shader is made of",
+        items=[(name, _BACKEND_LABELS[name], text) for name, text in BACKENDS.items()],
+        default=DEFAULT_BACKEND,
+        options=_NOT_ANIMATABLE,
+        update=_update("backend"),
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        description="The largest error that the tier auto may show, as a share of the reflected light",
+        min=0.1,
+        max=100.0,
+        default=100.0 * DEFAULT_TOLERANCE,
+        subtype="PERCENTAGE",
+        options=_NOT_ANIMATABLE,
+        update=_update("tolerance"),
+    )
+    stack_name: StringProperty(name="Name", description="Name of the stack", update=_update("stack_name"))
+    source: StringProperty(name="Source", description="Where the stack's numbers come from")
+    unknown: StringProperty(description="JSON of the keys that this version does not know")
+    schema_version: IntProperty(default=SCHEMA_VERSION)
+    shader_node: StringProperty(description="Of files of schema 1 and 2: name of the node that is the shader")
+    told: StringProperty(description="Of files of schema 1 and 2: hash of the values that the shader holds; empty where it reads them")
+    settled: StringProperty(description="Of files of schema 1 and 2: what the shader was computed for, in tiers that compute first; empty until it is done")
+    stamp: StringProperty(description="Which copy of this structure the node tree has, see `record`")
+    note: StringProperty(description="What was chosen, and why")
+    error: FloatProperty(default=-1.0, description="Estimated error of what was chosen, in percent; negative where there is no estimate")
+    handed: StringProperty(description="Hash of the values and links that exporters find; empty until the base color is solved for them")
+    hand_over_error: FloatProperty(default=-1.0, description="Error of what exporters find, in percent; negative until it is known")
+    viewport: FloatVectorProperty(size=5, description="Viewport color, metallic and roughness as they were set last")
+    cost: FloatProperty(description="Estimated render time, over that of a plain glossy node; 0 before the first shader")
+    lobe_count: IntProperty(description="Lobes of the generated shader")
+    problem: StringProperty(description="Why the shader does not follow the structure", options={"SKIP_SAVE"})
+
+    @property
+    def active_layer(self) -> int:
+        """Index of the layer that is shown below the list, see `selection`."""
+        return selected_layer(self.id_data)
+
+    @active_layer.setter
+    def active_layer(self, index: int) -> None:
+        select_layer(self.id_data, index)
+
+    @property
+    def is_layered(self) -> bool:
+        return bool(self.base.node)
+
+    def shows(self, layer: LaminaElement) -> bool:
+        """Whether a layer takes part in the material: it is visible, and none or itself is soloed."""
+        return layer.node == self.solo if self.solo else layer.visible
+
+    @property
+    def shown_layers(self) -> list[LaminaElement]:
+        """The layers that take part in the material, from the top."""
+        return [layer for layer in self.layers if self.shows(layer)]
+
+
+CLASSES = (LaminaElement, LaminaMaterial)

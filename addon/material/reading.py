@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a material holds, read from its nodes, and whether it may be changed."""
+
+import json
+
+import bpy
+
+from ...reference_py.errors import LaminaError
+from ...reference_py.material.schema import SCHEMA_VERSION
+from ...reference_py.material.stack import Stack
+from .elements import kind_of, read_element
+
+
+def require_editable(material: bpy.types.Material) -> None:
+    """Raise LaminaError for a material that belongs to another file."""
+    if material.library is not None:
+        raise LaminaError(f"material {material.name} is linked from {material.library.filepath}; make it local to edit it")
+    if material.override_library is not None:
+        raise LaminaError(
+            f"material {material.name} is a library override, of which Blender keeps no values of nodes; make it local to edit it"
+        )
+
+
+def is_own(material: bpy.types.Material) -> bool:
+    """Whether a material is this file's, and so may be changed."""
+    return material.library is None and material.override_library is None
+
+
+def require_layered(material: bpy.types.Material) -> None:
+    """Raise LaminaError for a material without a Lamina stack."""
+    if not material.lamina.is_layered:
+        raise LaminaError(f"material {material.name} has no Lamina stack; pick a preset first")
+
+
+def stack_of(material: bpy.types.Material, hidden: bool = False) -> Stack:
+    """The stack that the sockets hold; layers that are not shown only if asked for. A linked socket counts with its own value.
+
+    Raises LaminaError when a socket holds what the schema does not allow.
+    """
+    require_layered(material)
+    lamina = material.lamina
+    return Stack.from_dict(
+        {
+            **json.loads(lamina.unknown or "{}"),
+            # older files' sockets mean what they mean now; a newer one's may not
+            "schema_version": max(lamina.schema_version, SCHEMA_VERSION),
+            "name": lamina.stack_name,
+            "source": lamina.source,
+            "layers": [read_element(e, kind_of(e)) for e in (lamina.layers if hidden else lamina.shown_layers)],
+            "base": read_element(lamina.base, kind_of(lamina.base)),
+        },
+        f"material {material.name}",
+    )

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Buttons that convert materials. Every report goes to a text of the file and, with a window, to a popup."""
+
+import textwrap
+from pathlib import Path
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.app.translations import pgettext_tip as tip_
+from bpy_extras.io_utils import ExportHelper, ImportHelper
+
+from ...reference_py.errors import LaminaError
+from ...reference_py.exchange.materialx import SUFFIX, load_mtlx, save_mtlx
+from ...reference_py.exchange.openpbr import to_openpbr
+from ...reference_py.exchange.report import Report
+from ..exchange import conversion
+from ..exchange.sources import principled_of
+from ..material import material as materials
+from . import material_operators as ops
+
+REPORT_TEXT = "Lamina Conversion"
+_POPUP_WIDTH = 110
+
+
+def tell(operator: bpy.types.Operator, title: str, report: Report, told: list[str] = ()) -> None:
+    """Write a report into the text, say its summary, and show all of it where there is a window."""
+    tell_lines(operator, title, [*told, *report.lines()], f": {report.summary}")
+
+
+def tell_lines(operator: bpy.types.Operator, title: str, lines: list[str], summary: str = "") -> None:
+    """The same with any lines."""
+    text = bpy.data.texts.get(REPORT_TEXT) or bpy.data.texts.new(REPORT_TEXT)
+    text.clear()
+    text.write("\n".join([title, *lines]) + "\n")
+    for line in lines:
+        if line.startswith("lost"):
+            operator.report({"WARNING"}, f"Lamina: {line}")
+    operator.report({"INFO"}, f"Lamina: {title}{summary}")
+    if bpy.app.background:
+        return
+
+    def draw(popup, _context):
+        for line in (part for whole in lines for part in textwrap.wrap(whole, _POPUP_WIDTH, subsequent_indent="    ")):
+            popup.layout.label(text=line, translate=False)
+        popup.layout.label(text=rpt_("All of it is in the text {name}").format(name=REPORT_TEXT), translate=False)
+
+    bpy.context.window_manager.popup_menu(draw, title=title, icon="INFO")
+
+
+class LAMINA_OT_convert_principled(ops.LaminaOperator, bpy.types.Operator):
+    bl_idname = "lamina.convert_principled"
+    bl_label = "Convert to Lamina"
+    bl_description = "Put a stack of layers in the place of the material's Principled node, as bright as it is; textures stay linked"
+
+    @classmethod
+    def poll(cls, context):
+        material = ops.material_of(context)
+        try:
+            if material is None:
+                raise LaminaError(tip_("Select a material"))
+            if why := ops.why_no_material(context):
+                raise LaminaError(why)
+            principled_of(material)
+        except LaminaError as error:
+            cls.poll_message_set(str(error))
+            return False
+        return True
+
+    def run(self, context):
+        material = ops.material_of(context)
+        report, told = conversion.to_lamina(material)
+        tell(self, rpt_("{material} to Lamina").format(material=material.name), report, told)
+        for notice in materials.make_renderable(material, context.scene):
+            self.report({"INFO"}, f"Lamina: {notice}")
+
+
+class LAMINA_OT_principled_copy(ops.LayeredOperator, bpy.types.Operator):
+    bl_idname = "lamina.principled_copy"
+    bl_label = "Make a Principled Copy"
+    bl_description = "Make a new material with a Principled node, as bright as this one and with its textures; this one stays"
+
+    def run(self, context):
+        copy, report, told = conversion.principled_copy(ops.material_of(context))
+        copy.use_fake_user = True  # no object has it yet
+        tell(self, copy.name, report, told)
+
+
+class LAMINA_OT_principled_copies(ops.LaminaOperator, bpy.types.Operator):
+    bl_idname = "lamina.principled_copies"
+    bl_label = "Principled Copies"
+    bl_description = "Make a material with a Principled node of every Lamina material of the file, as bright and with its textures; those stay"
+
+    @classmethod
+    def poll(cls, _context):
+        if any(material.lamina.is_layered for material in bpy.data.materials):
+            return True
+        cls.poll_message_set(tip_("No material of this file has a Lamina stack"))
+        return False
+
+    def run(self, _context):
+        told = [(copy, sentence) for copy, sentence in conversion.principled_copies(replacing=False)]
+        made = sum(not copy.lamina.is_layered for copy, _ in told)
+        for left, sentence in told:
+            if left.lamina.is_layered:
+                self.report({"WARNING"}, f"Lamina: {left.name}: {sentence}")
+        tell_lines(self, rpt_("{count} Principled copies").format(count=made), [f"{copy.name}: {sentence}" for copy, sentence in told])
+
+
+class LAMINA_OT_export_mtlx(ops.LayeredOperator, ExportHelper, bpy.types.Operator):
+    bl_idname = "lamina.export_mtlx"
+    bl_label = "Export MaterialX"
+    bl_description = "Write the material as OpenPBR to a MaterialX file, without textures, and say what was lost"
+    bl_options = {"REGISTER"}
+
+    filename_ext = SUFFIX
+    filter_glob: bpy.props.StringProperty(default=f"*{SUFFIX}", options={"HIDDEN"})
+
+    def run(self, context):
+        material = ops.material_of(context)
+        converted = to_openpbr(materials.stack_of(material))
+        save_mtlx(converted.values, material.name, self.filepath)
+        linked = [s.name for e in (*material.lamina.shown_layers, material.lamina.base) for s in materials.node_of(e).inputs if s.is_linked]
+        told = [f"lost: {name} texture: the socket's own value is written" for name in linked]
+        tell(self, Path(self.filepath).name, converted.report, told)
+
+
+class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator):
+    bl_idname = "lamina.import_mtlx"
+    bl_label = "Import MaterialX"
+    bl_description = "Read an OpenPBR surface from a MaterialX file as layers, in place of what the material shows"
+
+    filename_ext = SUFFIX
+    filter_glob: bpy.props.StringProperty(default=f"*{SUFFIX}", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context):
+        return ops.StackOperator.poll.__func__(cls, context)
+
+    def run(self, context):
+        name, values, told = load_mtlx(self.filepath)
+        material = ops.material_of(context)
+        target = material or bpy.data.materials.new(name or "Lamina")
+        gave_way = ops.what_gives_way(target)
+        try:
+            report = conversion.apply_openpbr(target, name, values)
+        except LaminaError:
+            if material is None:
+                bpy.data.materials.remove(target)
+            raise
+        if material is None:
+            context.object.active_material = target
+        tell(self, Path(self.filepath).name, report, [*filter(None, [gave_way]), *(f"lost: {sentence}" for sentence in told)])
+        for notice in materials.make_renderable(target, context.scene):
+            self.report({"INFO"}, f"Lamina: {notice}")
+
+
+class LAMINA_MT_exchange(bpy.types.Menu):
+    bl_label = "Convert"
+
+    def draw(self, _context):
+        layout = self.layout
+        layout.operator(LAMINA_OT_convert_principled.bl_idname, icon="NODE_MATERIAL")
+        layout.operator(LAMINA_OT_principled_copy.bl_idname, icon="DUPLICATE")
+        layout.operator(LAMINA_OT_principled_copies.bl_idname)
+        layout.separator()
+        layout.operator(LAMINA_OT_import_mtlx.bl_idname, text="Import MaterialX...", icon="IMPORT")
+        layout.operator(LAMINA_OT_export_mtlx.bl_idname, text="Export MaterialX...", icon="EXPORT")
+        layout.separator()
+        layout.operator("lamina.bake_textures", text="Bake to Textures...", icon="RENDER_STILL")
+
+
+CLASSES = (LAMINA_OT_convert_principled, LAMINA_OT_principled_copy, LAMINA_OT_principled_copies, LAMINA_OT_export_mtlx, LAMINA_OT_import_mtlx, LAMINA_MT_exchange)

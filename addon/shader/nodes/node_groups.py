@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node groups of networks in a file: equal networks share one, and what somebody edited is left alone."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+
+import bpy
+import numpy as np
+
+from ....reference_py.lobes.patch_lobes import PatchNetwork
+from ....reference_py.lobes.view_table import TableNetwork
+from ..working_space import REC709, is_current, working_space
+from .stock_nodes import SPACE_MARK, build_group
+
+GROUP_KEY = "lamina_network"
+# The working space that a group was made in.
+SPACE_KEY = "lamina_space"
+# What the groups of networks were, by a digest of the network and the working space: the many nodes of one that is there need not be built again.
+_MOST_BUILT = 256
+_built: dict[tuple[str, str], str] = {}
+
+
+def network_group(network: TableNetwork | PatchNetwork) -> bpy.types.NodeTree:
+    """The node group of a network that `tabulate` made: one output "BSDF", and `group_inputs`.
+
+    Networks of equal tables share one group of this file. A group that somebody edited is left alone.
+    """
+    digest = _digest(network)
+    if tree := _group_with(_built.get((digest, working_space()))):
+        return tree
+    tree = bpy.data.node_groups.new("Lamina Network", "ShaderNodeTree")
+    try:
+        build_group(tree, network)
+    except Exception:
+        bpy.data.node_groups.remove(tree)
+        raise
+    content = _content(tree)
+    if len(_built) >= _MOST_BUILT:
+        _built.pop(next(iter(_built)))
+    _built[digest, working_space()] = content
+    if other := _group_with(content):
+        bpy.data.node_groups.remove(tree)
+        return other
+    tree.name, tree[GROUP_KEY], tree[SPACE_KEY] = f"Lamina Network {content}", content, working_space()
+    return tree
+
+
+def _group_with(content: str | None) -> bpy.types.NodeTree | None:
+    """This file's group of a content, as long as nobody edited it."""
+    own = (group for group in bpy.data.node_groups if content and group.library is None and group.get(GROUP_KEY) == content)
+    return next((group for group in own if _space_of(group) == working_space() and is_untouched(group)), None)
+
+
+def _digest(network: TableNetwork | PatchNetwork) -> str:
+    def told(value):
+        if isinstance(value, np.ndarray):
+            return value.tolist()
+        if isinstance(value, PatchNetwork):
+            return told((value.stack, value.parts))
+        if is_dataclass(value):
+            return [type(value).__name__, *(told(getattr(value, field.name)) for field in fields(value))]
+        if isinstance(value, Mapping):
+            return [[name, told(value[name])] for name in sorted(value)]
+        return [told(v) for v in value] if isinstance(value, (list, tuple)) else value
+
+    return hashlib.sha256(json.dumps(told(network)).encode()).hexdigest()
+
+
+def drop_group(tree: bpy.types.NodeTree | None) -> None:
+    """Remove a network's group that nothing uses any more. A group edited by hand stays."""
+    if tree is not None and tree.library is None and GROUP_KEY in tree and tree.users == 0 and is_untouched(tree):
+        bpy.data.node_groups.remove(tree)
+
+
+def is_untouched(tree: bpy.types.NodeTree) -> bool:
+    """Whether a network's group still is what its hash was taken of; of one that Blender converted that cannot be said, so it counts as such."""
+    return _space_of(tree) != working_space() or tree.get(GROUP_KEY) == _content(tree)
+
+
+def is_in_working_space(tree: bpy.types.NodeTree) -> bool:
+    """Whether a group's colors are in the file's working space: it was made for it, or Blender converted them."""
+    mark = tree.nodes.get(SPACE_MARK)
+    return working_space() == REC709 if mark is None else is_current(mark.outputs[0].default_value[:3], 0)
+
+
+def _space_of(tree) -> str:
+    return tree.get(SPACE_KEY, REC709)
+
+
+def _content(tree) -> str:
+    """A hash of what a group computes."""
+    nodes = []
+    for node in tree.nodes:
+        settings = [getattr(node, name, None) for name in ("operation", "distribution", "fresnel_type")]
+        values = [_plain(s.default_value) for s in node.inputs if not s.is_linked and hasattr(s, "default_value")]
+        ramp = node.color_ramp if hasattr(node, "color_ramp") else None
+        stops = [ramp.interpolation, [(e.position, *e.color) for e in ramp.elements]] if ramp else []
+        nodes.append([node.bl_idname, node.mute, settings, values, stops])
+    order = {node.name: index for index, node in enumerate(tree.nodes)}
+    links = sorted(
+        [order[k.from_node.name], k.from_socket.identifier, order[k.to_node.name], k.to_socket.identifier] for k in tree.links
+    )
+    return hashlib.sha256(json.dumps([nodes, links]).encode()).hexdigest()[:12]
+
+
+def _plain(value):
+    return list(value) if hasattr(value, "__len__") and not isinstance(value, str) else value

@@ -1,0 +1,324 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A network in tables as Blender's own nodes: for Blenders and devices without OSL, and for EEVEE.
+
+Tables are Color Ramps. Cycles samples a ramp at 256 even steps and is linear between; every knot is put exactly on such
+a place, so a ramp is the table itself, up to float32. A ramp holds a weight, a color, or two numbers of a lobe's shape.
+"""
+
+from collections.abc import Sequence
+from functools import cached_property, reduce
+
+import bpy
+import numpy as np
+
+from ....reference_py.lobes.patch_lobes import PatchNetwork
+from ....reference_py.lobes.tabulate import color_of_energy, is_grey_dielectric, tabulate
+from ....reference_py.lobes.view_table import AZIMUTH_PLACES, KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork, knot_cosines
+from ....reference_py.material.schema import COVERAGE, FLOAT, NORMAL
+from ....reference_py.material.stack import Stack
+from ....reference_py.optics.diffuse import fujii_roughness, oren_nayar_albedo
+from ....reference_py.optics.microfacet import SPECULAR_ALPHA
+from ...blender.versions import DIFFUSE_POWER, HAS_DIELECTRIC
+from ..inputs import TANGENT, TANGENT_INPUT, ShaderInput, shader_inputs
+from ..working_space import REC709, into_working, out_of_working, working_space
+from .node_builder import Builder
+
+SPACE_MARK = "Rec.709 Red"
+_RAMP_PLACES = 256
+# Places of a ramp from one knot to the next, the most that fit.
+_STEP = _RAMP_PLACES // (KNOTS - 1)
+_DISTRIBUTIONS = {"ggx": "GGX", "beckmann": "BECKMANN"}
+# Cycles evaluates isotropic lobes in float32 from 1 - cos^2, off by 3e-7 / alpha^2. Below this alpha the error of the
+# least anisotropy that a Glossy node does not ignore, 1e-3, is the smaller one.
+NARROW_ALPHA = 0.017
+_LEAST_ANISOTROPY = 1.01e-4
+# Of the Metallic node, to which any anisotropy will do, and the alpha below which it is given (osl/narrow.h).
+_SLIGHT_ANISOTROPY, _NARROW_DIELECTRIC_ALPHA = 2e-6, 0.06
+# A table that is anisotropic the other way by no more than this counts as isotropic.
+_NEARLY_ISOTROPIC = 1e-3
+# Any direction, added to the tangent: without it the tangent would vanish at the very normal, and Cycles divide by 0.
+_SOME_DIRECTION = (5.7e-7, 3.1e-7, 7.6e-7)
+
+
+def stock_tables(network) -> TableNetwork | PatchNetwork:
+    """A network in tables of the lobes that this Blender's nodes have."""
+    return tabulate(network.resolved, HAS_DIELECTRIC, DIFFUSE_POWER)
+
+
+def group_inputs(network: TableNetwork | PatchNetwork) -> tuple[ShaderInput, ...]:
+    """What the group reads live: the coverage of every layer that has one, and the tangent."""
+    if isinstance(network, TableNetwork):
+        framed = any(table.axis is not None or getattr(table, "frame", None) is not None for table in network.tables)
+        return (TANGENT_INPUT,) if framed else ()
+    covers = [i for i in shader_inputs(network.stack) if i.parameter in COVERAGE.parameters]
+    return (*covers, *dict.fromkeys(i for _, part in network.parts for i in group_inputs(part)))
+
+
+def left_out(stack: Stack) -> str:
+    """What these nodes leave out of a stack, in words; empty where it is nothing."""
+    elements = [*((f"layer {i}", e) for i, e in enumerate(stack.layers)), ("the base", stack.base)]
+    bent = [where for where, element in elements if element.has(NORMAL)]
+    return f"stock nodes leave out the normal of {', '.join(bent)}" if bent else ""
+
+
+def closure_count(network: TableNetwork | PatchNetwork) -> int:
+    """Closures of the group: patches share none."""
+    return network.lobe_count if isinstance(network, TableNetwork) else sum(part.lobe_count for _, part in network.parts)
+
+
+def build_group(tree: bpy.types.NodeTree, network: TableNetwork | PatchNetwork) -> None:
+    """Fill an empty node group with what a network that `tabulate` made does: one output "BSDF", and `group_inputs`."""
+    build = Builder(tree)
+    inputs = group_inputs(network)
+    for given in inputs:
+        socket_type = "NodeSocketFloat" if given.parameter.type == FLOAT else "NodeSocketVector"
+        tree.interface.new_socket(given.osl_name, in_out="INPUT", socket_type=socket_type)
+    sockets = {}
+    if inputs:
+        node = build.node("NodeGroupInput")
+        sockets = {given.osl_name: node.outputs[given.osl_name] for given in inputs}
+    view = _View(build, sockets.pop(TANGENT, None))
+    if isinstance(network, TableNetwork):
+        closure = _closure_of(build, view, network)
+    else:
+        closure = _mixed(build, list(sockets.values()), [_closure_of(build, view, part) for _, part in network.parts])
+    tree.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
+    output = build.node("NodeGroupOutput")
+    build.link(closure, output.inputs["BSDF"])
+    _mark_space(build.node("ShaderNodeRGB"))
+    build.arrange()
+
+
+def _mark_space(node: bpy.types.Node) -> None:
+    """Make an RGB node what Blender converts with the rest of a group: whoever reads it knows the space of the group's colors."""
+    node.name = node.label = SPACE_MARK
+    node.outputs[0].default_value = (*into_working((1.0, 0.0, 0.0)), 1.0)
+
+
+def _closure_of(build: Builder, view: "_View", network: TableNetwork) -> bpy.types.NodeSocket:
+    return _sum(build, [_LOBES[type(table)](build, view, table) for table in network.tables])
+
+
+def _mixed(build: Builder, coverages: list, patches: list) -> bpy.types.NodeSocket:
+    """Patches as `coverage.patches` orders them: the first half has the first covered layer."""
+    if not coverages:
+        return patches[0]
+    half = len(patches) // 2
+    there, gone = (_mixed(build, coverages[1:], part) for part in (patches[:half], patches[half:]))
+    mix = build.shader("ShaderNodeMixShader", coverages[0], gone)
+    build.link(there, mix.node.inputs[2])
+    return mix
+
+
+def _sum(build: Builder, closures: list[bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
+    head, *tail = closures
+    return build.shader("ShaderNodeAddShader", head, _sum(build, tail)) if tail else head
+
+
+class _View:
+    """What lobes need of the view, made when the first of them asks."""
+
+    def __init__(self, build: Builder, given_tangent: bpy.types.NodeSocket | None = None):
+        self._build, self.given_tangent = build, given_tangent
+        self._azimuths: dict[float, list[bpy.types.NodeSocket]] = {}
+
+    @cached_property
+    def normal(self) -> bpy.types.NodeSocket:
+        """The normal as Cycles bends it for a glossy lobe (osl/bent.h), with 0 for the least height, to save nodes.
+
+        EEVEE bends nothing: its lobes keep their normal, and have the energy of this one.
+        """
+        build, shading, true = self._build, self._geometry.outputs["Normal"], self._geometry.outputs["True Normal"]
+        cosine, true_cosine = (build.vector("DOT_PRODUCT", n, self._incoming) for n in (shading, true))
+        below = build.vector("DOT_PRODUCT", build.vector("REFLECT", self._incoming, shading), true)
+        # Cycles bends nothing on strands; a height is at most 1
+        missing = build.math("MAXIMUM", build.math("SUBTRACT", below, build.node("ShaderNodeHairInfo").outputs["Is Strand"]), 0.0)
+        root = build.math("SQRT", build.math("MULTIPLY_ADD", true_cosine, missing, build.math("MULTIPLY", cosine, cosine)))
+        k = build.math("DIVIDE", build.math("SUBTRACT", root, cosine), true_cosine)
+        return build.vector("NORMALIZE", build.vector("MULTIPLY_ADD", true, k, shading))
+
+    @cached_property
+    def _geometry(self) -> bpy.types.Node:
+        return self._build.node("ShaderNodeNewGeometry")
+
+    @property
+    def _incoming(self) -> bpy.types.NodeSocket:
+        return self._geometry.outputs["Incoming"]
+
+    @cached_property
+    def _cosine(self) -> bpy.types.NodeSocket:
+        return self._build.vector("DOT_PRODUCT", self.normal, self._incoming)
+
+    @cached_property
+    def place(self) -> bpy.types.NodeSocket:
+        """Where in a ramp the view is."""
+        return self._build.math("MULTIPLY", self._build.math("SQRT", self._cosine), _STEP * (KNOTS - 1) / _RAMP_PLACES)
+
+    @cached_property
+    def side(self) -> bpy.types.NodeSocket:
+        """Along the plane of incidence, as long as the sine of the view."""
+        along_normal = self._build.vector("SCALE", self.normal, scale=self._cosine)
+        return self._build.vector("SUBTRACT", self._incoming, along_normal)
+
+    def azimuth_shares(self, axis: float) -> list[bpy.types.NodeSocket]:
+        """How much of each sheet of a table with this axis a view takes (`reference_py.lobes.view_table`)."""
+        if axis not in self._azimuths:
+            self._azimuths[axis] = self._shares(axis)
+        return self._azimuths[axis]
+
+    def _shares(self, axis: float) -> list[bpy.types.NodeSocket]:
+        build = self._build
+        across = build.vector("NORMALIZE", build.vector("CROSS_PRODUCT", self.normal, self.given_tangent))
+        along = build.vector("CROSS_PRODUCT", across, self.normal)
+        direction = build.vector("ADD", build.vector("SCALE", along, scale=float(np.cos(axis))), build.vector("SCALE", across, scale=float(np.sin(axis))))
+        # along the normal all azimuths have the same weights
+        length = build.math("MAXIMUM", build.vector("LENGTH", self.side), 1e-6)
+        cosine = build.math("ABSOLUTE", build.math("DIVIDE", build.vector("DOT_PRODUCT", self.side, direction), length))
+        place = build.math("MULTIPLY", cosine, AZIMUTH_PLACES[-1] / _RAMP_PLACES)
+        return _numbers(build, place, AZIMUTH_PLACES, np.eye(len(AZIMUTH_PLACES)))
+
+    @cached_property
+    def tangent(self) -> bpy.types.NodeSocket:
+        return self._build.vector("ADD", self.side, _SOME_DIRECTION)
+
+
+def _lambert(build: Builder, view: _View, table: DiffuseTable) -> bpy.types.NodeSocket:
+    return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, table.weight, table.axis), Roughness=0.0)
+
+
+def _oren_nayar(build: Builder, view: _View, table: OrenNayarTable) -> bpy.types.NodeSocket:
+    sigma = float(fujii_roughness(table.sigma_deg))
+    colors = table.weight
+    if working_space() != REC709:  # of its color such a node is not linear, so the energies are what is converted
+        energy = into_working(oren_nayar_albedo(knot_cosines(), colors, table.sigma_deg, table.power))
+        colors = out_of_working(color_of_energy(energy, table.sigma_deg, table.power))
+    return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, colors, table.axis), Roughness=sigma)
+
+
+def _glossy(build: Builder, view: _View, table: GlossyTable) -> bpy.types.NodeSocket:
+    if table.fresnel is not None:
+        return _dielectric(build, view, table)
+    sockets = {"Color": _weight(build, view, table.weight, table.axis)}
+    alpha_x, alpha_y, slope = _columns(build, view, table.shape)
+    if np.all(table.shape[:, 0] == table.shape[:, 1]):
+        sockets["Roughness"], anisotropy = build.math("SQRT", alpha_x), 0.0
+    else:
+        sockets["Roughness"] = build.math("SQRT", build.math("SQRT", build.math("MULTIPLY", alpha_x, alpha_y)))
+        anisotropy = _anisotropy(build, alpha_x, alpha_y)
+    sockets["Anisotropy"] = _kept_apart(build, anisotropy, table.shape[:, :2])
+    if table.frame is not None:
+        sockets["Tangent"], sockets["Rotation"] = view.given_tangent, table.frame / (2.0 * np.pi)
+    elif sockets["Anisotropy"] != 0.0:
+        sockets["Tangent"] = view.tangent
+    if np.any(table.shape[:, 2]):
+        sockets["Normal"] = build.vector("MULTIPLY_ADD", view.side, slope, view.normal)
+    return build.shader("ShaderNodeBsdfAnisotropic", settings={"distribution": _DISTRIBUTIONS[table.distribution]}, **sockets)
+
+
+def _dielectric(build: Builder, view: _View, table: GlossyTable) -> bpy.types.NodeSocket:
+    """A metal without extinction. Metallic nodes have no weight: what is missing to 1 is mixed off, what is more is added."""
+    assert HAS_DIELECTRIC and is_grey_dielectric(table), "see reference_py.lobes.tabulate"
+    closures = []
+    for weight in (np.minimum(table.weight, 1.0), np.maximum(table.weight - 1.0, 0.0)):
+        if np.all(weight == 1.0):
+            closures.append(_bare_dielectric(build, view, table))
+        elif np.any(weight > 0.0):
+            share, _, _ = _columns(build, view, weight)
+            mix = build.shader("ShaderNodeMixShader", share)
+            build.link(_bare_dielectric(build, view, table), mix.node.inputs[2])
+            closures.append(mix)
+    return _sum(build, closures)
+
+
+def _bare_dielectric(build: Builder, view: _View, table: GlossyTable) -> bpy.types.NodeSocket:
+    alpha, _, _ = _columns(build, view, table.shape)
+    sockets = {"IOR": (table.fresnel.eta,) * 3, "Extinction": (0.0,) * 3, "Roughness": build.math("SQRT", alpha), "Anisotropy": 0.0}
+    if SPECULAR_ALPHA < np.min(table.shape[:, 0]) < _NARROW_DIELECTRIC_ALPHA:
+        # as a constant, Cycles would take so little for none; no place is as small
+        sockets |= {"Anisotropy": build.math("MINIMUM", view.place, _SLIGHT_ANISOTROPY), "Tangent": view.tangent}
+    settings = {"distribution": _DISTRIBUTIONS[table.distribution], "fresnel_type": "PHYSICAL_CONDUCTOR"}
+    return build.shader("ShaderNodeBsdfMetallic", settings=settings, **sockets)
+
+
+def _anisotropy(build: Builder, alpha_x, alpha_y) -> bpy.types.NodeSocket:
+    """Cycles' alphas are R (1 - a) and R / (1 - a) for a > 0, R / (1 + a) and R (1 + a) for a < 0.
+
+    So a = (1 - s) / max(s, 1) with s = sqrt(alpha_x / alpha_y), and R = sqrt(alpha_x alpha_y).
+    """
+    s = build.math("SQRT", build.math("DIVIDE", alpha_x, alpha_y))
+    return build.math("DIVIDE", build.math("SUBTRACT", 1.0, s), build.math("MAXIMUM", s, 1.0))
+
+
+def _kept_apart(build: Builder, anisotropy, alphas: np.ndarray):
+    """The anisotropy, for a narrow lobe not so small that Cycles takes it for isotropic."""
+    if not SPECULAR_ALPHA < np.min(alphas) < NARROW_ALPHA:
+        return anisotropy
+    across = np.log(alphas[:, 1] / alphas[:, 0])
+    if np.min(across) > -_NEARLY_ISOTROPIC:
+        return build.math("MAXIMUM", anisotropy, _LEAST_ANISOTROPY)
+    if np.max(across) < _NEARLY_ISOTROPIC:
+        return build.math("MINIMUM", anisotropy, -_LEAST_ANISOTROPY)
+    return anisotropy
+
+
+_LOBES = {DiffuseTable: _lambert, OrenNayarTable: _oren_nayar, GlossyTable: _glossy}
+
+
+def _weight(build: Builder, view: _View, table: np.ndarray, axis: float | None):
+    """A colour at the view: ramps, or a constant."""
+    if axis is not None:
+        sheets = [build.vector("SCALE", _view_ramp(build, view, sheet), scale=share) for share, sheet in zip(view.azimuth_shares(axis), table)]
+        return reduce(lambda a, b: build.vector("ADD", a, b), sheets)
+    if np.all(table == table[0]):
+        return (*map(float, into_working(table[0])), 1.0)
+    return _view_ramp(build, view, table)
+
+
+def _columns(build: Builder, view: _View, table: np.ndarray) -> list:
+    """The columns of numbers (KNOTS, 3) at the view."""
+    return _numbers(build, view.place, _STEP * np.arange(KNOTS), table)
+
+
+def _numbers(build: Builder, place: bpy.types.NodeSocket, places: Sequence[int], table: np.ndarray) -> list:
+    """Columns of numbers (n, m) whose rows are at these places (n,) of a ramp's; constants stay constants, equal ones are one.
+
+    A ramp has two, its grey and its alpha: Blender converts the colors of ramps into other working spaces, where greys are the same.
+    """
+    # colours of a ramp cannot be negative
+    offset = np.minimum(table.min(axis=0), 0.0)
+    keys = [tuple(column) for column in table.T]
+    varying = [i for i, key in enumerate(keys) if len(set(key)) > 1 and keys.index(key) == i]
+    sockets: dict[int, bpy.types.NodeSocket] = {}
+    for first, *second in (varying[i:i + 2] for i in range(0, len(varying), 2)):
+        alpha = table[:, second[0]] - offset[second[0]] if second else np.ones(len(table))
+        node = _ramp(build, place, places, np.column_stack([np.repeat((table[:, first] - offset[first])[:, None], 3, axis=1), alpha]))
+        split = build.node("ShaderNodeSeparateColor")
+        build.link(node.outputs["Color"], split.inputs[0])
+        sockets[first] = split.outputs[0]
+        if second:
+            sockets[second[0]] = node.outputs["Alpha"]
+    columns = []
+    for key in keys:
+        i = keys.index(key)
+        if i not in sockets:
+            columns.append(float(key[0]))
+        else:
+            columns.append(build.math("ADD", sockets[i], float(offset[i])) if offset[i] < 0.0 else sockets[i])
+    return columns
+
+
+def _view_ramp(build: Builder, view: _View, table: np.ndarray) -> bpy.types.NodeSocket:
+    """The colors (KNOTS, 3) of the model, none of them negative, at the view."""
+    return _ramp(build, view.place, _STEP * np.arange(KNOTS), np.column_stack([into_working(table), np.ones(KNOTS)])).outputs["Color"]
+
+
+def _ramp(build: Builder, place: bpy.types.NodeSocket, places: Sequence[int], table: np.ndarray) -> bpy.types.Node:
+    """A Color Ramp of colors and alpha (n, 4), none of them negative, at these places (n,) of the ramp's."""
+    node = build.node("ShaderNodeValToRGB")
+    elements = node.color_ramp.elements
+    elements.remove(elements[1])
+    for k, (at, color) in enumerate(zip(places, table)):
+        element = elements.new(int(at) / _RAMP_PLACES) if k else elements[0]
+        element.color = tuple(map(float, color))
+    build.link(place, node.inputs[0])
+    return node

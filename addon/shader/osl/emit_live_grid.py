@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a network that was baked over live parameters writes: tables over the view and those, which come in through sockets."""
+
+import numpy as np
+
+from ....reference_py.lobes.live_grid import MIN_ALPHA, MIN_ENERGY, GridLobe, GridNetwork
+from ....reference_py.lobes.lobe import DielectricCurve
+from ....reference_py.lobes.view_table import KNOTS
+from ....reference_py.material.schema import SCHEMA
+from ..inputs import BASE
+from .block import Block, Closure
+from .parts import fill, listed, narrow, numbers
+from .surface import view
+
+NOTE = "Tables hold the values that the stack had, but for those with a socket."
+
+
+def grid_block(network: GridNetwork, owners: list[str], prefix: str = "") -> Block:
+    """The block of a network; what it declares ends with `prefix`."""
+    writer = _Writer(network, owners, prefix)
+    return Block(
+        functions=(fill("bent.h"), narrow(), fill("interface.h"), fill("grid.h")),
+        arrays=tuple(writer.arrays),
+        common=(view(), fill("table_place.osl", CELLS=KNOTS - 1, LAST=KNOTS - 2), fill("tangent.osl"), fill("plane_of_incidence.osl")),
+        body="".join(writer.statements),
+        closures=tuple(writer.closures),
+    )
+
+
+class _Writer:
+    def __init__(self, network: GridNetwork, owners: list[str], prefix: str):
+        self.arrays: list[str] = []
+        self.statements: list[str] = []
+        self.closures: list[Closure] = []
+        self._prefix = prefix
+        sizes = [len(axis.knots) for axis in network.axes]
+        steps = [KNOTS * int(np.prod(sizes[i + 1 :])) for i in range(len(sizes))]
+        for i, axis in enumerate(network.axes):
+            element = network.stack.base if axis.index < 0 else network.stack.layers[axis.index]
+            owner = BASE if axis.index < 0 else owners[axis.index]
+            kinds = SCHEMA.bases if axis.index < 0 else SCHEMA.layers
+            value = owner + kinds[element.kind].parameter(axis.parameter).osl_name
+            self._array("float", f"Knots{i}", [f"{knot:.9g}" for knot in axis.knots])
+            knots, cell, along = (self._name(word) for word in (f"Knots{i}", f"knot{i}", f"along{i}"))
+            self._say(f"int {cell};", f"float {along};", f"knot_place({knots}, {len(axis.knots)}, {value}, {cell}, {along});")
+        at = " + ".join(f"{self._name(f'knot{i}')} * {step}" for i, step in enumerate(steps))
+        self._say(f"int {self._name('at')} = {at} + cell;")
+        alongs = [self._name(f"along{i}") for i in range(len(sizes))]
+        place = f"{self._name('at')}, {listed(map(str, steps))}, "
+        self._free, self._bounded = (place + listed(a) + ", between" for a in (alongs, [f"max({a}, 0.0)" for a in alongs]))
+        self._lobes(network)
+
+    def _name(self, word: str) -> str:
+        return f"{word}_{self._prefix}" if self._prefix else word
+
+    def _say(self, *lines: str) -> None:
+        self.statements += [f"    {line}\n" for line in lines]
+
+    def _array(self, kind: str, name: str, entries: list[str]) -> None:
+        self.arrays.append(f"    {kind} {self._name(name)}[{len(entries)}] = {{{listed(entries)}}},")
+
+    def _value(self, name: str, values: np.ndarray, extends: bool = False) -> str:
+        """An expression for values (..., KNOTS, 1 or 3) at the live parameters and the view."""
+        rows = values.reshape(-1, values.shape[-1])
+        color = rows.shape[1] == 3
+        if np.all(rows == rows[0]):
+            return f"color({numbers(rows[0])})" if color else f"{rows[0, 0]:.6g}"
+        entries = [f"color({listed(f'{v:.5g}' for v in row)})" if color else f"{row[0]:.5g}" for row in rows]
+        self._array("color" if color else "float", name, entries)
+        return f"grid({self._name(name)}, {self._free if extends else self._bounded})"
+
+    def _lobes(self, network: GridNetwork) -> None:
+        shared = []
+        for i, lobe in enumerate(network.grid):
+            if lobe.unit is not None:
+                shared.append(self._name(f"energy{i}"))
+                self._say(f"color {shared[-1]} = {self._value(f'Energy{i}', lobe.energy)};")
+        total = self._value("LogSum", network.log_sum)
+        self._say(f"color {self._name('scale')} = exp({total}) / max({' + '.join(shared)}, color({MIN_ENERGY:g}));")
+        for i, lobe in enumerate(network.grid):
+            if lobe.unit is None:
+                weight = self._value(f"Weight{i}", lobe.energy)
+            else:
+                weight = f"{self._name(f'energy{i}')} * {self._name('scale')} / {self._value(f'Unit{i}', lobe.unit)}"
+            self.closures.append(Closure(weight, self._closure(i, lobe), is_local=True))
+
+    def _closure(self, i: int, lobe: GridLobe) -> str:
+        if lobe.shape is None:
+            return "diffuse(N)"
+        if lobe.is_mirror:
+            return f'microfacet("{lobe.distribution}", N, tangent, 0.0, 0.0, 1.0, 0)'
+        roots = [self._value(f"Root{axis}{i}", lobe.shape[..., column : column + 1], extends=True) for column, axis in enumerate("XY")]
+        alphas = [self._name(f"alpha_{axis}{i}") for axis in "xy"]
+        for alpha, root in zip(alphas, roots):
+            self._say(f"float {alpha} = max({root}, 0.0);", f"{alpha} = clamp({alpha} * {alpha}, {MIN_ALPHA:g}, 1.0);")
+        if isinstance(lobe.fresnel, DielectricCurve):
+            curve = f'{lobe.fresnel.eta:.9g}, "{lobe.distribution}"'
+            return f"interface_bsdf(N, tangent, {alphas[0]}, across({alphas[0]}), {curve})"
+        slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
+        return f'microfacet("{lobe.distribution}", normalize(bent_normal + {slope} * side), along, {listed(alphas)}, 1.0, 0)'

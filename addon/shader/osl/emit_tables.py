@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a network in tables writes: constants over the view, and no parameters that make sockets.
+
+Tables are array parameters: they stay at their defaults, take no time per shading, and make no sockets. Cycles translates
+a shader for each material that has it, in a time that goes with the count of lookups; so a lobe's shape is one table.
+"""
+
+import numpy as np
+
+from ....reference_py.lobes.lobe import DielectricCurve
+from ....reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableNetwork
+from .block import Block, Closure
+from .parts import fill, listed, narrow, numbers
+from .surface import view
+
+NOTE = "Tables hold the values that the stack had."
+
+
+def table_block(network: TableNetwork, prefix: str = "") -> Block:
+    """The block of a network; its array parameters begin with `prefix`."""
+    arrays: list[str] = []
+    widths: list[str] = []
+    closures = tuple(_closure(arrays, widths, f"{prefix}{i}", table) for i, table in enumerate(network.tables))
+    glossy = any(isinstance(t, GlossyTable) for t in network.tables)
+    frame = (fill("tangent.osl"), fill("plane_of_incidence.osl")) if glossy else ()
+    return Block(
+        functions=(fill("bent.h"), *([narrow(), fill("interface.h")] if glossy else [])),
+        arrays=tuple(arrays),
+        common=(view(), fill("table_place.osl", CELLS=KNOTS - 1, LAST=KNOTS - 2), *frame, *widths),
+        body="",
+        closures=closures,
+    )
+
+
+def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable | DiffuseTable) -> Closure:
+    """A lobe; its array parameters are added to `arrays`, the statement of a varying width to `widths`."""
+    weight = _value(arrays, f"Weight{name}", table.weight)
+    if isinstance(table, DiffuseTable):
+        return Closure(weight, "diffuse(N)")
+    alpha_x, alpha_y, slope = _shape(arrays, widths, name, table.shape)
+    if isinstance(table.fresnel, DielectricCurve):
+        eta, kind = f"{table.fresnel.eta:.9g}", table.distribution
+        return Closure(weight, f'interface_bsdf(N, tangent, {alpha_x}, across({alpha_x}), {eta}, "{kind}")')
+    if _is_round(table.shape):
+        frame, alpha_y = "N, tangent", f"across({alpha_x})"
+    else:
+        frame = f"normalize(bent_normal + {slope} * side), along"
+    return Closure(weight, f'microfacet("{table.distribution}", {frame}, {alpha_x}, {alpha_y}, 1.0, 0)')
+
+
+def _is_round(shape: np.ndarray) -> bool:
+    return not np.any(shape[:, 2]) and np.all(shape[:, 0] == shape[:, 1])
+
+
+def _shape(arrays: list[str], widths: list[str], name: str, shape: np.ndarray) -> tuple[str, str, str]:
+    """Expressions for the columns of a lobe's shape (KNOTS, 3) at the view."""
+    if _is_round(shape):
+        alpha = _value(arrays, f"Alpha{name}", shape[:, 0])
+        if np.any(shape[:, 0] != shape[0, 0]):
+            widths.append(f"    float alpha_{name} = {alpha};\n")
+            alpha = f"alpha_{name}"
+        return alpha, alpha, "0"
+    widths.append(f"    color shape_{name} = {_value(arrays, f'Shape{name}', shape)};\n")
+    return f"shape_{name}[0]", f"shape_{name}[1]", f"shape_{name}[2]"
+
+
+def _value(arrays: list[str], name: str, column: np.ndarray) -> str:
+    """An expression for a column (KNOTS,) or (KNOTS, 3) at the view; a table becomes an array parameter."""
+    color = column.ndim == 2
+    if np.all(column == column[0]):
+        return f"color({numbers(column[0])})" if color else f"{column[0]:.9g}"
+    kind = "color" if color else "float"
+    entries = listed(f"color({numbers(row)})" if color else f"{row:.9g}" for row in column)
+    arrays.append(f"    {kind} {name}[{KNOTS}] = {{{entries}}},")
+    return f"mix({name}[cell], {name}[cell + 1], between)"

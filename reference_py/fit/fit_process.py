@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Makes one fit in a process of its own, so that a window stays responsive and a cancelled fit is gone at once.
+
+Reads a request as JSON from stdin; prints lines "progress SHARE" and at last "result JSON" (see `outcome`) or "error
+MESSAGE". Started by `network.worker.command`.
+"""
+
+import json
+import sys
+
+from ..errors import LaminaError
+
+MODULE = "fit.fit_process"
+
+
+def request(file: str, layers: int | str, base: str, model: str) -> str:
+    """What `main` reads."""
+    return json.dumps({"file": file, "layers": layers, "base": base, "model": model})
+
+
+def main() -> None:
+    """Serve one request."""
+    from . import read, select
+    from .outcome import outcome
+
+    data = json.load(sys.stdin)
+    try:
+        measurement = read(data["file"])
+        selection = select(measurement, data["layers"], data["base"], data["model"], progress=_progress)
+        told = outcome(measurement, selection)
+    except (LaminaError, MemoryError) as error:
+        print(f"error {' '.join(str(error).split()) or 'not enough memory'}", flush=True)
+        return
+    print(f"result {json.dumps(told)}", flush=True)
+
+
+def _progress(share: float) -> None:
+    print(f"progress {share:.3f}", flush=True)

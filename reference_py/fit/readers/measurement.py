@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Measured reflectance: pairs of directions with f, checked, and what was found on the way."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...errors import LaminaError
+from ...optics.colour import reflectance_to_rgb
+from ...optics.frame import dot, half_vector
+
+# Beyond this angle measurements are mostly stray light.
+STEEPEST_DEG = 85.0
+# The wavelengths in nm that bound the green channel, for data which have but three.
+_GREEN_NM = (490.0, 590.0)
+VISIBLE_NM = (380.0, 780.0)
+_CELLS = (10, 5, 3)
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """`wi`, `wo` (n, 3) unit directions above the surface, `f` (n, c) in 1/sr without cosine; c is 3 (linear RGB) or 1.
+
+    `found` are sentences for people: what the file holds, and what of it was left out.
+    """
+
+    wi: np.ndarray
+    wo: np.ndarray
+    f: np.ndarray
+    source: str
+    found: tuple[str, ...] = ()
+
+    @property
+    def channels(self) -> int:
+        return self.f.shape[1]
+
+    def subset(self, index: np.ndarray) -> "Measurement":
+        """The rows that an index or mask picks."""
+        return replace(self, wi=self.wi[index], wo=self.wo[index], f=self.f[index])
+
+
+def checked(wi, wo, f, where: str, found: tuple[str, ...] = (), wavelength_nm=None, only_nm: float | None = None) -> Measurement:
+    """A measurement without what cannot be one: rows below the horizon, not finite or negative are left out and counted.
+
+    `f` (n, c) has RGB or values at `wavelength_nm` (c,), which become RGB, or one value at `only_nm`. Raises LaminaError
+    where no row is left, most are bad, or all are black.
+    """
+    wi, wo, f = np.asarray(wi, float), np.asarray(wo, float), np.asarray(f, float)
+    notes = list(found)
+    above = (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
+    if not above.any():
+        raise LaminaError(f"{where}: all {len(f)} directions are below the horizon; angles are from the normal, in degrees below 90")
+    finite = np.isfinite(f).all(axis=1)
+    positive = np.where(finite[:, None], f, 0.0).min(axis=1) >= 0.0
+    good = above & finite & positive
+    count = int(above.sum())
+    for bad, what in ((above & ~finite, "not finite"), (above & finite & ~positive, "negative")):
+        if bad.any():
+            notes.append(f"{int(bad.sum())} of {count} values above the horizon are {what} and left out")
+    if good.sum() <= 0.5 * count:
+        raise LaminaError(f"{where}: {count - int(good.sum())} of {count} values above the horizon are negative or not finite; "
+                          "choose a file with mostly valid data (are its axes in order, and its numbers of the right byte order?)")
+    if (~above).any():
+        notes.append(f"below the horizon and left out: {int((~above).sum())}")
+    f, wi, wo = f[good], wi[good], wo[good]
+    if np.max(f) <= 0.0:
+        raise LaminaError(f"{where}: all {len(f)} values are 0: a black measurement tells nothing")
+    f, told = _as_color(f, wavelength_nm, only_nm, where)
+    steep = np.minimum(wi[:, 2], wo[:, 2]) < np.cos(np.radians(STEEPEST_DEG))
+    if steep.all():
+        raise LaminaError(f"{where}: all directions are steeper than {STEEPEST_DEG:g} degrees, where no measurement is reliable")
+    if steep.any():
+        notes.append(f"steeper than {STEEPEST_DEG:g} degrees and left out: {int(steep.sum())}")
+    kept = ~steep
+    return Measurement(wi[kept], wo[kept], f[kept], where, (*notes, *told, f"{int(kept.sum())} pairs of directions"))
+
+
+def _as_color(f, wavelength_nm, only_nm, where) -> tuple[np.ndarray, tuple[str, ...]]:
+    if wavelength_nm is None and only_nm is None:
+        if f.shape[1] > 1 and np.all(f == f[:, :1]):
+            return f[:, :1], ("all colors are alike: fitted as grey",)
+        return f, ()
+    if wavelength_nm is None:
+        low, high = _GREEN_NM
+        if not VISIBLE_NM[0] <= only_nm <= VISIBLE_NM[1]:
+            raise LaminaError(f"{where}: wavelength {only_nm:g} nm of RGB data; choose {VISIBLE_NM[0]:g} to {VISIBLE_NM[1]:g}")
+        channel = 2 if only_nm < low else 1 if only_nm <= high else 0
+        return f[:, channel : channel + 1], (f"the {('red', 'green', 'blue')[channel]} channel stands for {only_nm:g} nm",)
+    nm = np.asarray(wavelength_nm, float)
+    if only_nm is None and len(nm) == 1:
+        return f, (f"one wavelength, {nm[0]:g} nm: fitted as grey",)
+    if only_nm is None and (nm[-1] < VISIBLE_NM[0] or nm[0] > VISIBLE_NM[1]):
+        raise LaminaError(f"{where}: wavelengths {nm[0]:g} to {nm[-1]:g} nm have no color; choose one of them with --wavelength")
+    if only_nm is None:
+        rgb = reflectance_to_rgb(f, nm)
+        lost = np.mean(rgb.min(axis=1) < 0.0)
+        told = (f"{len(nm)} wavelengths, {nm[0]:g} to {nm[-1]:g} nm, made linear RGB",)
+        if lost > 0.0:
+            told += (f"{100 * lost:.1f} % of the colors are outside Rec.709 and were limited",)
+        return np.maximum(rgb, 0.0), told
+    if not nm[0] <= only_nm <= nm[-1]:
+        raise LaminaError(f"{where}: wavelength {only_nm:g} nm is not in the data; choose {nm[0]:g} to {nm[-1]:g}")
+    upper = min(int(np.searchsorted(nm, only_nm)), len(nm) - 1)
+    lower = max(upper - 1, 0)
+    share = 0.0 if upper == lower else (only_nm - nm[lower]) / (nm[upper] - nm[lower])
+    return (f[:, lower] * (1.0 - share) + f[:, upper] * share)[:, None], (f"at {only_nm:g} nm of {len(nm)} wavelengths",)
+
+
+def half_angles(wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(theta_h, theta_d, phi_d), each (n,) in radians, of Rusinkiewicz 1998; phi_d in 0 to pi, as reciprocity allows."""
+    wh = half_vector(wi, wo)
+    theta_d = np.arccos(np.clip(dot(wi, wh), -1.0, 1.0))
+    sin_h = np.hypot(wh[:, 0], wh[:, 1])
+    # the half vector's meridian; x of the world where it is the normal
+    azimuth = np.where(sin_h > 1e-9, np.arctan2(wh[:, 1], wh[:, 0]), 0.0)
+    tangent = np.stack([wh[:, 2] * np.cos(azimuth), wh[:, 2] * np.sin(azimuth), -sin_h], axis=-1)
+    bitangent = np.stack([-np.sin(azimuth), np.cos(azimuth), np.zeros(len(wh))], axis=-1)
+    phi_d = np.arctan2(dot(wi, bitangent), dot(wi, tangent)) % np.pi
+    return np.arctan2(sin_h, wh[:, 2]), theta_d, phi_d
+
+
+def subsample(measurement: Measurement, count: int, rng: np.random.Generator) -> Measurement:
+    """At most `count` rows, spread evenly over sqrt(theta_h), theta_d and phi_d, so that a highlight gets its share."""
+    if len(measurement.f) <= count:
+        return measurement
+    theta_h, theta_d, phi_d = half_angles(measurement.wi, measurement.wo)
+    places = (np.sqrt(theta_h / (0.5 * np.pi)), theta_d / (0.5 * np.pi), phi_d / np.pi)
+    cell = np.ravel_multi_index([np.minimum((p * n).astype(int), n - 1) for p, n in zip(places, _CELLS)], _CELLS)
+    order = rng.permutation(len(cell))
+    order = order[np.argsort(cell[order], kind="stable")]
+    sorted_cells = cell[order]
+    first = np.searchsorted(sorted_cells, sorted_cells)
+    turn = np.arange(len(order)) - first  # the how-manieth of its cell each row is
+    chosen = order[np.lexsort((rng.random(len(order)), turn))[:count]]
+    return measurement.subset(np.sort(chosen))
+
+
+def spread_pairs(count: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """wi, wo (count, 3), random and even over sqrt(theta_h), theta_d and phi_d, both above the horizon by 5 degrees."""
+    wi, wo = np.zeros((0, 3)), np.zeros((0, 3))
+    while len(wi) < count:
+        u = rng.random((2 * count, 3))
+        pair = directions_of(np.square(u[:, 0]) * 0.5 * np.pi, u[:, 1] * 0.5 * np.pi, u[:, 2] * np.pi)
+        fine = np.minimum(pair[0][:, 2], pair[1][:, 2]) > np.cos(np.radians(STEEPEST_DEG))
+        wi, wo = np.concatenate([wi, pair[0][fine]]), np.concatenate([wo, pair[1][fine]])
+    return wi[:count], wo[:count]
+
+
+def directions_of(theta_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """wi, wo (n, 3) of half and difference angles in radians, the half vector in the plane y = 0."""
+    x, y, z = np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d), np.cos(theta_d)
+    cos_h, sin_h = np.cos(theta_h), np.sin(theta_h)
+    wi = np.stack([cos_h * x + sin_h * z, y, cos_h * z - sin_h * x], axis=-1)
+    wo = np.stack([-cos_h * x + sin_h * z, -y, cos_h * z + sin_h * x], axis=-1)
+    return wi, wo

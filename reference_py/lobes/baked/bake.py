@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tier `baked`: the truth of a stack, computed once and fitted by few closures at every knot of the view.
+
+Energy is exact at the knots by construction: the fitted weights are scaled to what `adding` says.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...material.schema import OREN_NAYAR
+from ...material.stack import Stack
+from ...optics.microfacet import GGX, is_specular
+from ...optics.optical_stack import interfaces, rough_surfaces
+from ..analytic import AnalyticNetwork
+from ..cache import content, known, remembered, truth_of
+from ..closure import unit_energy
+from ..live_grid import Axis, GridNetwork
+from ..lobe import DielectricCurve, DiffuseLobe, GlossyLobe
+from ..samples import truth_at
+from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
+from ..view_table import KNOTS, DiffuseTable, GlossyTable, TableNetwork, knot_cosines, middle_cosines
+from .live import axes_of, bake_live
+from .plan import Path, Plan, best_path, continued_path
+
+DEFAULT_GLOSSY, MAX_GLOSSY = 2, 4
+# A lobe that nowhere carries more than this share of the albedo is left out.
+_NEGLIGIBLE = 1e-3
+# Of the energy that is left for the fitted lobes, what they have in every channel before all is scaled.
+_LEAST_SHARE = 1e-3
+
+
+@dataclass(frozen=True)
+class Bake:
+    """`network` in tables; `shape_error` (KNOTS,) is its cosine-weighted L1 at each knot, worst channel."""
+
+    network: TableNetwork
+    shape_error: np.ndarray
+
+
+@dataclass(frozen=True)
+class Found:
+    """What was fitted: the number of the plan, and its path."""
+
+    plan: int
+    path: Path
+
+
+class Baker:
+    """Bakes one stack with ever more lobes; what fewer lobes found is where more begin.
+
+    `truth` is a model with f, albedo and mirror_albedo. `progress` is called with the share done; an exception that
+    it raises cancels.
+    """
+
+    def __init__(self, stack: Stack, truth, progress: Callable[[float], None] | None = None):
+        self._report = progress or (lambda share: None)
+        cosines, surfaces = knot_cosines(), rough_surfaces(stack)
+        widths = [alpha for _, alpha in surfaces]
+        self._mirror = truth.mirror_albedo(cosines)
+        views = truth_at(truth, np.concatenate([cosines, middle_cosines()]), widths)
+        self._albedo = truth.albedo(np.stack([v.wo for v in views[:KNOTS]]))
+        top = _top_lobe(stack)
+        known = [None] if top is None else [None, top]
+        self._plans = [Plan(lobe, surfaces, views[:KNOTS], views[KNOTS:]) for lobe in known]
+        self._found: dict[int, Found] = {}
+        self._report(0.3)
+
+    def bake(self, glossy: int) -> Bake:
+        """The best that at most `glossy` glossy lobes and a Lambert lobe do."""
+        found = self.path(glossy)
+        return Bake(self.network(found), np.array([m.error for m in found.path.mixtures]))
+
+    def path(self, glossy: int) -> Found:
+        """The fits behind `bake`."""
+        if glossy not in self._found:
+            self._found[glossy] = self._path(glossy)
+        return self._found[glossy]
+
+    def _path(self, glossy: int) -> Found:
+        spare = glossy - bool(np.any(self._mirror > 0.0))
+        trials = []
+        for number, plan in enumerate(self._plans):
+            free = spare - (plan.known is not None)
+            if free >= 0:
+                trials.append((number, plan.branches(free, lambda: self._report(0.3 + 0.6 * number / len(self._plans)))))
+        number, trial = min(trials, key=lambda t: t[1].error) if trials else (0, self._plans[0].branches(0))
+        found = Found(number, best_path(self._plans[number], trial))
+        self._report(0.9)
+        # more lobes fit each knot better, but may change more between knots
+        return min(found, self.path(glossy - 1), key=lambda one: one.path.cost) if glossy > 1 else found
+
+    def continued(self, found: Found) -> Found:
+        """The fits to this stack's truth that begin at those of a stack much like it."""
+        return replace(found, path=continued_path(self._plans[found.plan], found.path))
+
+    def network(self, found: Found, keep: bool = False) -> TableNetwork:
+        """The tables of fits. Lobes that carry next to nothing are left out unless `keep`."""
+        known, kinds, mixtures = self._plans[found.plan].known, found.path.kinds, found.path.mixtures
+        cosines = knot_cosines()
+        tables, spent = [], self._mirror
+        ones = np.ones((len(cosines), 3))
+        if np.any(self._mirror > 0.0):
+            tables.append(GlossyTable(GGX, self._mirror, np.zeros((len(cosines), 3))))
+        if known is not None:
+            shape = np.array([known.alpha_x, known.alpha_y, 0.0]) * ones
+            tables.append(GlossyTable(known.distribution, ones, shape, known.fresnel))
+            spent = spent + unit_energy(known, cosines)
+        fitted = []
+        for i, kind in enumerate(kinds):
+            shape = np.array([m.shape[i] for m in mixtures])
+            weight = np.array([m.weight[:, i] for m in mixtures])
+            table = GlossyTable(kind, weight, np.concatenate([np.exp(shape[:, :2]), shape[:, 2:]], axis=1))
+            fitted.append((table, weight * unit_energy(table.lobe(cosines), cosines)))
+        diffuse = np.array([m.weight[:, -1] for m in mixtures])
+        fitted.append((DiffuseTable(diffuse), diffuse))
+        fitted = [(table, energy) for table, energy in fitted if keep or np.any(energy > _NEGLIGIBLE * self._albedo)]
+        return TableNetwork((*tables, *self._with_energy(fitted, np.maximum(self._albedo - spent, 0.0))))
+
+    def _with_energy(self, fitted: list, rest: np.ndarray) -> list:
+        """The fitted tables, scaled to carry `rest` (KNOTS, 3) together.
+
+        A channel that no lobe was fitted for gets its energy as the others have it.
+        """
+        usual = [np.mean(energy, axis=1, keepdims=True) + 1e-12 for _, energy in fitted]
+        floors = [_LEAST_SHARE * rest * share / sum(usual) for share in usual]
+        total = sum((energy + floor for (_, energy), floor in zip(fitted, floors)), np.zeros_like(rest))
+        scale = rest / np.maximum(total, 1e-12)
+        result = []
+        for (table, energy), floor in zip(fitted, floors):
+            unit = 1.0 if isinstance(table, DiffuseTable) else np.maximum(unit_energy(table.lobe(knot_cosines()), knot_cosines()), 1e-3)
+            result.append(replace(table, weight=(table.weight + floor / unit) * scale))
+        return result
+
+
+class BakedNetwork:
+    """A stack baked at construction: see `Baker`. Stacks of equal content share one bake (`memory`).
+
+    `live` values, as (index of the layer or -1, parameter), are followed by tables over them too (`live.axes_of`); where
+    that cannot be, `resolved` is the tier `analytic`. `reason` says what was made.
+    """
+
+    tier = "baked"
+
+    def __init__(
+        self,
+        stack: Stack,
+        live: tuple[tuple[int, str], ...] = (),
+        glossy: int = DEFAULT_GLOSSY,
+        progress: Callable[[float], None] | None = None,
+    ):
+        self.stack = stack
+        axes = axes_of(stack, live)
+        if is_bare_oren_nayar(stack):
+            self.resolved, self.reason = AnalyticNetwork(stack), "the base's own closures, which are exact"
+            return
+        if live and axes is None:
+            self.resolved, self.reason = AnalyticNetwork(stack), f"analytic, as a bake cannot follow {described(live)}"
+            return
+        self.resolved = remembered(
+            self.key(stack, live, glossy), lambda: baked(stack, axes, glossy, progress), pack_network, lambda data: unpack_network(data, stack)
+        )
+        self.reason = f"baked, {glossy} glossy" + (f", over {described(live)}" if live else "")
+        if live:
+            self.resolved = replace(self.resolved, stack=stack)
+
+    @staticmethod
+    def key(stack: Stack, live: tuple[tuple[int, str], ...] = (), glossy: int = DEFAULT_GLOSSY) -> str:
+        """What a bake is remembered by."""
+        return f"baked {content(stack, live)} {glossy}"
+
+    @classmethod
+    def is_known(cls, stack: Stack, live: tuple[tuple[int, str], ...] = (), glossy: int = DEFAULT_GLOSSY) -> bool:
+        """Whether making the network takes no time, as it was made before or needs no bake."""
+        if is_bare_oren_nayar(stack) or (live and axes_of(stack, live) is None):
+            return True
+        return known(cls.key(stack, live, glossy), lambda data: unpack_network(data, stack)) is not None
+
+    def packed(self) -> dict:
+        """The bake as JSON's types, for `remember`."""
+        return pack_network(self.resolved)
+
+    @classmethod
+    def remember(cls, key: str, stack: Stack, data: dict) -> None:
+        """Remember what `packed` gave in another process."""
+        remembered(key, lambda: unpack_network(data, stack), pack_network, lambda packed: unpack_network(packed, stack))
+
+    @property
+    def lobe_count(self) -> int:
+        return self.resolved.lobe_count
+
+    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
+        """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
+        return self.resolved.lobes(cos_theta_o, phi)
+
+
+def _top_lobe(stack: Stack) -> GlossyLobe | None:
+    """The closure that is exact for one event on a rough top interface, where there is one and nothing dims it."""
+    for surface in interfaces(stack):
+        if surface.eta != 1.0:
+            if is_specular(surface.alpha):
+                return None
+            alpha = surface.alpha
+            return GlossyLobe(surface.distribution, np.ones(3), alpha, alpha, fresnel=DielectricCurve(surface.eta))
+        if np.any(surface.tau > 0.0):
+            return None
+    return None
+
+
+def is_bare_oren_nayar(stack: Stack) -> bool:
+    """Whether Cycles has the stack itself as closures, which tables do not know."""
+    return not stack.layers and stack.base.kind == OREN_NAYAR.name
+
+
+def described(live: tuple[tuple[int, str], ...]) -> str:
+    """Live values in words, such as "the roughness of layer 0"."""
+    return ", ".join(f"the {name.replace('_', ' ')} of {'the base' if index < 0 else f'layer {index}'}" for index, name in live)
+
+
+def baked(stack: Stack, axes: tuple[Axis, ...] | None, glossy: int, progress: Callable[[float], None] | None) -> TableNetwork | GridNetwork:
+    """The network of a stack with constant values, or over the axes of live ones."""
+    if axes is None:
+        return Baker(stack, truth_of(stack), progress).bake(glossy).network
+    return bake_live(stack, axes, glossy, Baker, progress or (lambda share: None))
+
+
+def pack_network(network: TableNetwork | GridNetwork) -> dict:
+    """A baked network as JSON's types."""
+    return {"grid": pack_grid(network)} if isinstance(network, GridNetwork) else {"tables": pack_tables(network)}
+
+
+def unpack_network(data: dict, stack: Stack) -> TableNetwork | GridNetwork:
+    """The network of `pack_network`. Raises ValueError, KeyError or TypeError on anything else."""
+    return unpack_grid(data["grid"], stack) if "grid" in data else unpack_tables(data["tables"])

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes that follow one or two live parameters: the truth is fitted at knots of them, each fit from its neighbour's."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ...material.stack import Stack
+from ...optics.optical_stack import interfaces
+from ..cache import truth_of
+from ..live_grid import Axis, GridNetwork, grid_of
+
+MOST_AXES = 2
+# Knots of a live roughness; below the first the widths go on, see `grid`. Two axes share out fewer.
+_ROUGHNESSES = {1: (0.2, 0.3, 0.4, 0.5, 0.62, 0.76, 0.9, 1.0), 2: (0.2, 0.35, 0.5, 0.7, 1.0)}
+# Knots of a live thickness, as optical depths of its mean color, and without end.
+_DEPTHS = {1: (0.0, 0.15, 0.4, 0.8, 1.4, 2.2, 3.5, 6.0), 2: (0.0, 0.3, 0.9, 2.0, 5.0)}
+
+
+def axes_of(stack: Stack, live: tuple[tuple[int, str], ...]) -> tuple[Axis, ...] | None:
+    """The axes that follow these live values; None where a bake cannot: more than two, or others than these kinds."""
+    if not 0 < len(live) <= MOST_AXES or any(name not in ("roughness", "thickness") for _, name in live):
+        return None
+    return tuple(Axis(index, name, _knots(stack, index, name, len(live))) for index, name in live)
+
+
+def _knots(stack: Stack, index: int, name: str, count: int) -> tuple[float, ...]:
+    if name == "roughness":
+        return _ROUGHNESSES[count]
+    depths = np.array(_DEPTHS[count])
+    mean = float(np.mean(interfaces(_with(stack, index, thickness=1.0))[index].tau))
+    # a clear medium has no depth: any two knots will do
+    return tuple(depths / mean) if mean > 0.0 else (0.0, 1.0)
+
+
+def bake_live(stack: Stack, axes: tuple[Axis, ...], glossy: int, make_baker: Callable, report: Callable[[float], None]) -> GridNetwork:
+    """The grid of a stack. `make_baker` is `Baker`; `report` gets the share done and may raise to cancel."""
+    size = tuple(len(axis.knots) for axis in axes)
+    center = tuple(n // 2 for n in size)
+    order = sorted(np.ndindex(size), key=lambda node: sum(abs(a - b) for a, b in zip(node, center)))
+    found, nodes = {}, {}
+    for done, node in enumerate(order):
+        here = stack
+        for axis, i in zip(axes, node):
+            here = _with(here, axis.index, **{axis.parameter: axis.knots[i]})
+        baker = make_baker(here, truth_of(here))
+        if not found:
+            found[node] = baker.path(glossy)
+        else:
+            near = min(found, key=lambda other: sum(abs(a - b) for a, b in zip(node, other)))
+            found[node] = baker.continued(found[near])
+        nodes[node] = baker.network(found[node], keep=True)
+        report((done + 1) / len(order))
+    return grid_of(stack, axes, nodes)
+
+
+def _with(stack: Stack, index: int, **values) -> Stack:
+    """The stack with values of one layer, or of the base (-1), replaced."""
+    if index < 0:
+        return replace(stack, base=stack.base.with_values(**values))
+    layers = tuple(layer.with_values(**values) if i == index else layer for i, layer in enumerate(stack.layers))
+    return replace(stack, layers=layers)

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What was computed for a stack, by content: names, sources, unknown keys and what float32 leaves out do not matter.
+
+It is kept in memory, and, once `keep_in` named a folder, in files that outlive the process. A file's name also holds
+a digest of the code that computed it, so that no other version's results are used.
+"""
+
+import hashlib
+import json
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import TypeVar
+
+from ..atomic import write_text
+from ..errors import LaminaError
+from ..material.coverage import covered_layers
+from ..material.schema import ANISOTROPY, COVERAGE, NORMAL, THIN_FILM
+from ..material.stack import Stack
+from ..models.adding.model import Adding
+
+# What a shader reads live even where it holds all other values.
+ALWAYS_LIVE = frozenset(p.name for feature in (COVERAGE, NORMAL) for p in feature.parameters)
+_LIMIT = 256
+FOLDER_VARIABLE = "LAMINA_CACHE"
+# Files that a folder keeps; the oldest go first.
+_FILES = 4096
+_memory: dict[str, object] = {}
+_folder: Path | None = None
+_complain: Callable[[str], None] = print
+
+T = TypeVar("T")
+
+
+def keep_in(folder: Path | None, complain: Callable[[str], None] = print) -> None:
+    """Keep what is computed in a folder too, which is made when first needed; None keeps it in memory alone.
+
+    `complain` is called once, with a sentence, if the folder cannot be written to.
+    """
+    global _folder, _complain
+    _folder, _complain = folder, complain
+
+
+def remembered(key: str, make: Callable[[], T], pack: Callable[[T], dict], unpack: Callable[[dict], T]) -> T:
+    """What `make` gave under this key before, or gives now. `pack` makes JSON's types of it and `unpack` takes them."""
+    found = known(key, unpack)
+    if found is None:
+        found = make()
+        _remember(key, found)
+        _write(key, pack(found))
+    return found
+
+
+def known(key: str, unpack: Callable[[dict], T]) -> T | None:
+    """What is kept under a key; None if nothing is. A file that cannot be read counts as nothing."""
+    if key not in _memory and _folder is not None:
+        try:
+            _remember(key, unpack(json.loads(_file(key).read_text(encoding="utf-8"))))
+        except (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, RecursionError):
+            return None
+    return _memory.get(key)
+
+
+def _remember(key: str, value) -> None:
+    if len(_memory) >= _LIMIT:
+        _memory.pop(next(iter(_memory)))
+    _memory[key] = value
+
+
+def _write(key: str, data: dict) -> None:
+    """A folder that cannot be written to costs a bake the next time, nothing else."""
+    global _folder
+    if _folder is None:
+        return
+    try:
+        _folder.mkdir(parents=True, exist_ok=True)
+        write_text(_file(key), json.dumps(data))
+        # by their dates, which a clock may have set back: what was just written is not among them
+        others = sorted((f for f in _folder.glob("*.json") if f != _file(key)), key=lambda file: file.stat().st_mtime)
+        for old in others[:max(len(others) + 1 - _FILES, 0)]:
+            old.unlink(missing_ok=True)
+    except (OSError, LaminaError) as error:
+        _complain(f"what is baked cannot be kept in {_folder}, so the next session bakes it again ({error}); {FOLDER_VARIABLE} names another folder")
+        _folder = None
+
+
+def _file(key: str) -> Path:
+    return _folder / f"{hashlib.sha256((_code() + key).encode()).hexdigest()[:32]}.json"
+
+
+@cache
+def _code() -> str:
+    """A digest of the reference's own text and data."""
+    root = Path(__file__).resolve().parents[1]
+    digest = hashlib.sha256()
+    for file in sorted(f for f in root.rglob("*") if f.suffix in (".py", ".json") and "presets" not in f.parts):
+        digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+def content(stack: Stack, live: tuple[tuple[int, str], ...] = ()) -> str:
+    """A hash of what a stack is made of. Of values that are live, as (index of the layer or -1, parameter), and of what
+    every shader reads live, only that they are there."""
+    elements = [
+        [e.kind, *((name, None if name in ALWAYS_LIVE or (i, name) in live else _rounded(value)) for name, value in sorted(e.values.items()))]
+        for i, e in [*enumerate(stack.layers), (-1, stack.base)]
+    ]
+    return hashlib.sha256(json.dumps([elements, live]).encode()).hexdigest()
+
+
+def truth_of(stack: Stack):
+    """The deterministic truth of a stack; it has no normals. Raises LaminaError for coverage and other features."""
+    if covered_layers(stack):
+        raise LaminaError("a stack with coverage has one truth for each of its patches; judge them one by one")
+    for where, element in [*((f"layer {i}", e) for i, e in enumerate(stack.layers)), ("the base", stack.base)]:
+        for feature in (ANISOTROPY, THIN_FILM):
+            if element.has(feature):
+                raise LaminaError(f"the truth that tiers are judged by, adding, knows no {feature.name}, which {where} has")
+    return Adding(stack)
+
+
+def _rounded(value):
+    if isinstance(value, tuple):
+        return [_rounded(v) for v in value]
+    return f"{value:.5g}" if isinstance(value, float) else value

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Cycles makes of one lobe: its f, and its energy.
+
+The lobe's frame: x along the plane of incidence, z the lobe's normal, which is N turned by `tilt` towards the viewer.
+A lobe with a `frame` has x in the surface instead, that angle from the tangent, and no tilt.
+"""
+
+
+import numpy as np
+
+from ..optics.diffuse import oren_nayar
+from ..optics.frame import normalize, reflect
+from ..optics.fresnel import fresnel_dielectric
+from ..optics.microfacet import GGX, anisotropic_distribution, is_specular, smith_lambda_stretched
+from ..optics.quadrature import cosine_directions, points
+from ..optics.sampling import ggx_visible_normals
+from ..optics.thin_film import film_reflectance
+from .lobe import DielectricCurve, DiffuseLobe, FilmCurve, GlossyLobe, SchlickCurve
+
+# Cycles drops a closure whose mean weight is below this.
+WEIGHT_CUTOFF = 1e-5
+
+
+def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+    """f (..., 3) of one lobe for directions above the surface, as Cycles' closure gives it; 0 for a mirror-like one."""
+    # a closure that has a color counts it as its weight
+    told = lobe.weight if isinstance(lobe, GlossyLobe) or lobe.color is None else lobe.weight * np.asarray(lobe.color)
+    weight = np.where(np.mean(told, axis=-1, keepdims=True) < WEIGHT_CUTOFF, 0.0, lobe.weight)
+    if isinstance(lobe, DiffuseLobe):
+        if lobe.color is None:
+            return weight / np.pi * np.ones(wi.shape)
+        return weight * oren_nayar(wi, wo, np.array(lobe.color), lobe.sigma_deg, lobe.power)
+    if is_mirror(lobe):
+        return np.zeros(wi.shape)
+    sharp = is_specular(np.sqrt(lobe.alpha_x * lobe.alpha_y))  # at some views only: a mirror there
+    alpha_x, alpha_y = np.where(sharp, 1.0, lobe.alpha_x), np.where(sharp, 1.0, lobe.alpha_y)
+    value, cos_ih = unit_glossy(lobe.distribution, alpha_x, alpha_y, lobe.tilt, wo, wi, lobe.frame)
+    return weight * np.where(sharp, 0.0, value)[..., None] * fresnel(lobe, cos_ih)
+
+
+def is_mirror(lobe: GlossyLobe) -> bool:
+    return is_specular(np.max(np.sqrt(lobe.alpha_x * lobe.alpha_y)))
+
+
+def fresnel(lobe: GlossyLobe, cos_h: np.ndarray) -> np.ndarray:
+    """The lobe's Fresnel curve, (..., 1) or (..., 3), at the cosine of wi and the half vector."""
+    if isinstance(lobe.fresnel, DielectricCurve):
+        return fresnel_dielectric(cos_h, lobe.fresnel.eta)[..., None]
+    if isinstance(lobe.fresnel, SchlickCurve):
+        rise = np.power(np.clip(1.0 - cos_h, 0.0, 1.0), 5)[..., None]
+        return lobe.fresnel.f0 + (lobe.fresnel.f90 - lobe.fresnel.f0) * rise
+    if isinstance(lobe.fresnel, FilmCurve):
+        return film_reflectance(cos_h, 1.0, lobe.fresnel.film, lobe.fresnel.eta)
+    return np.ones(np.shape(cos_h) + (1,))
+
+
+def unit_glossy(
+    kind: str, alpha_x, alpha_y, tilt, wo: np.ndarray, wi: np.ndarray, frame: float | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """f (...) of a glossy lobe of weight 1 without its Fresnel curve, and cos(wi, half vector)."""
+    (ix, iy, iz), (ox, oy, oz) = _in_lobe_frame(tilt, wo, wi) if frame is None else (_turned(wi, frame), _turned(wo, frame))
+    hx, hy, hz = ix + ox, iy + oy, iz + oz
+    length = np.sqrt(hx * hx + hy * hy + hz * hz)
+    # both on the horizon, opposite: the half vector is the normal (`frame.half_vector`)
+    safe, level = np.where(length > 1e-12, length, 1.0), length <= 1e-12
+    d = anisotropic_distribution(kind, alpha_x, alpha_y, hx / safe, hy / safe, np.where(level, 1.0, hz / safe))
+    lambda_i = _lambda(np.square(alpha_x * ix) + np.square(alpha_y * iy), iz, kind)
+    lambda_o = _lambda(np.square(alpha_x * ox) + np.square(alpha_y * oy), oz, kind)
+    # Cycles returns f times the cosine to the lobe's own normal; f refers to the surface's
+    value = d / (4.0 * np.maximum(oz, 1e-20) * (1.0 + lambda_o + lambda_i) * np.maximum(wi[..., 2], 1e-20))
+    return np.where((oz > 0.0) & (iz > 0.0), value, 0.0), 0.5 * length
+
+
+def _in_lobe_frame(tilt, wo, wi):
+    """Components of wi and of wo, whose y is 0."""
+    sin_o = np.hypot(wo[..., 0], wo[..., 1])
+    safe = np.maximum(sin_o, 1e-12)
+    along = sin_o > 1e-12
+    ax, ay = np.where(along, wo[..., 0] / safe, 1.0), np.where(along, wo[..., 1] / safe, 0.0)
+    cos_t, sin_t = np.cos(tilt), np.sin(tilt)
+    x, y = wi[..., 0] * ax + wi[..., 1] * ay, wi[..., 1] * ax - wi[..., 0] * ay
+    z, cos_o = wi[..., 2], wo[..., 2]
+    return (cos_t * x - sin_t * z, y, cos_t * z + sin_t * x), (cos_t * sin_o - sin_t * cos_o, 0.0, cos_t * cos_o + sin_t * sin_o)
+
+
+def _turned(w, angle: float):
+    """Components of w in a frame whose x is `angle` from the tangent."""
+    c, s = np.cos(angle), np.sin(angle)
+    return c * w[..., 0] + s * w[..., 1], c * w[..., 1] - s * w[..., 0], w[..., 2]
+
+
+def _lambda(stretched2, cos, kind):
+    """Smith's Lambda where `stretched2` is (alpha_x x)^2 + (alpha_y y)^2."""
+    return smith_lambda_stretched(stretched2 / np.maximum(np.square(cos), 1e-30), kind)
+
+
+def unit_energy(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, count: int = 8192) -> np.ndarray:
+    """Directional albedo (n, 3) that a glossy lobe has with weight 1, for views (n,) at the azimuth phi from the tangent.
+
+    GGX visible normals of the lobe's own widths carry both distributions. Error below 5e-4 (tests/reference_py/test_closure.py).
+    """
+    return _unit_energies(lobe, np.asarray(cos_theta_o, float), phi, count)[0]
+
+
+def fresnel_share(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, count: int = 8192) -> np.ndarray:
+    """Energy (n, 3) of a glossy lobe over that of the lobe without its Fresnel curve, as in `unit_energy`."""
+    whole, plain = _unit_energies(lobe, np.asarray(cos_theta_o, float), phi, count)
+    return whole / plain[:, None]
+
+
+def _unit_energies(lobe: GlossyLobe, cos_o: np.ndarray, phi: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Directional albedo (n, 3) of weight 1, and that (n,) without the Fresnel curve."""
+    # in the lobe's own frame: where it has none, that of the plane of incidence
+    turn = 0.0 if lobe.frame is None else phi - lobe.frame
+    sin_o = np.sqrt(np.maximum(1.0 - cos_o**2, 0.0))
+    wo = np.stack([sin_o * np.cos(turn), sin_o * np.sin(turn), cos_o], axis=-1)
+    if is_mirror(lobe):
+        return fresnel(lobe, cos_o) * np.ones(3), np.ones(cos_o.shape)
+    frame = None if lobe.frame is None else 0.0
+    shapes = [np.broadcast_to(np.asarray(v, float), cos_o.shape) for v in (lobe.alpha_x, lobe.alpha_y, lobe.tilt)]
+    u1, u2 = points(count)
+    result, plain = np.zeros(cos_o.shape + (3,)), np.zeros(cos_o.shape)
+    for i, shape in enumerate(zip(*shapes)):
+        wi = _carried_directions(wo[i], *shape, u1, u2)
+        carrier, cos_ih = unit_glossy(GGX, *shape, wo[i], wi, frame)
+        value = carrier if lobe.distribution == GGX else unit_glossy(lobe.distribution, *shape, wo[i], wi, frame)[0]
+        share = np.where(carrier > 0.0, value / np.maximum(carrier, 1e-300), 0.0) * _masking_beyond_view(*shape, wo[i], wi, frame)
+        share = np.where(wi[:, 2] > 0.0, share, 0.0)
+        result[i], plain[i] = np.mean(share[:, None] * fresnel(lobe, cos_ih), axis=0), np.mean(share)
+    return result, plain
+
+
+def lobe_energy(lobe: GlossyLobe | DiffuseLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -> np.ndarray:
+    """Directional albedo (n, 3) of a lobe with its weight, for views (n,) at the azimuth phi."""
+    if isinstance(lobe, GlossyLobe):
+        return lobe.weight * unit_energy(lobe, cos_theta_o, phi)
+    if lobe.color is None:
+        return lobe.weight * np.ones(3)
+    wo = np.stack([np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)), np.zeros_like(cos_theta_o), cos_theta_o], axis=-1)
+    wi = cosine_directions(*points(4096))
+    return lobe.weight * np.pi * np.mean(oren_nayar(wi, wo[:, None], np.array(lobe.color), lobe.sigma_deg, lobe.power), axis=1)
+
+
+def _carried_directions(wo, alpha_x, alpha_y, tilt, u1, u2) -> np.ndarray:
+    """Directions (n, 3) of light from GGX visible normals of the lobe."""
+    cos_t, sin_t = np.cos(tilt), np.sin(tilt)
+    ox, oz = cos_t * wo[0] - sin_t * wo[2], cos_t * wo[2] + sin_t * wo[0]
+    stretched = normalize(np.array([alpha_x * ox, alpha_y * wo[1], oz]))
+    m = ggx_visible_normals(np.broadcast_to(stretched, (len(u1), 3)), 1.0, u1, u2)
+    m = normalize(m * np.array([alpha_x, alpha_y, 1.0]))
+    wm = np.stack([cos_t * m[:, 0] + sin_t * m[:, 2], m[:, 1], cos_t * m[:, 2] - sin_t * m[:, 0]], axis=-1)
+    return reflect(wo, wm)
+
+
+def _masking_beyond_view(alpha_x, alpha_y, tilt, wo, wi, frame) -> np.ndarray:
+    """G2 / G1(wo) of the GGX surface."""
+    (ix, iy, iz), (ox, oy, oz) = _in_lobe_frame(tilt, wo, wi) if frame is None else (_turned(wi, frame), _turned(wo, frame))
+    lambda_i = _lambda(np.square(alpha_x * ix) + np.square(alpha_y * iy), iz, GGX)
+    lambda_o = _lambda(np.square(alpha_x * ox) + np.square(alpha_y * oy), oz, GGX)
+    return np.where(iz > 0.0, (1.0 + lambda_o) / (1.0 + lambda_i + lambda_o), 0.0)

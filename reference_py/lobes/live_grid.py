@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Baked networks over one or two live parameters: tables over the view at every knot of those.
+
+Between knots all is linear but the energy of the fitted lobes together, whose logarithm is, as absorption is
+exponential. Widths are kept as roughness (the root of alpha), so that a lobe whose width is a live roughness itself is
+exact. Below the first knot widths go on as they began and the rest stays.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+
+import numpy as np
+
+from ..errors import LaminaError
+from ..material.stack import Stack
+from .closure import unit_energy
+from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
+from .view_table import KNOTS, MIN_COS_O, DiffuseTable, GlossyTable, TableNetwork, interpolate, knot_cosines
+
+# Less is nothing to Cycles.
+MIN_ENERGY = 1e-7
+# A narrower alpha is a mirror to Cycles.
+MIN_ALPHA = 1e-4
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A live parameter: the index of its layer (-1: the base), its name, and its knots, ascending."""
+
+    index: int
+    parameter: str
+    knots: tuple[float, ...]
+
+    def place(self, value: float) -> tuple[int, float]:
+        """The knot below and the way to the next; less than 0 below the first knot, at most 1 above the last."""
+        i = int(np.clip(np.searchsorted(self.knots, value, side="right") - 1, 0, len(self.knots) - 2))
+        return i, min((value - self.knots[i]) / (self.knots[i + 1] - self.knots[i]), 1.0)
+
+    def value_of(self, stack: Stack) -> float:
+        return (stack.base if self.index < 0 else stack.layers[self.index])[self.parameter]
+
+
+@dataclass(frozen=True)
+class GridLobe:
+    """One lobe on the grid, arrays with the axes first: `energy` (..., KNOTS, 3), `shape` (..., KNOTS, 3), `unit` (..., KNOTS, 1).
+
+    Columns of the shape: roots of alpha along and across, and tan(tilt) / sin(theta_o). `unit` is the energy that the lobe
+    has with weight 1; None where `energy` is the weight itself, which the sum of energies does not change then.
+    """
+
+    energy: np.ndarray
+    distribution: str | None = None
+    shape: np.ndarray | None = None
+    fresnel: DielectricCurve | None = None
+    unit: np.ndarray | None = None
+
+    @property
+    def is_mirror(self) -> bool:
+        return self.shape is not None and not np.any(self.shape)
+
+
+@dataclass(frozen=True)
+class GridNetwork:
+    """A stack's lobes for all values of its axes; `lobes` are those of the stack's own values.
+
+    `log_sum` (..., KNOTS, 3) is the logarithm of what the lobes with a `unit` have in energy together.
+    """
+
+    stack: Stack
+    axes: tuple[Axis, ...]
+    grid: tuple[GridLobe, ...]
+    log_sum: np.ndarray
+
+    tier = "baked"
+
+    @property
+    def resolved(self) -> "GridNetwork":
+        return self
+
+    @property
+    def lobe_count(self) -> int:
+        return len(self.grid)
+
+    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
+        """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
+        places = [axis.place(axis.value_of(self.stack)) for axis in self.axes]
+        cos_theta_o = np.clip(np.asarray(cos_theta_o, float), MIN_COS_O, 1.0)
+        return [_lobe(lobe, *parts, cos_theta_o) for lobe, parts in zip(self.grid, self._parts(places, cos_theta_o))]
+
+    def _parts(self, places, cos_theta_o):
+        """(weight, shape) of every lobe at views."""
+        bounded = [(i, max(t, 0.0)) for i, t in places]
+
+        def seen(array, at):
+            return interpolate(_blend(array, at), cos_theta_o)
+
+        energies = [seen(lobe.energy, bounded) for lobe in self.grid]
+        summed = sum((e for lobe, e in zip(self.grid, energies) if lobe.unit is not None), np.zeros_like(energies[0]))
+        scale = np.exp(seen(self.log_sum, bounded)) / np.maximum(summed, MIN_ENERGY)
+        result = []
+        for lobe, energy in zip(self.grid, energies):
+            weight = energy if lobe.unit is None else energy * scale / seen(lobe.unit, bounded)
+            shape = None
+            if lobe.shape is not None:
+                shape = np.concatenate([seen(lobe.shape[..., :2], places), seen(lobe.shape[..., 2:], bounded)], axis=-1)
+            result.append((weight, shape))
+        return result
+
+
+def _lobe(lobe: GridLobe, weight, shape, cos_theta_o):
+    if shape is None:
+        return DiffuseLobe(weight)
+    root_x, root_y, slope = np.moveaxis(shape, -1, 0)
+    alpha_x, alpha_y = (np.clip(np.square(np.maximum(root, 0.0)), MIN_ALPHA, 1.0) for root in (root_x, root_y))
+    if lobe.is_mirror:
+        alpha_x = alpha_y = np.zeros_like(alpha_x)
+    tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)))
+    return GlossyLobe(lobe.distribution, weight, alpha_x, alpha_y, tilt, lobe.fresnel)
+
+
+def grid_of(stack: Stack, axes: tuple[Axis, ...], nodes: dict[tuple[int, ...], TableNetwork]) -> GridNetwork:
+    """A grid of the networks at its nodes, which must have the same lobes. Raises LaminaError when they have not."""
+    size = tuple(len(axis.knots) for axis in axes)
+    if len({len(network.tables) for network in nodes.values()}) != 1 or len(nodes) != np.prod(size):
+        raise LaminaError("the networks of a grid differ in their lobes")
+
+    def gathered(number: int, part) -> np.ndarray:
+        arrays = [part(nodes[index].tables[number]) for index in np.ndindex(size)]
+        return np.stack(arrays).reshape(*size, KNOTS, -1)
+
+    lobes = []
+    for number, first in enumerate(nodes[(0,) * len(axes)].tables):
+        weight = gathered(number, lambda table: table.weight)
+        if isinstance(first, DiffuseTable):
+            lobes.append(GridLobe(weight, unit=np.ones((*size, KNOTS, 1))))
+            continue
+        shape = gathered(number, lambda table: np.concatenate([np.sqrt(table.shape[:, :2]), table.shape[:, 2:]], axis=1))
+        fixed = first.fresnel is not None or not np.any(first.shape)
+        unit = None if fixed else gathered(number, _unit)
+        lobes.append(GridLobe(weight if fixed else weight * unit, first.distribution, shape, first.fresnel, unit))
+    summed = sum(lobe.energy for lobe in lobes if lobe.unit is not None)
+    return GridNetwork(stack, axes, tuple(lobes), np.log(np.maximum(summed, MIN_ENERGY)))
+
+
+def _unit(table: GlossyTable) -> np.ndarray:
+    return np.maximum(unit_energy(table.lobe(knot_cosines()), knot_cosines(), count=4096)[:, :1], 1e-3)
+
+
+def _blend(array: np.ndarray, places: Sequence[tuple[int, float]]) -> np.ndarray:
+    """The array without its leading axes, interpolated at their places."""
+    return reduce(lambda part, place: part[place[0]] * (1.0 - place[1]) + part[place[0] + 1] * place[1], places, array)

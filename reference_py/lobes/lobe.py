@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One weighted closure of a network, as numbers for given views."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..optics.diffuse import OREN_NAYAR_POWER, oren_nayar_shares
+from ..optics.optical_stack import Brushed, Interface
+from ..optics.thin_film import Film
+
+
+@dataclass(frozen=True)
+class SchlickCurve:
+    """Fresnel curve f0 + (f90 - f0) (1 - cos(wi, wh))^5 of a lobe; f0 and f90 are (..., 3)."""
+
+    f0: np.ndarray
+    f90: np.ndarray
+
+
+@dataclass(frozen=True)
+class DielectricCurve:
+    """The exact Fresnel curve of a dielectric of relative index eta."""
+
+    eta: float
+
+
+@dataclass(frozen=True)
+class FilmCurve:
+    """The reflectance of a dielectric of relative index eta that carries a film; both as seen from vacuum."""
+
+    eta: float
+    film: Film
+
+
+@dataclass(frozen=True)
+class GlossyLobe:
+    """A microfacet reflection lobe.
+
+    weight (..., 3); alpha_x along and alpha_y across the plane of incidence; `tilt` turns the lobe's normal
+    by that angle in radians towards the viewer; `fresnel` acts on the half vector. With a `frame`, alpha_x is along
+    the direction that is this angle in radians from the tangent, and there is no tilt.
+    """
+
+    distribution: str
+    weight: np.ndarray
+    alpha_x: np.ndarray
+    alpha_y: np.ndarray
+    tilt: np.ndarray = np.float64(0.0)
+    fresnel: SchlickCurve | DielectricCurve | FilmCurve | None = None
+    frame: float | None = None
+
+
+@dataclass(frozen=True)
+class DiffuseLobe:
+    """Lambert of albedo `weight` (..., 3), or, where `color` (..., 3) is given, weight times Oren-Nayar of it.
+
+    `power` is that of `optics.diffuse.oren_nayar`.
+    """
+
+    weight: np.ndarray
+    color: tuple[float, float, float] | np.ndarray | None = None
+    sigma_deg: float = 0.0
+    power: int = OREN_NAYAR_POWER
+
+
+# Color of a lobe that meets one facet alone: what meets more has this share of it.
+DARK = 1e-5
+
+
+def oren_nayar_lobes(weight: np.ndarray, color, sigma_deg: float) -> list[DiffuseLobe]:
+    """Weight (..., 3) times Oren-Nayar of a color (3,), as two lobes that are the same in every Blender: a white one, and a
+    dark one, which meets one facet alone."""
+    white, single = oren_nayar_shares(color, sigma_deg)
+    return [DiffuseLobe(weight * white, (1.0,) * 3, sigma_deg), DiffuseLobe(weight * single / DARK, (DARK,) * 3, sigma_deg)]
+
+
+def top_curve(surface: Interface) -> DielectricCurve | FilmCurve:
+    """The exact Fresnel curve of an interface below vacuum."""
+    return DielectricCurve(surface.eta) if surface.film is None else FilmCurve(surface.eta, surface.film)
+
+
+def surface_lobe(kind: str, weight: np.ndarray, alpha: float, brushed: Brushed | None = None, fresnel=None) -> GlossyLobe:
+    """The lobe of a surface of this alpha, or, where it is anisotropic, of its own widths and frame."""
+    if brushed is None:
+        return GlossyLobe(kind, weight, alpha, alpha, fresnel=fresnel)
+    return GlossyLobe(kind, weight, brushed.alpha_x, brushed.alpha_y, fresnel=fresnel, frame=brushed.angle)

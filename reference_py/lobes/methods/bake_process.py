@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Makes one network in a process of its own, so that a window stays responsive and a cancelled bake is gone at once.
+
+Reads a request as JSON from stdin; prints lines "progress SHARE" and "warning TEXT" and at last "result JSON" or "error MESSAGE". The
+process is started by `command` and needs nothing but this package and numpy.
+"""
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from ...errors import LaminaError
+from ...material.stack import Stack
+
+MODULE = "lobes.methods.bake_process"
+_ROOT = Path(__file__).resolve().parents[3]
+# A bake's matrices are small, and the window needs the other cores.
+ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+# The package may be installed under any name; here it is imported by its place.
+_START = """
+import importlib, importlib.util, sys
+root = sys.argv[1]
+spec = importlib.util.spec_from_file_location("lamina", root + "/__init__.py", submodule_search_locations=[root])
+sys.modules["lamina"] = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(sys.modules["lamina"])
+importlib.import_module("lamina.reference_py." + sys.argv[2]).main()
+"""
+
+
+def command(python: str, module: str) -> list[str]:
+    """The command line of a worker, a module of reference_py with a function `main`."""
+    return [python, "-I", "-c", _START, str(_ROOT), module]
+
+
+def request(stack: Stack, tier: str, live: Sequence[tuple[int, str]], tolerance: float, folder: Path | None) -> str:
+    """What `main` reads."""
+    kept = None if folder is None else str(folder)
+    return json.dumps({"stack": stack.to_dict(), "tier": tier, "live": list(live), "tolerance": tolerance, "folder": kept})
+
+
+def main() -> None:
+    """Serve one request."""
+    from ..cache import keep_in
+    from . import TIERS, AutoNetwork
+
+    data = json.load(sys.stdin)
+    keep_in(Path(data["folder"]) if data["folder"] else None, lambda told: print(f"warning {told}", flush=True))
+    options = {"live": tuple((int(i), str(name)) for i, name in data["live"])}
+    if data["tier"] == AutoNetwork.tier:
+        options["tolerance"] = data["tolerance"]
+    try:
+        network = TIERS[data["tier"]](Stack.from_dict(data["stack"]), progress=_progress, **options)
+    except LaminaError as error:
+        print(f"error {' '.join(str(error).split())}", flush=True)
+        return
+    print(f"result {json.dumps(network.packed())}", flush=True)
+
+
+def _progress(share: float) -> None:
+    print(f"progress {share:.3f}", flush=True)

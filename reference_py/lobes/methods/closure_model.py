@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Model `mirror`: a network evaluated as Cycles evaluates its closures.
+
+Equal to the render up to float32 rounding (`make test`, goniometer tests). It is not a model of the stack:
+its distance from one is the network's error. Limits: weights of lobes know the view alone, so f is not reciprocal;
+energy is that of the tier, which exceeds 1 where the tier's own model does.
+"""
+
+import numpy as np
+
+from ...errors import LaminaError
+from ...material.schema import ANISOTROPY, THIN_FILM
+from ...material.stack import Stack
+from ...optics.frame import azimuth, dot, half_vector, normalize, reflect
+from ...optics.microfacet import anisotropic_distribution
+from ...optics.quadrature import cosine_directions, directional_albedo
+from ...optics.sampling import components, projected_area, sample_visible_normals, vectors
+from ..closure import fresnel, is_mirror, lobe_f
+from ..lobe import DiffuseLobe, GlossyLobe
+from . import DEFAULT_TIER, make_network
+
+# Share of its weight that a lobe keeps where its Fresnel factor vanishes, as the factor rises around that view.
+_LEAST_SHARE = 1e-3
+
+
+class Mirror:
+    """What Cycles renders: the closures of a tier, evaluated."""
+
+    name = "mirror"
+    stochastic = False
+    features = (ANISOTROPY, THIN_FILM)
+
+    def __init__(self, stack: Stack, **options: str):
+        for key in options:
+            if key != "tier":
+                raise LaminaError(f"model {self.name}: unknown option {key!r}; choose tier")
+        self.network = make_network(stack, options.get("tier", DEFAULT_TIER))
+
+    def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """BRDF (..., 3) in 1/sr without cosine; mirror-like lobes have none and count as 0."""
+        wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
+        visible = (wo[..., 2] > 0.0) & (wi[..., 2] > 0.0)
+        lobes = self.network.lobes(np.where(visible, wo[..., 2], 1.0), azimuth(wo))
+        total = sum(lobe_f(lobe, wo, wi) for lobe in lobes)
+        return np.where(visible[..., None], total, 0.0)
+
+    def albedo(self, wo: np.ndarray) -> np.ndarray:
+        """Directional albedo (..., 3), mirror-like lobes included."""
+        wo = np.asarray(wo, float)
+        lobes = self.network.lobes(wo[..., 2], azimuth(wo))
+        glossy = [lobe for lobe in lobes if isinstance(lobe, GlossyLobe)]
+        widths = [(lobe.distribution, float(np.max(alpha))) for lobe in glossy for alpha in (lobe.alpha_x, lobe.alpha_y)]
+        total = directional_albedo(self.f, wo, widths)
+        for lobe in glossy:
+            if is_mirror(lobe):
+                total = total + lobe.weight * fresnel(lobe, wo[..., 2])
+        return total
+
+    def sample(self, wo: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+        """One light direction (..., 3) per wo and whether it is above the horizon, (...).
+
+        A lobe is picked by its energy at the view and sampled by its visible normals or cosine, as in Cycles.
+        Mirror-like lobes are never picked; null vectors where there are no others.
+        """
+        wo = np.asarray(wo, float)
+        flat = wo.reshape(-1, 3)
+        lobes, shares = self._finite_lobes(flat)
+        bounds = np.cumsum(shares, axis=-1)[:, :-1]
+        chosen = np.sum(rng.random(len(flat))[:, None] >= bounds, axis=-1)
+        wi = np.zeros(flat.shape)
+        for i, lobe in enumerate(lobes):
+            wi = np.where((chosen == i)[:, None], _sample_lobe(lobe, flat, rng), wi)
+        valid = (wi[:, 2] > 0.0) & (flat[:, 2] > 0.0)
+        return wi.reshape(wo.shape), valid.reshape(wo.shape[:-1])
+
+    def pdf(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """Density (...) in 1/sr of `sample` for wi on the whole sphere; 0 for viewers below the horizon."""
+        wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
+        flat_o, flat_i = wo.reshape(-1, 3), wi.reshape(-1, 3)
+        lobes, shares = self._finite_lobes(flat_o)
+        total = sum((shares[:, i] * _lobe_density(lobe, flat_o, flat_i) for i, lobe in enumerate(lobes)), np.zeros(len(flat_o)))
+        return np.where(flat_o[:, 2] > 0.0, total, 0.0).reshape(wo.shape[:-1])
+
+    def _finite_lobes(self, wo):
+        """The lobes with a finite f and the probabilities (n, lobes) of picking them for wo (n, 3)."""
+        cos_o = np.where(wo[:, 2] > 0.0, wo[:, 2], 1.0)
+        lobes = [lobe for lobe in self.network.lobes(cos_o, azimuth(wo)) if not (isinstance(lobe, GlossyLobe) and is_mirror(lobe))]
+        shares = np.ones((len(wo), len(lobes)))
+        for i, lobe in enumerate(lobes):
+            shares[:, i] = np.mean(lobe.weight * _reflectance(lobe, cos_o), axis=-1)
+        shares = np.where(np.sum(shares, axis=-1, keepdims=True) > 0.0, shares, 1.0)
+        return lobes, shares / np.sum(shares, axis=-1, keepdims=True)
+
+
+def _reflectance(lobe, cos_o):
+    """What a lobe of weight 1 reflects, about."""
+    if isinstance(lobe, DiffuseLobe):
+        return 1.0 if lobe.color is None else np.array(lobe.color)
+    return np.maximum(fresnel(lobe, cos_o), _LEAST_SHARE)
+
+
+def _sample_lobe(lobe, wo, rng) -> np.ndarray:
+    """wi (n, 3) of one lobe; below the surface where its facets send it there."""
+    if isinstance(lobe, DiffuseLobe):
+        return cosine_directions(rng.random(len(wo)), rng.random(len(wo)))
+    axes = _lobe_frame(wo, lobe)
+    stretched, _ = _stretched(lobe, wo, axes)
+    # a surface of alphas (x, y) is one of alpha 1, compressed: so are its visible normals (Heitz14)
+    mx, my, mz = components(sample_visible_normals(stretched, 1.0, lobe.distribution, rng))
+    wm = sum(part[:, None] * axis for part, axis in zip((lobe.alpha_x * mx, lobe.alpha_y * my, mz), axes))
+    return reflect(wo, normalize(wm))
+
+
+def _lobe_density(lobe, wo, wi) -> np.ndarray:
+    """Density (n,) in 1/sr of `_sample_lobe`."""
+    if isinstance(lobe, DiffuseLobe):
+        return np.maximum(wi[:, 2], 0.0) / np.pi
+    x, y, n = axes = _lobe_frame(wo, lobe)
+    stretched, length = _stretched(lobe, wo, axes)
+    wh = half_vector(wi, wo)
+    d = anisotropic_distribution(lobe.distribution, lobe.alpha_x, lobe.alpha_y, dot(wh, x), dot(wh, y), dot(wh, n))
+    return d / (4.0 * length * projected_area(stretched, 1.0, lobe.distribution))
+
+
+def _stretched(lobe, wo, axes):
+    """wo (n, 3) as seen by the lobe's surface stretched to alpha 1, and the length (n,) that this gave it."""
+    x, y, n = axes
+    w = vectors(lobe.alpha_x * dot(wo, x), lobe.alpha_y * dot(wo, y), dot(wo, n))
+    length = np.linalg.norm(w, axis=-1)
+    return w / length[:, None], length
+
+
+def _lobe_frame(wo, lobe: GlossyLobe):
+    """The lobe's axes (n, 3): along and across the plane of incidence, or its own frame, and its normal."""
+    if lobe.frame is not None:
+        c, s = np.cos(lobe.frame), np.sin(lobe.frame)
+        return np.broadcast_to([c, s, 0.0], wo.shape), np.broadcast_to([-s, c, 0.0], wo.shape), np.broadcast_to([0.0, 0.0, 1.0], wo.shape)
+    tilt = lobe.tilt
+    sin_o = np.hypot(wo[..., 0], wo[..., 1])[..., None]
+    along = np.where(sin_o > 1e-12, wo * np.array([1.0, 1.0, 0.0]) / np.maximum(sin_o, 1e-12), np.array([1.0, 0.0, 0.0]))
+    up = np.array([0.0, 0.0, 1.0])
+    cos_t, sin_t = np.cos(tilt)[..., None], np.sin(tilt)[..., None]
+    x = cos_t * along - sin_t * up
+    n = cos_t * up + sin_t * along
+    return x, np.cross(n, x), n

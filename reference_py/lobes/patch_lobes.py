@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The lobes of a stack with covered layers: those of its patches, weighted by their shares."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..material.coverage import Patch
+from ..material.stack import Stack
+from .lobe import DiffuseLobe, GlossyLobe, SchlickCurve
+
+
+class PatchNetwork:
+    """The networks of a stack's patches; lobes that differ in their weight alone are one."""
+
+    def __init__(self, stack: Stack, parts: Sequence[tuple[Patch, object]]):
+        self.stack, self.parts = stack, tuple(parts)
+
+    @property
+    def tier(self) -> str:
+        return self.parts[0][1].tier
+
+    @property
+    def resolved(self) -> "PatchNetwork":
+        return self
+
+    @property
+    def reason(self) -> str:
+        """Why the parts are what they are, each reason once."""
+        return "; ".join(dict.fromkeys(network.reason for _, network in self.parts))
+
+    @property
+    def lobe_count(self) -> int:
+        return len(self.lobes(np.ones(1)))
+
+    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
+        """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
+        scaled = [
+            replace(lobe, weight=patch.share * np.asarray(lobe.weight))
+            for patch, network in self.parts
+            if patch.share > 0.0
+            for lobe in network.lobes(cos_theta_o, phi)
+        ]
+        return merged(scaled)
+
+    def packed(self) -> list:
+        """The parts as JSON's types, for `PatchTier.remember`."""
+        return [network.packed() for _, network in self.parts]
+
+
+def merged(lobes: Sequence[GlossyLobe | DiffuseLobe]) -> list[GlossyLobe | DiffuseLobe]:
+    """The lobes with weights of equal ones summed, in order of their first."""
+    result: list[GlossyLobe | DiffuseLobe] = []
+    for lobe in lobes:
+        for i, other in enumerate(result):
+            if _is_same(lobe, other):
+                result[i] = replace(other, weight=other.weight + lobe.weight)
+                break
+        else:
+            result.append(lobe)
+    return result
+
+
+def _is_same(a, b) -> bool:
+    """Whether two lobes differ in their weight alone."""
+    if type(a) is not type(b):
+        return False
+    if isinstance(a, DiffuseLobe):
+        return (a.sigma_deg, a.power) == (b.sigma_deg, b.power) and (a.color is None) == (b.color is None) and np.all(np.equal(a.color, b.color))
+    if (a.distribution, a.frame) != (b.distribution, b.frame) or type(a.fresnel) is not type(b.fresnel) or isinstance(a.fresnel, SchlickCurve):
+        return False
+    shapes = ((a.alpha_x, b.alpha_x), (a.alpha_y, b.alpha_y), (a.tilt, b.tilt))
+    return a.fresnel == b.fresnel and all(np.all(np.asarray(x) == np.asarray(y)) for x, y in shapes)

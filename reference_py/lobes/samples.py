@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Truth at one view, as points that any lobe of the stack is seen by."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..optics.frame import dot, half_vector, reflect
+from ..optics.microfacet import GGX, distribution
+from ..optics.quadrature import cosine_directions, facet_normals, points
+
+# Widths of successive strategies are at most this factor apart.
+_STEP = 3.0
+# Points of each strategy.
+_COUNT = 300
+
+
+@dataclass(frozen=True)
+class View:
+    """`wi` (q, 3), `share` (q,) the measure cos(theta_i) dw of each point, `f` (q, 3) the truth there."""
+
+    cos_theta_o: float
+    wo: np.ndarray
+    wi: np.ndarray
+    share: np.ndarray
+    f: np.ndarray
+
+    def distance(self, f: np.ndarray) -> float:
+        """Cosine-weighted L1 between f (q, 3) and the truth over the truth's albedo, worst channel."""
+        gap = self.share @ np.abs(f - self.f)
+        return float(np.max(gap / np.maximum(self.share @ self.f, 1e-9)))
+
+
+def view_of(cos_theta_o: float) -> np.ndarray:
+    """wo (3,) in the xz plane."""
+    return np.array([np.sqrt(max(1.0 - cos_theta_o**2, 0.0)), 0.0, cos_theta_o])
+
+
+def truth_at(truth, cosines: np.ndarray, widths: list[float]) -> list[View]:
+    """Samples of `truth` at view cosines; `widths` are the alphas of the stack's rough surfaces."""
+    placed = [_points(cos_o, _ladder(widths)) for cos_o in cosines]
+    wo = np.concatenate([np.broadcast_to(view_of(c), wi.shape) for c, (wi, _) in zip(cosines, placed)])
+    f = truth.f(wo, np.concatenate([wi for wi, _ in placed]))
+    ends = np.cumsum([len(wi) for wi, _ in placed])[:-1]
+    return [View(float(c), view_of(c), wi, share, part) for c, (wi, share), part in zip(cosines, placed, np.split(f, ends))]
+
+
+def _ladder(widths: list[float]) -> list[float]:
+    """Alphas from the narrowest to what all surfaces together may blur to."""
+    if not widths:
+        return []
+    low, high = min(widths), min(1.0, float(np.sqrt(np.sum(np.square(widths)))))
+    return list(np.geomspace(low, high, int(np.ceil(np.log(high / low) / np.log(_STEP))) + 1)) if high > low else [low]
+
+
+def _points(cos_o: float, alphas: list[float]) -> tuple[np.ndarray, np.ndarray]:
+    """wi (q, 3) on the half with y >= 0, as f is even in azimuth, and their measure (q,)."""
+    wo = view_of(cos_o)
+    u1, u2 = points(_COUNT)
+    wi = np.concatenate([cosine_directions(u1, u2)] + [reflect(wo, facet_normals(u1, u2, a, GGX)) for a in alphas])
+    wi = wi[wi[:, 2] > 0.0]
+    wi[:, 1] = np.abs(wi[:, 1])
+    wh = half_vector(wi, wo)
+    jacobian = wh[:, 2] / np.maximum(4.0 * dot(wi, wh), 1e-300)
+    density = wi[:, 2] / np.pi + sum(distribution(wh[:, 2], a, GGX) * jacobian for a in alphas)
+    return wi, wi[:, 2] / (_COUNT * density)
+
+

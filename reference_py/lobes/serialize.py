@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Networks in tables as JSON's types and back. The types are named, nothing is executed."""
+
+import numpy as np
+
+from ..material.stack import Stack
+from .live_grid import Axis, GridLobe, GridNetwork
+from .lobe import DielectricCurve
+from .view_table import KNOTS, DiffuseTable, GlossyTable, TableNetwork
+
+
+def pack_tables(network: TableNetwork) -> list[dict]:
+    """A baked network as lists and numbers."""
+    return [_pack(table) for table in network.tables]
+
+
+def unpack_tables(data: list[dict]) -> TableNetwork:
+    """The network of `pack_tables`. Raises ValueError, KeyError or TypeError on anything else."""
+    return TableNetwork(tuple(_unpack(table) for table in data))
+
+
+def _pack(table) -> dict:
+    weight = np.asarray(table.weight).tolist()
+    if isinstance(table, DiffuseTable):
+        return {"weight": weight}
+    eta = None if table.fresnel is None else table.fresnel.eta
+    return {"weight": weight, "shape": np.asarray(table.shape).tolist(), "distribution": table.distribution, "eta": eta}
+
+
+def _unpack(data: dict):
+    weight = _array(data["weight"])
+    if "shape" not in data:
+        return DiffuseTable(weight)
+    curve = None if data["eta"] is None else DielectricCurve(float(data["eta"]))
+    return GlossyTable(str(data["distribution"]), weight, _array(data["shape"]), curve)
+
+
+def pack_grid(network: GridNetwork) -> dict:
+    """A network that was baked over live parameters as lists and numbers."""
+    lobes = [
+        {
+            "energy": lobe.energy.tolist(),
+            "distribution": lobe.distribution,
+            "shape": None if lobe.shape is None else lobe.shape.tolist(),
+            "eta": None if lobe.fresnel is None else lobe.fresnel.eta,
+            "unit": None if lobe.unit is None else lobe.unit.tolist(),
+        }
+        for lobe in network.grid
+    ]
+    axes = [[axis.index, axis.parameter, list(axis.knots)] for axis in network.axes]
+    return {"axes": axes, "lobes": lobes, "log_sum": network.log_sum.tolist()}
+
+
+def unpack_grid(data: dict, stack: Stack) -> GridNetwork:
+    """The network of `pack_grid`. Raises ValueError, KeyError or TypeError on anything else."""
+    axes = tuple(Axis(int(index), str(name), tuple(float(k) for k in knots)) for index, name, knots in data["axes"])
+    size = (*(len(axis.knots) for axis in axes), KNOTS)
+
+    def grid(values, columns: int = 3):
+        return None if values is None else _array(values, (*size, columns))
+
+    lobes = [
+        GridLobe(
+            grid(lobe["energy"]),
+            lobe["distribution"],
+            grid(lobe["shape"]),
+            None if lobe["eta"] is None else DielectricCurve(float(lobe["eta"])),
+            grid(lobe["unit"], 1),
+        )
+        for lobe in data["lobes"]
+    ]
+    return GridNetwork(stack, axes, tuple(lobes), grid(data["log_sum"]))
+
+
+def _array(values, shape: tuple[int, ...] = (KNOTS, 3)) -> np.ndarray:
+    array = np.array(values, float)
+    if array.shape != shape or not np.all(np.isfinite(array)):
+        raise ValueError("a table is broken")
+    return array

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ready layers: one JSON file each, named by its file, with the source of its numbers.
+
+A file is a stack without a base: "layers" from the top, all of which are put on a stack at once.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from ...errors import LaminaError
+from ..json_input import parse_json, read_text
+from ..schema import LAMBERT
+from ..stack import Element, Stack
+
+FOLDER = Path(__file__).parent
+
+
+def names() -> list[str]:
+    """Names of all ready layers, in alphabetical order."""
+    return sorted(path.stem for path in FOLDER.glob("*.json"))
+
+
+def load(name: str) -> tuple[str, str, tuple[Element, ...]]:
+    """Label, source and layers, from the top, of a ready layer. Raises LaminaError; an unknown name lists the choices."""
+    if name not in names():
+        raise LaminaError(f"unknown ready layer {name!r}; choose {', '.join(names())}")
+    where = FOLDER / f"{name}.json"
+    data = parse_json(read_text(where, "layer file"), str(where))
+    return data["name"], data["source"], layers_of(data, str(where))
+
+
+def layers_of(data: Mapping, where: str) -> tuple[Element, ...]:
+    """The layers of a dictionary, validated. Raises LaminaError naming `where`, the key, the value and the choices."""
+    version = {"schema_version": data["schema_version"]} if "schema_version" in data else {}
+    return Stack.from_dict({**version, "layers": data.get("layers", []), "base": {"kind": LAMBERT.name}}, where).layers

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every parameter of every layer and base kind, once.
+
+Panel, node sockets, OSL signature, Stack validation and JSON are all derived from `SCHEMA`.
+A default or a range is written here and nowhere else.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite
+from types import MappingProxyType
+
+from ..errors import LaminaError
+
+SCHEMA_VERSION = 3
+
+FLOAT, COLOR, VECTOR, CHOICE = "float", "color", "vector", "choice"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter. Values of type float, color and vector live in sockets; a choice is structure."""
+
+    name: str
+    type: str
+    default: object
+    label: str
+    help: str
+    minimum: float = 0.0
+    maximum: float = 1.0
+    unit: str = ""
+    choices: tuple[str, ...] = ()
+
+    @property
+    def is_structural(self) -> bool:
+        return self.type == CHOICE
+
+    @property
+    def osl_name(self) -> str:
+        """CamelCase name, as OSL shader parameters are written."""
+        return "".join(part.capitalize() for part in self.name.split("_"))
+
+    @property
+    def allowed(self) -> str:
+        """The values that it takes, in words."""
+        if self.type == CHOICE:
+            return ", ".join(self.choices)
+        bounds = f"{self.minimum:g} to {self.maximum:g}{' ' + self.unit if self.unit else ''}"
+        return bounds if self.type == FLOAT else f"[r, g, b], each {bounds}"
+
+    def check(self, value, where: str):
+        """Return the value in canonical form (float, tuple of three floats, or str).
+
+        Raises LaminaError naming `where`, the parameter, the value and what is allowed.
+        """
+        if self.type == CHOICE:
+            if not isinstance(value, str) or value not in self.choices:
+                raise LaminaError(f"{where}: unknown {self.name} {value!r}; choose {self.allowed}")
+            return value
+        if self.type == FLOAT:
+            return self._check_number(value, where, self.name)
+        if not isinstance(value, (list, tuple)) or len(value) != 3:
+            raise LaminaError(f"{where}: {self.name} must be three numbers [r, g, b], not {value!r}")
+        return tuple(self._check_number(v, where, f"{self.name}[{i}]") for i, v in enumerate(value))
+
+    def _check_number(self, value, where: str, name: str) -> float:
+        allowed = f"choose {self.minimum:g} to {self.maximum:g}{' ' + self.unit if self.unit else ''}"
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise LaminaError(f"{where}: {name} must be a number, not {value!r}; {allowed}")
+        try:
+            number = float(value)
+        except OverflowError:
+            number = float("inf")
+        if not isfinite(number) or not self.minimum <= number <= self.maximum:
+            shown = f"{number:g}" if isinstance(value, float) else str(value)[:24]
+            raise LaminaError(f"{where}: {name} is {shown}; {allowed}")
+        return number
+
+
+@dataclass(frozen=True)
+class Feature:
+    """Something that a layer or base may have: it has it where a stack gives any of the feature's parameters.
+
+    It is structure: it changes the generated shader's text, and what lacks it pays nothing for it.
+    """
+
+    name: str
+    label: str
+    help: str
+    parameters: tuple[Parameter, ...]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of layer or base: its own parameters, and those of its optional features, in socket order.
+
+    Node interfaces are append-only: new parameters go to the end, and nodes keep the order in which they got them.
+    `alternatives` names groups of parameters of which a stack gives exactly one group.
+    """
+
+    name: str
+    label: str
+    help: str
+    parameters: tuple[Parameter, ...]
+    alternatives: tuple[tuple[str, ...], ...] = ()
+    features: tuple[Feature, ...] = ()
+
+    @property
+    def all_parameters(self) -> tuple[Parameter, ...]:
+        """The kind's parameters, then those of its features."""
+        return (*self.parameters, *(p for feature in self.features for p in feature.parameters))
+
+    def parameter(self, name: str) -> Parameter:
+        return next(p for p in self.all_parameters if p.name == name)
+
+    @property
+    def sockets(self) -> tuple[Parameter, ...]:
+        """The parameters whose values live in node sockets."""
+        return tuple(p for p in self.all_parameters if not p.is_structural)
+
+    @property
+    def given_choices(self) -> tuple[str, ...]:
+        """Names of the alternatives, such as "metal" and "eta+k"."""
+        return tuple("+".join(group) for group in self.alternatives)
+
+    def given_label(self, choice: str) -> str:
+        """What an alternative gives, in words: "IOR and Extinction"."""
+        return " and ".join(self.parameter(name).label for name in choice.split("+"))
+
+    @property
+    def structure(self) -> tuple[Parameter, ...]:
+        """The parameters that change the generated shader's text."""
+        return tuple(p for p in self.parameters if p.is_structural)
+
+
+@dataclass(frozen=True)
+class Schema:
+    layers: Mapping[str, Kind]
+    bases: Mapping[str, Kind]
+
+    def layer(self, kind, where: str) -> Kind:
+        return _pick(self.layers, kind, where, "layer kind")
+
+    def base(self, kind, where: str) -> Kind:
+        return _pick(self.bases, kind, where, "base kind")
+
+
+def _pick(kinds: Mapping[str, Kind], kind, where: str, what: str) -> Kind:
+    if not isinstance(kind, str) or kind not in kinds:
+        raise LaminaError(f"{where}: unknown {what} {kind!r}; choose {', '.join(kinds)}")
+    return kinds[kind]
+
+
+METALS = (
+    "aluminium", "brass", "chromium", "copper", "gold", "iron", "nickel", "platinum", "silver", "titanium", "tungsten",
+)
+
+_ROUGHNESS = Parameter(
+    "roughness", FLOAT, 0.0, "Roughness",
+    "Square root of the microfacet distribution's alpha; 0 is perfectly smooth",
+)
+_DISTRIBUTION = Parameter(
+    "distribution", CHOICE, "ggx", "Distribution",
+    "Statistics of the microfacets: GGX has long tails, Beckmann is a Gaussian of slopes",
+    choices=("ggx", "beckmann"),
+)
+ANISOTROPY = Feature(
+    "anisotropy", "Anisotropy", "Facets that are rougher along one direction of the surface, as brushing leaves them",
+    (
+        Parameter("anisotropy", FLOAT, 0.0, "Anisotropy",
+                  "How much rougher along the tangent than across: the alphas' ratio is 1 - 0.9 anisotropy"),
+        Parameter("rotation", FLOAT, 0.0, "Rotation", "Turns the tangent about the normal; 1 is a full turn", unit="turns"),
+    ),
+)
+THIN_FILM = Feature(
+    "thin_film", "Thin Film", "A film on the interface, so thin that light interferes in it",
+    (
+        Parameter("film_thickness", FLOAT, 0.0, "Film Thickness", "Thickness of the film; 0 is no film",
+                  maximum=2000.0, unit="nm"),
+        Parameter("film_ior", FLOAT, 1.33, "Film IOR", "Absolute index of refraction of the film", minimum=1.0, maximum=4.0),
+    ),
+)
+COVERAGE = Feature(
+    "coverage", "Coverage", "A layer that is only on part of the surface, in patches smaller than a pixel",
+    (
+        Parameter("coverage", FLOAT, 1.0, "Coverage",
+                  "Share of the surface that has the layer: link a mask; where it is 0 the layer is gone, its medium too"),
+    ),
+)
+NORMAL = Feature(
+    "normal", "Normal", "A normal of its own, such as a normal map or bumps give",
+    (
+        Parameter("normal", VECTOR, (0.0, 0.0, 0.0), "Normal",
+                  "Normal in world space to link; zero is the surface's own. The reference models ignore it",
+                  minimum=-1.0, maximum=1.0),
+    ),
+)
+
+_COLOR = Parameter("color", COLOR, (0.8, 0.8, 0.8), "Color", "Share of light that the opaque base reflects, linear RGB")
+
+DIELECTRIC = Kind(
+    "dielectric", "Dielectric", "A clear or tinted medium below a smooth or rough interface",
+    (
+        Parameter("ior", FLOAT, 1.5, "IOR", "Absolute index of refraction of the medium below the interface",
+                  minimum=1.0, maximum=4.0),
+        _ROUGHNESS,
+        Parameter("tint", COLOR, (1.0, 1.0, 1.0), "Tint",
+                  "Color left of white light after one perpendicular crossing of unit thickness"),
+        Parameter("thickness", FLOAT, 1.0, "Thickness", "Thickness of the medium, in units of the tint's crossing",
+                  maximum=1000.0),
+        _DISTRIBUTION,
+    ),
+    features=(COVERAGE, ANISOTROPY, THIN_FILM, NORMAL),
+)
+LAMBERT = Kind("lambert", "Lambert", "An ideally diffuse, opaque base", (_COLOR,), features=(NORMAL,))
+OREN_NAYAR = Kind(
+    "oren_nayar", "Oren-Nayar", "A rough diffuse, opaque base that scatters back to the light",
+    (
+        _COLOR,
+        Parameter("sigma_deg", FLOAT, 20.0, "Slope Deviation",
+                  "Standard deviation of the facets' inclination (Oren and Nayar 1994)",
+                  maximum=90.0, unit="degrees"),
+    ),
+    features=(NORMAL,),
+)
+CONDUCTOR = Kind(
+    "conductor", "Conductor", "A metal: named, or given by its complex index, or by reflectance and edge color",
+    (
+        Parameter("eta", VECTOR, (0.2, 0.92, 1.1), "IOR", "Real part n of the absolute complex index, per RGB channel",
+                  minimum=0.01, maximum=20.0),
+        Parameter("k", VECTOR, (3.9, 2.45, 2.14), "Extinction", "Imaginary part k of the absolute complex index, per RGB channel",
+                  maximum=20.0),
+        Parameter("reflectance", COLOR, (0.9, 0.7, 0.5), "Reflectance", "Reflectance of the metal at normal incidence in air",
+                  maximum=0.999),
+        Parameter("edge_color", COLOR, (0.95, 0.9, 0.85), "Edge Color",
+                  "Edge tint g of Gulbrandsen 2014: 1 gives the smallest n that has the reflectance"),
+        _ROUGHNESS,
+        Parameter("metal", CHOICE, "aluminium", "Metal", "Metal whose measured index is used", choices=METALS),
+        _DISTRIBUTION,
+    ),
+    alternatives=(("metal",), ("eta", "k"), ("reflectance", "edge_color")),
+    features=(ANISOTROPY, THIN_FILM, NORMAL),
+)
+
+SCHEMA = Schema(
+    layers=MappingProxyType({k.name: k for k in (DIELECTRIC,)}),
+    bases=MappingProxyType({k.name: k for k in (LAMBERT, OREN_NAYAR, CONDUCTOR)}),
+)

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The material as the user means it: immutable, validated, JSON in and out."""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
+from types import MappingProxyType
+
+from ..atomic import write_text
+from ..errors import LaminaError
+from .json_input import parse_json, read_text
+from .schema import SCHEMA, SCHEMA_VERSION, Feature, Kind, Schema
+
+MAX_LAYERS = 64
+
+
+def _frozen(mapping: Mapping) -> Mapping:
+    return MappingProxyType(dict(mapping))
+
+
+@dataclass(frozen=True)
+class Element:
+    """A layer or the base: its kind, its values by parameter name, and the keys we do not know."""
+
+    kind: str
+    values: Mapping
+    unknown: Mapping = field(default_factory=lambda: _frozen({}))
+
+    def __getitem__(self, name: str):
+        return self.values[name]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.values
+
+    def has(self, feature: Feature) -> bool:
+        """Whether it has an optional feature."""
+        return feature.parameters[0].name in self.values
+
+    def with_values(self, **values) -> "Element":
+        """A copy with some values replaced; not validated until it enters a Stack by `Stack.from_dict`."""
+        return replace(self, values=_frozen({**self.values, **values}))
+
+    def to_dict(self) -> dict:
+        known = {k: list(v) if isinstance(v, tuple) else v for k, v in self.values.items()}
+        return {"kind": self.kind, **known, **self.unknown}
+
+
+@dataclass(frozen=True)
+class Stack:
+    """Layers from the top over an opaque base."""
+
+    layers: tuple[Element, ...]
+    base: Element
+    name: str = ""
+    source: str = ""
+    unknown: Mapping = field(default_factory=lambda: _frozen({}))
+
+    @classmethod
+    def from_dict(cls, data, where: str = "stack", schema: Schema = SCHEMA) -> "Stack":
+        """Validate a plain dictionary. Missing keys take the schema's defaults, unknown keys are kept.
+
+        Keys of a version-1 stack that meant nothing then and would now are kept under another name, "coverage_v1".
+        Raises LaminaError naming `where`, the key, the value and the choices.
+        """
+        if not isinstance(data, Mapping):
+            raise LaminaError(f"{where}: a stack is a JSON object with 'layers' and 'base', not {type(data).__name__}")
+        version = data.get("schema_version", SCHEMA_VERSION)
+        if isinstance(version, bool) or not isinstance(version, int) or version < 1:
+            raise LaminaError(f"{where}: schema_version {version!r} is no version; this Lamina reads 1 to {SCHEMA_VERSION}")
+        if version > SCHEMA_VERSION:
+            raise LaminaError(f"{where}: schema_version {version} is newer than this Lamina, which reads 1 to {SCHEMA_VERSION}")
+        if "base" not in data:
+            raise LaminaError(f"{where}: the stack is empty, it has no 'base'; choose one of {', '.join(schema.bases)}")
+        layers = data.get("layers", [])
+        if not isinstance(layers, (list, tuple)):
+            raise LaminaError(f"{where}: 'layers' must be a list, not {type(layers).__name__}")
+        if len(layers) > MAX_LAYERS:
+            raise LaminaError(f"{where}: {len(layers)} layers are too many; choose at most {MAX_LAYERS}")
+        for key in ("name", "source"):
+            if not isinstance(data.get(key, ""), str):
+                raise LaminaError(f"{where}: {key} must be text, not {data[key]!r}")
+        known = {"schema_version", "name", "source", "layers", "base"}
+        return cls(
+            layers=tuple(_element(d, f"{where}: layer {i}", schema.layer, version) for i, d in enumerate(layers)),
+            base=_element(data["base"], f"{where}: base", schema.base, version),
+            name=data.get("name", ""),
+            source=data.get("source", ""),
+            unknown=_frozen({k: v for k, v in data.items() if k not in known}),
+        )
+
+    def to_dict(self) -> dict:
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "name": self.name,
+            "source": self.source,
+            "layers": [layer.to_dict() for layer in self.layers],
+            "base": self.base.to_dict(),
+            **self.unknown,
+        }
+
+    def unknown_keys(self) -> list[str]:
+        """One sentence per key that is kept but has no effect. `name` of a layer or the base is a label."""
+        messages = [_no_effect("stack", key, ("layers", "base", "name", "source", "schema_version")) for key in self.unknown]
+        named = [(f"layer {i}", e, SCHEMA.layers[e.kind]) for i, e in enumerate(self.layers)]
+        for where, element, kind in [*named, ("base", self.base, SCHEMA.bases[self.base.kind])]:
+            for key in element.unknown:
+                if key != "name":
+                    messages.append(_no_effect(where, key, [p.name for p in kind.all_parameters]))
+        return messages
+
+    @classmethod
+    def from_json(cls, text: str, where: str = "stack") -> "Stack":
+        return cls.from_dict(parse_json(text, where), where)
+
+    def to_json(self) -> str:
+        return _json_text(self.to_dict()) + "\n"
+
+    @classmethod
+    def load(cls, path: str | os.PathLike) -> "Stack":
+        """Read a stack file. Raises LaminaError when it cannot be read or is not a valid stack."""
+        return cls.from_json(read_text(path, "stack file"), str(path))
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write the stack as JSON, whole or not at all. Raises LaminaError when the path is not writable."""
+        write_text(path, self.to_json())
+
+
+def _no_effect(where: str, key: str, known) -> str:
+    close = get_close_matches(key.lower(), known, 1)
+    hint = f"; did you mean {close[0]!r}?" if close else ""
+    return f"{where}: unknown key {key!r} is kept and has no effect{hint}"
+
+
+def _json_text(value, indent: str = "") -> str:
+    """JSON with two spaces of indent and every list of plain numbers on one line: people read stack files too."""
+    inner = indent + "  "
+    if isinstance(value, dict) and value:
+        rows = [f"{inner}{json.dumps(k, ensure_ascii=False)}: {_json_text(v, inner)}" for k, v in value.items()]
+        return "{\n" + ",\n".join(rows) + f"\n{indent}}}"
+    if isinstance(value, list) and any(isinstance(v, (dict, list)) for v in value):
+        return "[\n" + ",\n".join(inner + _json_text(v, inner) for v in value) + f"\n{indent}]"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _element(data, where: str, kind_of, version: int) -> Element:
+    if not isinstance(data, Mapping):
+        raise LaminaError(f"{where}: must be a JSON object with a 'kind', not {data!r}")
+    kind: Kind = kind_of(data.get("kind"), where)
+    if version == 1:
+        new = {p.name for feature in kind.features for p in feature.parameters}
+        data = {f"{key}_v1" if key in new else key: value for key, value in data.items()}
+    names = _given_names(kind, data, where)
+    values = {p.name: p.check(data.get(p.name, p.default), where) for p in kind.all_parameters if p.name in names}
+    known = {"kind"} | {p.name for p in kind.all_parameters}
+    return Element(kind.name, _frozen(values), _frozen({k: v for k, v in data.items() if k not in known}))
+
+
+def _given_names(kind: Kind, data: Mapping, where: str) -> set[str]:
+    """The parameters that this element uses: of the kind's alternatives just the one that is given, of its features those."""
+    names = {p.name for p in kind.parameters}
+    for feature in kind.features:
+        if any(p.name in data for p in feature.parameters):
+            names |= {p.name for p in feature.parameters}
+    if not kind.alternatives:
+        return names
+    given = [group for group in kind.alternatives if any(name in data for name in group)]
+    if len(given) > 1:
+        options = " or ".join(kind.given_choices)
+        both = " and ".join("+".join(group) for group in given)
+        raise LaminaError(f"{where}: {both} exclude each other; choose {options}")
+    chosen = given[0] if given else kind.alternatives[0]
+    missing = [name for name in chosen if name not in data]
+    if given and missing:
+        raise LaminaError(f"{where}: {'+'.join(chosen)} go together; {', '.join(missing)} is missing")
+    return names - {name for group in kind.alternatives if group is not chosen for name in group}

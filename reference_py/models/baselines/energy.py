@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Energies that peers need: directional albedo as a function of the view, means over it, and facets that a view sees."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from ...optics.frame import dot, spherical
+from ...optics.microfacet import GGX, masking_g1, masking_g2
+from ...optics.quadrature import directional_albedo
+from ...optics.sampling import ggx_visible_normals
+from .parts import Fresnel
+
+# The generalised golden ratio of two dimensions.
+_GOLDEN_2 = 1.32471795724474602596
+
+
+class Curve:
+    """A function of the view's cosine, (N,) to (N, channels), tabulated once and read linearly.
+
+    Nodes are dense towards grazing; views below the lowest, 89.994 degrees, read that one.
+    """
+
+    COSINES = np.linspace(0.01, 1.0, 128) ** 2
+
+    def __init__(self, function: Callable[[np.ndarray], np.ndarray]):
+        self._values = function(self.COSINES)
+
+    def __call__(self, cos_o: np.ndarray) -> np.ndarray:
+        return np.stack([np.interp(cos_o, self.COSINES, column) for column in self._values.T], axis=-1)
+
+    @property
+    def mean(self) -> np.ndarray:
+        """Cosine-weighted mean over the hemisphere, (channels,)."""
+        cos = self.COSINES
+        weighted = 2.0 * self._values * cos[:, None]
+        return np.sum(0.5 * (weighted[1:] + weighted[:-1]) * np.diff(cos)[:, None], axis=0)
+
+
+def albedo_curve(f: Callable, widths: Sequence[tuple[str, float]], mirrored: Callable) -> Curve:
+    """Directional albedo (3 channels) of f(wo, wi) and of its mirror-like part over the view's cosine."""
+
+    def albedo(cos_o):
+        return directional_albedo(f, spherical(np.arccos(cos_o), 0.0), widths, count=2048) + mirrored(cos_o)
+
+    return Curve(albedo)
+
+
+def facets_seen(cos_o: np.ndarray, alpha: np.ndarray, each: int) -> tuple[np.ndarray, np.ndarray]:
+    """GGX facets that views at cosines (N,) see, alpha (N,): their cosine to the view and that of the mirrored light.
+
+    Both (N, each); all facets count alike. A mirrored light below the horizon has a negative cosine.
+    """
+    # Roberts' R2 sequence: a grid would meet the horizon in steps. The far half of the azimuth mirrors the near one.
+    index = np.arange(1, each + 1)
+    u1, u2 = (0.5 + index / _GOLDEN_2) % 1.0, 0.5 * ((0.5 + index / _GOLDEN_2**2) % 1.0)
+    count = len(cos_o)
+    view = spherical(np.arccos(np.repeat(cos_o, each)), 0.0)
+    wm = ggx_visible_normals(view, np.repeat(alpha, each), np.tile(u1, count), np.tile(u2, count))
+    cos_om = dot(view, wm)
+    cos_i = 2.0 * cos_om * wm[:, 2] - view[:, 2]
+    return np.clip(cos_om, 0.0, 1.0).reshape(count, each), cos_i.reshape(count, each)
+
+
+def reflected_share(cos_i: np.ndarray, cos_o: np.ndarray, alpha: np.ndarray) -> np.ndarray:
+    """Share (N, M) of the light from such facets that leaves: 0 below the horizon, else not masked again."""
+    safe, view, alpha = np.maximum(cos_i, 1e-8), cos_o[:, None], alpha[:, None]
+    return np.where(cos_i > 0.0, masking_g2(safe, view, alpha, GGX) / masking_g1(view, alpha, GGX), 0.0)
+
+
+def mean_fresnel(fresnel: Fresnel) -> np.ndarray:
+    """Cosine-weighted mean of a curve over the hemisphere, (channels,); a critical angle does no harm."""
+    cos = (np.arange(8192) + 0.5) / 8192
+    return np.mean(2.0 * cos[:, None] * fresnel(cos), axis=0)

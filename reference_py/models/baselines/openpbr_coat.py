@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Model `openpbr_coat`: the coat of OpenPBR 1.1 (Academy Software Foundation, section "Coat") over its base.
+
+f = f_coat + T (1 - E_coat(wo)) Delta f_base, with the specification's suggested formulas:
+- absorption T = exp(-tau (1 / cos_t(wi) + 1 / cos_t(wo))), cosines inside the coat (view-dependent absorption);
+- darkening Delta = (1 - K) / (1 - E_b K), K from F(wo) for a smooth to 1 - (1 - E_F) / eta^2 for a rough base;
+- roughening of the base's lobe, r'^4 = min(1, r^4 + 2 r_coat^4);
+- a second interface that is optically thinner takes the inverse index.
+The top interface is the coat (weight 1), the media's optical depths add up in it. A metal base has its F82 curve, a
+diffuse base the energy-preserving Oren-Nayar model or Lambert, under a second interface as its gloss if there is one
+(specular weight 0 otherwise). Without layers the base stands alone. Option `darkening`: "on" (weight 1) or "off".
+Limits: no place for a third interface, nor for a second over metal: they are left out; GGX only, single scattering;
+one Delta for all views of a diffuse base; the gloss layer's own darkening is left to the base color, as the
+specification does; f is not reciprocal.
+"""
+
+import numpy as np
+
+from ...material.stack import Stack
+from ...optics.fresnel import cos_theta_t, fresnel_dielectric
+from ...optics.microfacet import GGX, alpha_from_roughness
+from ...optics.optical_stack import interfaces
+from .energy import albedo_curve, mean_fresnel
+from .parts import Lobe, Peer, dielectric, dielectric_f0, diffuse_f, metal_f0, metal_f82
+
+
+class OpenPbrCoat(Peer):
+    """OpenPBR 1: coat with darkening over its base."""
+
+    name = "openpbr_coat"
+    OPTIONS = {"darkening": ("on", "off")}
+
+    def __init__(self, stack: Stack, **options: str):
+        super().__init__(stack, **options)
+        surfaces = interfaces(stack)
+        self._coat = self._lobe = None
+        self._tau = sum((s.tau for s in surfaces), np.zeros(3))
+        if surfaces:
+            self._eta = surfaces[0].eta
+            self._coat = Lobe(surfaces[0].alpha, GGX, dielectric(self._eta))
+            self._coat_albedo = _albedo(self._coat)
+            self._mean_fresnel = float(mean_fresnel(self._coat.fresnel)[0])
+        self._is_metal = stack.base.kind == "conductor"
+        if self._is_metal:
+            roughness = self._roughened(stack.base["roughness"])
+            self._lobe = Lobe(float(alpha_from_roughness(roughness)), GGX, metal_f82(stack))
+            self._base_albedo, self._base_roughness = metal_f0(stack), roughness
+        else:
+            self._base_albedo, self._base_roughness = np.array(stack.base["color"]), 1.0
+        if not self._is_metal and len(surfaces) > 1 and surfaces[1].eta != 1.0:
+            self._add_gloss(max(surfaces[1].eta, 1.0 / surfaces[1].eta))
+
+    def _roughened(self, roughness: float) -> float:
+        coat = self.stack.layers[0]["roughness"] if self.stack.layers else 0.0
+        return min(1.0, roughness**4 + 2.0 * coat**4) ** 0.25
+
+    def _add_gloss(self, eta: float) -> None:
+        roughness, f0 = self._roughened(self.stack.layers[1]["roughness"]), dielectric_f0(eta)
+        self._lobe = Lobe(float(alpha_from_roughness(roughness)), GGX, dielectric(eta))
+        self._gloss_albedo = _albedo(self._lobe)
+        self._base_roughness = 1.0 + f0 * (roughness - 1.0)
+        self._base_albedo = f0 + (1.0 - f0) * self._base_albedo
+
+    def _f(self, wo, wi):
+        base = self._lobe.f(wo, wi) if self._lobe else 0.0
+        if not self._is_metal:
+            left = 1.0 - self._gloss_albedo(wo[..., 2]) if self._lobe else 1.0
+            base = base + left * diffuse_f(self.stack.base, wo, wi)
+        if not self._coat:
+            return base * np.ones(3)
+        return self._coat.f(wo, wi) + self._carried(wo[..., 2], wi[..., 2]) * base
+
+    def _carried(self, cos_o, cos_i):
+        """What the coat leaves of the base, (..., 3)."""
+        path = 1.0 / cos_theta_t(cos_i, self._eta) + 1.0 / cos_theta_t(cos_o, self._eta)
+        absorbed = np.exp(-self._tau * path[..., None])
+        return absorbed * (1.0 - self._coat_albedo(cos_o)) * self._darkening(cos_o)
+
+    def _darkening(self, cos_o):
+        if self.options["darkening"] == "off":
+            return np.ones(3)
+        smooth = fresnel_dielectric(cos_o, self._eta)
+        rough = 1.0 - (1.0 - self._mean_fresnel) / self._eta**2
+        inside = (smooth + self._base_roughness * (rough - smooth))[..., None]
+        return (1.0 - inside) / np.maximum(1.0 - self._base_albedo * inside, 1e-12)
+
+    def _mirrored(self, cos_o):
+        base = self._lobe.mirrored(cos_o) if self._lobe else super()._mirrored(cos_o)
+        if not self._coat:
+            return base * np.ones(3)
+        return self._coat.mirrored(cos_o) + self._carried(cos_o, cos_o) * base
+
+    def _widths(self):
+        return [lobe.width for lobe in (self._coat, self._lobe) if lobe]
+
+
+def _albedo(lobe: Lobe):
+    """Directional albedo of a lobe over the view's cosine."""
+    return albedo_curve(lobe.f, [lobe.width], lobe.mirrored)

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the peers share: their signature, microfacet lobes, and one way to read a stack.
+
+How a stack is read: every interface and metal has its index relative to the medium above it, absorption is the
+color `round_trip` that two perpendicular crossings of all media leave. That is the best a user of these models can set.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...errors import LaminaError
+from ...material.stack import Element, Stack
+from ...optics import microfacet
+from ...optics.diffuse import oren_nayar
+from ...optics.frame import dot, half_vector
+from ...optics.fresnel import fresnel_conductor, fresnel_dielectric
+from ...optics.microfacet import alpha_from_roughness, is_specular
+from ...optics.optical_stack import conductor_index, interfaces, n_above_base
+from ...optics.quadrature import directional_albedo
+
+_UP = np.array([0.0, 0.0, 1.0])
+# The cosine at which an F82 curve takes its second value, and Schlick's rise there.
+COS_82 = 1.0 / 7.0
+_RISE_82 = (1.0 - COS_82) ** 5
+
+Fresnel = Callable[[np.ndarray], np.ndarray]
+"""Reflectance (..., 1) or (..., 3) at cosines (...) to the facet."""
+
+
+class Peer:
+    """A model of the shared signature. Subclasses give `_f`, and `_widths` and `_mirrored` where they have lobes.
+
+    `OPTIONS` names the options and their choices, the default first. Raises LaminaError on any other.
+    """
+
+    name: str
+    stochastic = False
+    OPTIONS: dict[str, tuple[str, ...]] = {}
+
+    def __init__(self, stack: Stack, **options: str):
+        for key, value in options.items():
+            if key not in self.OPTIONS:
+                choices = f"choose {', '.join(self.OPTIONS)}" if self.OPTIONS else "it has none"
+                raise LaminaError(f"model {self.name}: unknown option {key!r}; {choices}")
+            if value not in self.OPTIONS[key]:
+                raise LaminaError(f"model {self.name}: unknown {key} {value!r}; choose {', '.join(self.OPTIONS[key])}")
+        self.options = {key: options.get(key, choices[0]) for key, choices in self.OPTIONS.items()}
+        self.stack = stack
+
+    def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """BRDF (..., 3) in 1/sr without cosine; mirror-like parts have none and count as 0."""
+        wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
+        visible = ((wo[..., 2] > 0.0) & (wi[..., 2] > 0.0))[..., None]
+        return np.where(visible, self._f(np.where(visible, wo, _UP), np.where(visible, wi, _UP)), 0.0)
+
+    def albedo(self, wo: np.ndarray) -> np.ndarray:
+        """Directional albedo (..., 3), mirror-like parts included; 0 for views below the surface."""
+        wo = np.asarray(wo, float)
+        visible = wo[..., 2:] > 0.0
+        above = np.where(visible, wo, _UP)
+        total = directional_albedo(self.f, above, self._widths()) + self._mirrored(above[..., 2])
+        return np.where(visible, total, 0.0)
+
+    def _f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """f (..., 3) for directions above the surface."""
+        raise NotImplementedError
+
+    def _widths(self) -> Sequence[tuple[str, float]]:
+        """(distribution, alpha) of the lobes, for the quadrature."""
+        return []
+
+    def _mirrored(self, cos_o: np.ndarray) -> np.ndarray:
+        """Energy (..., 3) of mirror-like lobes."""
+        return np.zeros(cos_o.shape + (3,))
+
+
+@dataclass(frozen=True)
+class Lobe:
+    """A microfacet reflection lobe, D G2 F / (4 cos_i cos_o) (Walter07)."""
+
+    alpha: float
+    kind: str
+    fresnel: Fresnel
+
+    @property
+    def width(self) -> tuple[str, float]:
+        return self.kind, self.alpha
+
+    def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """(..., 1) or (..., 3) for directions above the surface; 0 for a mirror."""
+        wh = half_vector(wi, wo)
+        if is_specular(self.alpha):
+            return np.zeros(wh.shape[:-1] + (1,))
+        d = microfacet.distribution(wh[..., 2], self.alpha, self.kind)
+        g = microfacet.masking_g2(wi[..., 2], wo[..., 2], self.alpha, self.kind)
+        value = d * g / (4.0 * np.maximum(wi[..., 2] * wo[..., 2], 1e-30))
+        return self.fresnel(np.clip(dot(wi, wh), 0.0, 1.0)) * value[..., None]
+
+    def mirrored(self, cos_o: np.ndarray) -> np.ndarray:
+        """Energy (..., 1) or (..., 3) of a mirror; 0 for a rough lobe."""
+        return self.fresnel(cos_o) * (1.0 if is_specular(self.alpha) else 0.0)
+
+
+def dielectric(eta: float) -> Fresnel:
+    """Exact curve of a dielectric, (..., 1)."""
+    return lambda cos: fresnel_dielectric(cos, eta)[..., None]
+
+
+def conductor(eta: np.ndarray, k: np.ndarray) -> Fresnel:
+    """Exact curve of a metal of relative index eta + i k, (..., 3)."""
+    return lambda cos: fresnel_conductor(cos[..., None], eta, k)
+
+
+def schlick(f0: np.ndarray) -> Fresnel:
+    """f0 + (1 - f0) (1 - cos)^5 (Schlick94), shaped like f0."""
+    return lambda cos: f0 + (1.0 - f0) * ((1.0 - cos) ** 5)[..., None]
+
+
+def f82(f0: np.ndarray, reflectance_82: np.ndarray) -> Fresnel:
+    """Schlick's curve with a dip that makes it reflectance_82 at 82 degrees (Kutz21); both (3,)."""
+    drop = (f0 + (1.0 - f0) * _RISE_82 - reflectance_82) / (COS_82 * (1.0 - COS_82) * _RISE_82)
+
+    def fresnel(cos):
+        rise = ((1.0 - cos) ** 5)[..., None]
+        return np.clip(f0 + (1.0 - f0) * rise - drop * (cos * (1.0 - cos))[..., None] * rise, 0.0, 1.0)
+
+    return fresnel
+
+
+def interface_lobe(stack: Stack, index: int) -> Lobe:
+    """Lobe of interface `index` of a stack."""
+    surface = interfaces(stack)[index]
+    return Lobe(surface.alpha, surface.distribution, dielectric(surface.eta))
+
+
+def metal_lobe(stack: Stack) -> Lobe | None:
+    """Lobe of a conductor base under its medium; None over a diffuse base."""
+    if stack.base.kind != "conductor":
+        return None
+    eta, k = conductor_index(stack.base)
+    n = n_above_base(stack)
+    return Lobe(float(alpha_from_roughness(stack.base["roughness"])), stack.base["distribution"], conductor(eta / n, k / n))
+
+
+def metal_f0(stack: Stack) -> np.ndarray:
+    """Reflectance (3,) of a conductor base at normal incidence, under its medium."""
+    return metal_lobe(stack).fresnel(np.ones(()))
+
+
+def metal_colors(stack: Stack) -> tuple[np.ndarray, np.ndarray]:
+    """`metal_f0`, and the share, at most 1, of Schlick's curve that the metal reflects at 82 degrees; each (3,)."""
+    fresnel = metal_lobe(stack).fresnel
+    f0 = fresnel(np.ones(()))
+    return f0, np.minimum(fresnel(np.full((), COS_82)) / (f0 + (1.0 - f0) * _RISE_82), 1.0)
+
+
+def metal_f82(stack: Stack) -> Fresnel:
+    """The F82 curve of `metal_colors`."""
+    f0, tint = metal_colors(stack)
+    return f82(f0, tint * (f0 + (1.0 - f0) * _RISE_82))
+
+
+def dielectric_f0(eta: float) -> float:
+    """Reflectance of an interface at normal incidence."""
+    return ((eta - 1.0) / (eta + 1.0)) ** 2
+
+
+def round_trip(stack: Stack) -> np.ndarray:
+    """(3,) what two perpendicular crossings of all media leave."""
+    return np.exp(-2.0 * sum((s.tau for s in interfaces(stack)), np.zeros(3)))
+
+
+def diffuse_f(base: Element, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+    """f (..., 3) of a Lambert or Oren-Nayar base."""
+    if base.kind == "oren_nayar":
+        return oren_nayar(wi, wo, base["color"], base["sigma_deg"])
+    return np.array(base["color"]) / np.pi * np.ones(wi.shape)

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Model `torrance_sparrow`: one glossy lobe, and a diffuse part, without any layering (Torrance67; Walter07).
+
+What a plain glossy or glossy-plus-diffuse shader shows. A metal base: its own lobe alone, tinted by the round trip
+through all media; no interface above is seen. A diffuse base: the lobe of the top interface, added to the base
+tinted likewise and dimmed by 1 - f0 of that interface. Masking is Smith's, with the stack's own distribution.
+Limits: interfaces between are ignored, nothing is broadened, single scattering loses energy at large alpha; the
+sum of lobe and diffuse part exceeds 1 over a light base towards grazing views, by up to .47 at 89.9 degrees
+(figures/stress.csv).
+"""
+
+import numpy as np
+
+from ...material.stack import Stack
+from ...optics.optical_stack import interfaces
+from .parts import Peer, dielectric_f0, diffuse_f, interface_lobe, metal_lobe, round_trip
+
+
+class TorranceSparrow(Peer):
+    """A plain glossy shader, with a diffuse base if there is one."""
+
+    name = "torrance_sparrow"
+
+    def __init__(self, stack: Stack, **options: str):
+        super().__init__(stack, **options)
+        self._metal = metal_lobe(stack)
+        self._tint = round_trip(stack)
+        self._lobe = self._metal or (interface_lobe(stack, 0) if stack.layers else None)
+        self._lobe_tint = self._tint if self._metal else np.ones(3)
+        self._diffuse = self._tint * (1.0 - dielectric_f0(interfaces(stack)[0].eta) if stack.layers else 1.0)
+
+    def _f(self, wo, wi):
+        total = np.zeros(wi.shape)
+        if self._lobe:
+            total = total + self._lobe_tint * self._lobe.f(wo, wi)
+        if not self._metal:
+            total = total + self._diffuse * diffuse_f(self.stack.base, wo, wi)
+        return total
+
+    def _widths(self):
+        return [self._lobe.width] if self._lobe else []
+
+    def _mirrored(self, cos_o):
+        return self._lobe_tint * self._lobe.mirrored(cos_o) if self._lobe else super()._mirrored(cos_o)

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stacks whose colours are spectra: the colour axis holds wavelengths in nm instead of RGB.
+
+    stack = spectral_stack(presets.load("tinted_glaze"), wavelength_nm, tints={0: np.exp(-tau)})
+    f = make_model("weidlich_wilkie", stack).f(wo, wi)      # (..., wavelengths)
+    rgb = reflectance_to_rgb(f, wavelength_nm)
+
+Bouguer's law (Weidlich07, eq. 5) then holds for each wavelength alone; for three broad channels it does not.
+Such a stack is for the models that say so (`weidlich_wilkie`, `weidlich_wilkie_repaired`), not for files.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..errors import LaminaError
+from ..material.stack import Element, Stack
+from .colour import metal_index, rgb_weights
+
+
+def spectral_stack(
+    stack: Stack, wavelength_nm: Sequence[float], tints: Mapping[int, Sequence[float]] | None = None,
+    color: Sequence[float] | None = None,
+) -> Stack:
+    """`stack` on increasing wavelengths (n,) in nm.
+
+    tints: per layer index, what one crossing of unit thickness leaves, (n,); color: reflectance (n,) of a diffuse
+    base. Greys count as flat spectra and named metals have their measured index, so only what is coloured must be
+    given. Raises LaminaError for a coloured value without spectrum, a wrong length, or values outside 0 to 1.
+    """
+    wavelength_nm = np.asarray(wavelength_nm, float)
+    tints = dict(tints or {})
+    unknown = sorted(set(tints) - set(range(len(stack.layers))))
+    if unknown:
+        raise LaminaError(f"tint spectrum for layer {unknown[0]}; the stack has {len(stack.layers)} layers, numbered from 0")
+    layers = tuple(
+        layer.with_values(tint=_spectrum(layer, "tint", tints.get(i), len(wavelength_nm), f"layer {i}"))
+        for i, layer in enumerate(stack.layers)
+    )
+    return replace(stack, layers=layers, base=_spectral_base(stack.base, wavelength_nm, color))
+
+
+def gaussian_band(wavelength_nm: np.ndarray, center_nm: float, width_nm: float, depth: float) -> np.ndarray:
+    """Optical depth (n,) of unit thickness of one absorption band: `depth` at the centre, standard deviation `width_nm`."""
+    return depth * np.exp(-0.5 * np.square((np.asarray(wavelength_nm, float) - center_nm) / width_nm))
+
+
+def smoothest_reflectance(rgb: Sequence[float], wavelength_nm: np.ndarray) -> np.ndarray:
+    """The reflectance (n,) of linear Rec.709 `rgb` with the least squared slope (Burns 2020, Color Res. Appl. 45(1), 8-21).
+
+    A guess where nothing but a colour is known. Raises LaminaError where it leaves 0 to 1, as saturated colours do.
+    """
+    weights = rgb_weights(wavelength_nm)
+    slope = np.diff(np.eye(len(weights)), axis=0)
+    zero = np.zeros((3, 3))
+    system = np.block([[slope.T @ slope, weights], [weights.T, zero]])
+    spectrum = np.linalg.solve(system, np.concatenate([np.zeros(len(weights)), np.asarray(rgb, float)]))[:-3]
+    if not np.all((spectrum >= 0.0) & (spectrum <= 1.0)):
+        raise LaminaError(f"color {list(rgb)} is too saturated for a smooth spectrum within 0 to 1; give its spectrum")
+    return spectrum
+
+
+def _spectral_base(base: Element, wavelength_nm: np.ndarray, color) -> Element:
+    count = len(wavelength_nm)
+    if "color" in base:
+        return base.with_values(color=_spectrum(base, "color", color, count, "base"))
+    if color is not None:
+        raise LaminaError("base: a conductor has no color; its index sets it")
+    if "metal" in base:
+        eta, k = metal_index(base["metal"], wavelength_nm)
+        values = {name: value for name, value in base.values.items() if name != "metal"}
+        return replace(base, values=values).with_values(eta=tuple(eta), k=tuple(k))
+    pair = ("eta", "k") if "eta" in base else ("reflectance", "edge_color")
+    return base.with_values(**{name: _spectrum(base, name, None, count, "base") for name in pair})
+
+
+def _spectrum(element: Element, name: str, given, count: int, where: str) -> tuple[float, ...]:
+    if given is None:
+        if len(set(element[name])) > 1:
+            raise LaminaError(f"{where}: {name} {list(element[name])} is coloured; give its spectrum")
+        return (element[name][0],) * count
+    values = np.asarray(given, float)
+    if values.shape != (count,):
+        raise LaminaError(f"{where}: {name} spectrum of shape {values.shape} needs one value for each of {count} wavelengths")
+    if not np.all((values >= 0.0) & (values <= 1.0)):
+        raise LaminaError(f"{where}: {name} spectrum must lie within 0 to 1, not {values.min():g} to {values.max():g}")
+    return tuple(values)

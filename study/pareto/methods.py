@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The ways to render a layered material that are compared."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import bpy
+
+from ...addon.blender.versions import DIFFUSE_POWER, HAS_DIELECTRIC
+from ...addon.material.backend import OSL
+from ...addon.material.material import apply_stack
+from ...reference_py.lobes.baked import MAX_GLOSSY, Baker
+from ...reference_py.lobes.methods import make_network
+from ...reference_py.lobes.tabulate import tabulate
+from ...reference_py.lobes.view_table import TableNetwork
+from ...reference_py.material.stack import Stack
+from ...reference_py.registry import make_model
+from .materials import glossy_material, group_material, layer_text, principled_material, script_material, table_material
+from .reflectance import ModelReflectance, NetworkReflectance, Reflectance, belcour_network, glossy_network, plain_glossy
+
+GLOSSY, SLAB, NODES = "glossy", "slab", "nodes"
+_LABELS = {"weidlich_wilkie": "Weidlich-Wilkie", "analytic": "analytic"}
+# Glossy lobes of the bake that stock nodes show.
+_NODES_GLOSSY = 2
+
+
+@dataclass(frozen=True)
+class Method:
+    """`material(tag)` makes a new material, its shader named after `tag`; of the slab, which has none, the rest is None."""
+
+    name: str
+    label: str
+    reflectance: Reflectance | None
+    material: Callable[[str], bpy.types.Material] | None
+    closures: int | None = None
+    bake_seconds: float | None = None
+
+
+def methods(stack: Stack, truth, report: Callable[[str], None]) -> list[Method]:
+    """All methods for a stack, the plain glossy node first. `bake_seconds` is CPU time with the truth's."""
+    color, alpha = plain_glossy(stack, truth)
+    principled, layer, belcour = (make_model(name, stack) for name in ("principled_coat", "cycles_layer", "belcour"))
+    result = [
+        Method(GLOSSY, "plain glossy", NetworkReflectance(glossy_network(color, alpha)), lambda tag: glossy_material(color, alpha), 1),
+        Method("principled", "Principled", ModelReflectance(principled), lambda tag: principled_material(principled)),
+        Method("layer", "OSL layer()", ModelReflectance(layer), lambda tag: script_material(tag, layer_text(stack, tag))),
+        _tables(stack, "belcour", "Belcour 2018", belcour_network(belcour)),
+    ]
+    for tier in _LABELS:
+        network = make_network(stack, tier)
+        result.append(Method(tier, _LABELS[tier], NetworkReflectance(network), _live(stack, tier), network.lobe_count))
+    start = time.process_time()
+    baker = Baker(stack, truth)
+    for glossy in range(1, MAX_GLOSSY + 1):
+        report(f"bake {glossy} glossy")
+        network = baker.bake(glossy).network
+        spent = time.process_time() - start
+        if glossy == _NODES_GLOSSY:
+            result.append(_nodes(network, spent))
+        result.append(_tables(stack, f"baked_{glossy}", f"baked, {glossy}", network, spent))
+    if stack.layers:
+        result.append(Method(SLAB, "slab geometry", None, None))
+    return result
+
+
+def _tables(stack: Stack, name: str, label: str, network: TableNetwork, spent: float | None = None) -> Method:
+    def material(tag: str) -> bpy.types.Material:
+        return table_material(network, stack, tag)
+
+    return Method(name, label, NetworkReflectance(network), material, network.lobe_count, spent)
+
+
+def _nodes(network: TableNetwork, spent: float) -> Method:
+    stock = tabulate(network, HAS_DIELECTRIC, DIFFUSE_POWER)
+    return Method(NODES, f"stock nodes, {_NODES_GLOSSY}", NetworkReflectance(stock), lambda tag: group_material(stock), stock.lobe_count, spent)
+
+
+def _live(stack: Stack, tier: str) -> Callable[[str], bpy.types.Material]:
+    def material(tag: str) -> bpy.types.Material:
+        made = bpy.data.materials.new(tag)
+        apply_stack(made, stack, tier, OSL)
+        return made
+
+    return material

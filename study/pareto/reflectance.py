@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a way to render a stack reflects, in numpy, and how far that is from the truth. Does not need bpy.
+
+Networks and peers equal their renders to 1e-4 and 5e-4 (tests/addon/test_parity*.py, test_peers_render.py), so that
+their errors need no render.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ...reference_py.lobes.closure import is_mirror, lobe_energy, lobe_f
+from ...reference_py.lobes.lobe import GlossyLobe
+from ...reference_py.lobes.samples import truth_at
+from ...reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableNetwork, knot_cosines
+from ...reference_py.material.stack import Stack
+from ...reference_py.optics.frame import spherical
+from ...reference_py.optics.microfacet import GGX, is_specular
+from ...reference_py.optics.optical_stack import interfaces, rough_surfaces
+from ...reference_py.optics.quadrature import directional_albedo
+
+THETA_DEG = np.array([0.0, 20.0, 40.0, 60.0, 75.0, 80.0])
+# Alphas that a plain glossy node is tried with.
+_GUESSES = np.geomspace(0.02, 1.0, 14)
+
+
+class Reflectance(Protocol):
+    """`f(wo, wi)` (..., 3) without mirror-like parts, `albedo(cos)` and its mirror-like share `mirror(cos)`, each (n, 3)."""
+
+    def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray: ...
+    def albedo(self, cos_theta_o: np.ndarray) -> np.ndarray: ...
+    def mirror(self, cos_theta_o: np.ndarray) -> np.ndarray: ...
+
+
+class NetworkReflectance:
+    """That of a network."""
+
+    def __init__(self, network):
+        self.network = network
+
+    def f(self, wo, wi):
+        return sum(lobe_f(lobe, wo, wi) for lobe in self.network.lobes(wo[..., 2]))
+
+    def albedo(self, cos_theta_o):
+        return self._energy(cos_theta_o, lambda lobe: True)
+
+    def mirror(self, cos_theta_o):
+        return self._energy(cos_theta_o, lambda lobe: isinstance(lobe, GlossyLobe) and is_mirror(lobe))
+
+    def _energy(self, cos_theta_o, counts):
+        return sum((lobe_energy(lobe, cos_theta_o) for lobe in self.network.lobes(cos_theta_o) if counts(lobe)), np.zeros((len(cos_theta_o), 3)))
+
+
+class ModelReflectance:
+    """That of a model of the registry."""
+
+    def __init__(self, model):
+        self.model = model
+        self._rough = rough_surfaces(model.stack)
+
+    def f(self, wo, wi):
+        return self.model.f(wo, wi)
+
+    def albedo(self, cos_theta_o):
+        return self.model.albedo(_views(cos_theta_o))
+
+    def mirror(self, cos_theta_o):
+        if not has_mirror(self.model.stack):
+            return np.zeros((len(cos_theta_o), 3))
+        wo = _views(cos_theta_o)
+        return np.maximum(self.model.albedo(wo) - directional_albedo(self.model.f, wo, self._rough), 0.0)
+
+
+class TruthReflectance(ModelReflectance):
+    """That of `adding`, which knows its mirror-like part."""
+
+    def mirror(self, cos_theta_o):
+        return self.model.mirror_albedo(cos_theta_o)
+
+
+def _views(cos_theta_o) -> np.ndarray:
+    return spherical(np.arccos(np.asarray(cos_theta_o, float)), 0.0)
+
+
+def has_mirror(stack: Stack) -> bool:
+    """Whether light can come back as from a mirror."""
+    base = stack.base
+    return any(is_specular(s.alpha) for s in interfaces(stack)) or (base.kind == "conductor" and is_specular(base["roughness"] ** 2))
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Relative error of the albedo, worst channel and view; L1 of f over the albedo, worst view and mean of the views."""
+
+    albedo: float
+    shape: float
+    shape_mean: float
+
+
+class Yardstick:
+    """The truth at THETA_DEG. Light that leaves as from a mirror counts in the shape as one more direction."""
+
+    def __init__(self, stack: Stack, truth):
+        self._cosines = np.cos(np.radians(THETA_DEG))
+        self._views = truth_at(truth, self._cosines, [alpha for _, alpha in rough_surfaces(stack)])
+        exact = TruthReflectance(truth)
+        self._albedo, self._mirror = np.maximum(exact.albedo(self._cosines), 1e-9), exact.mirror(self._cosines)
+
+    def errors(self, reflectance: Reflectance) -> Errors:
+        albedo = np.abs(reflectance.albedo(self._cosines) / self._albedo - 1.0)
+        gaps = np.abs(reflectance.mirror(self._cosines) - self._mirror)
+        for gap, view in zip(gaps, self._views):
+            gap += view.share @ np.abs(reflectance.f(np.broadcast_to(view.wo, view.wi.shape), view.wi) - view.f)
+        shape = np.max(gaps / self._albedo, axis=-1)
+        return Errors(float(np.max(albedo)), float(np.max(shape)), float(np.mean(shape)))
+
+
+def plain_glossy(stack: Stack, truth) -> tuple[np.ndarray, float]:
+    """(color (3,), alpha) of the one glossy node that comes closest: the truth's mean color, and the best of _GUESSES."""
+    cosines = np.sqrt((np.arange(8) + 0.5) / 8.0)
+    color, yardstick = TruthReflectance(truth).albedo(cosines).mean(axis=0), Yardstick(stack, truth)
+    alpha = min(_GUESSES, key=lambda a: yardstick.errors(NetworkReflectance(glossy_network(color, a))).shape_mean)
+    return color, float(alpha)
+
+
+def glossy_network(color: np.ndarray, alpha: float) -> TableNetwork:
+    """A Glossy node (GGX) as a network."""
+    ones = np.ones((KNOTS, 3))
+    return TableNetwork((GlossyTable(GGX, ones * color, ones * (alpha, alpha, 0.0)),))
+
+
+def belcour_network(model) -> TableNetwork:
+    """Belcour's lobes in tables. What T(wi) does within the diffuse lobe becomes part of its weight."""
+    cosines = knot_cosines()
+    tables = []
+    for weight, alpha in model.lobes(cosines):
+        tables.append(GlossyTable(GGX, weight, np.stack([alpha, alpha, np.zeros(KNOTS)], axis=-1)))
+    if model.stack.base.kind != "conductor":
+        glossy = NetworkReflectance(TableNetwork(tuple(tables))).albedo(cosines) if tables else 0.0
+        tables.append(DiffuseTable(np.maximum(model.albedo(_views(cosines)) - glossy, 0.0)))
+    return TableNetwork(tuple(tables))

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The published suite of stacks on which models are compared (data/suite.json).
+
+Plastics, coated metals and slabs of up to twenty layers; rough over smooth and back, absorbing and not.
+"""
+
+import json
+from functools import lru_cache
+from pathlib import Path
+
+from ..reference_py.errors import LaminaError
+from ..reference_py.material.stack import Stack
+
+_FILE = Path(__file__).parent / "data" / "suite.json"
+
+
+@lru_cache(maxsize=1)
+def suite() -> dict[str, Stack]:
+    """The stacks by name, in the file's order."""
+    stacks = json.loads(_FILE.read_text(encoding="utf-8"))["stacks"]
+    return {data["name"]: Stack.from_dict(data, f"{_FILE.name}: {data['name']}") for data in stacks}
+
+
+def suite_stack(name: str) -> Stack:
+    """One stack of the suite. Raises LaminaError on an unknown name."""
+    if name not in suite():
+        raise LaminaError(f"unknown suite stack {name!r}; choose {', '.join(suite())}")
+    return suite()[name]

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The two truths agree on the suite. `lamina chart suite -o figures` compares all of it, here a few stacks and few walks."""
+
+import csv
+import random
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lamina.reference_py.registry import make_model
+from lamina.study import agreement as module
+from lamina.study.agreement import ADDING_ALBEDO, ADDING_F, COLUMNS, NARROW, SIGMAS, agreement, direction_grid
+from lamina.study.suite import suite, suite_stack
+
+TABLE = Path(__file__).parents[2] / "figures" / "suite_agreement.csv"
+# What walks take a minute to say is left to the chart.
+SHORT = [name for name, stack in suite().items() if len(stack.layers) <= 2]
+# Where the table has f further apart than `adding` states, 3.5 % of f + 2 % of the brightest. Few of these walks go
+# through both narrow lobes, so 1500 understate their standard error; see `test_more_walks_settle_the_stacks_on_record`.
+F_DISAGREES = {"gold_coat_0_3_metal_0_05"}
+SUBSET = random.Random(7).sample(SHORT, 6) + ["three_smooth"]
+
+
+def committed():
+    rows = [row for row in csv.reader(TABLE.read_text().splitlines()) if not row[0].startswith("#")]
+    header, *rows = rows
+    return {row[0]: dict(zip(header[1:], row[1:])) for row in rows}
+
+
+@pytest.mark.parametrize("name", SUBSET)
+def test_truths_agree(name):
+    result = agreement(suite_stack(name), most_walks=8192, seed=3)
+    assert result.sigmas <= SIGMAS
+    assert result.mean <= SIGMAS * result.stderr + ADDING_ALBEDO
+    if (result.narrowest == 0.0 or result.narrowest >= NARROW) and name not in F_DISAGREES:
+        assert result.f_beyond <= ADDING_F
+
+
+def test_the_committed_table_has_every_stack_and_all_albedos_agree():
+    rows = committed()
+    assert list(rows) == list(suite()), "run lamina chart suite -o figures"
+    assert len(rows) >= 60
+    assert [name for name, row in rows.items() if row["albedo_agrees"] != "yes"] == []
+
+
+def test_f_agrees_but_for_the_stacks_on_record():
+    """A record, not a licence: a stack that leaves the set, or joins it, changes this test."""
+    rows = committed()
+    assert {name for name, row in rows.items() if row["f_agrees"] != "yes"} == F_DISAGREES
+    assert max(float(rows[name]["f_beyond"]) for name in F_DISAGREES) < 0.06
+    assert max(float(row["f_median"]) for row in rows.values()) < 0.03
+
+
+@pytest.mark.parametrize("name", sorted(F_DISAGREES))
+def test_more_walks_settle_the_stacks_on_record(name):
+    """It is the noise of the walks: with the same seed, eight times as many of them agree."""
+    result = agreement(suite_stack(name), most_walks=8192, f_walks=12_000)
+    assert result.f_agrees and result.f_median < 0.01
+
+
+@pytest.mark.parametrize("name", ["lambert_grey", "plastic_grey_0", "plastic_tinted"])
+def test_committed_figures_are_those_of_this_code(name):
+    row, result = committed()[name], agreement(suite_stack(name))
+    for column in COLUMNS:
+        assert float(row[column]) == pytest.approx(getattr(result, column), rel=0.01, abs=1e-6), column
+
+
+def test_a_wrong_truth_is_seen(monkeypatch):
+    """Five hundredths on an index are 3 % of the albedo of a grey plastic."""
+    stack = suite_stack("plastic_grey_0")
+    off = type(stack).from_dict({**stack.to_dict(), "layers": [{**stack.layers[0].to_dict(), "ior": 1.55}]})
+
+    def wrong(name, given, **options):
+        return make_model(name, off if name == "adding" else given, **options)
+
+    monkeypatch.setattr(module, "make_model", wrong)
+    result = agreement(stack, most_walks=65_536, f_walks=6000)
+    assert not result.albedo_agrees and not result.f_agrees
+
+
+def test_the_grid_is_above_the_surface_and_off_the_mirror_direction():
+    wo, wi = direction_grid()
+    assert np.all(wo[:, 2] > 0.1) and np.all(wi[:, 2] > 0.1)
+    assert np.min(np.linalg.norm(wo[:, :2] + wi[:, :2], axis=-1)) > 0.05
