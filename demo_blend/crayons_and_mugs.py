@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 
-from ..reference_py.lobes.methods import AnalyticNetwork
+from ..reference_py.lobes.methods import AnalyticLobes
 from ..reference_py.material import presets
 from .materials import plain_material, stack_material
 from .set import link_attribute, per_object, put, stage
@@ -47,6 +47,6 @@ def build(settle: bool = True) -> bpy.types.Scene:
 
 
 def _colored(preset: str) -> bpy.types.Material:
-    material = stack_material(presets.label(preset), presets.load(preset), AnalyticNetwork.tier)
+    material = stack_material(presets.label(preset), presets.load(preset), AnalyticLobes.tier)
     per_object(material, material.lamina.base, "Color", "color")
     return material

@@ -8,7 +8,7 @@ components, whose energy is the paper's.
 import bpy
 
 from ..addon.blender.versions import node_tree
-from ..reference_py.lobes.methods import AnalyticNetwork, WeidlichWilkieNetwork
+from ..reference_py.lobes.methods import AnalyticLobes, PaperLobes
 from ..reference_py.material.stack import Stack
 from .materials import stack_material
 from .set import look, per_object, put, stage
@@ -30,10 +30,10 @@ def build(settle: bool = True) -> bpy.types.Scene:
     scene.view_settings.view_transform = "Standard"
     scene.cycles.max_bounces = 8
     mesh = ball("Ball", RADIUS, 192)
-    for network, row in ((AnalyticNetwork, 0.56), (WeidlichWilkieNetwork, -0.56)):
-        material = _white(network.tier)
+    for lobe_set, row in ((AnalyticLobes, 0.56), (PaperLobes, -0.56)):
+        material = _white(lobe_set.tier)
         for i, roughness in enumerate(ROUGHNESS):
-            item = put(scene, f"{network.tier} {roughness:g}", mesh, material, ((i - 2.0) * STEP, 0.0, row))
+            item = put(scene, f"{lobe_set.tier} {roughness:g}", mesh, material, ((i - 2.0) * STEP, 0.0, row))
             item["roughness"] = roughness
             item.visible_diffuse = item.visible_glossy = False  # no ball sees another
     return scene

@@ -7,18 +7,18 @@ Samples that are not valid have value 0 and count as samples.
 """
 
 from .errors import LaminaError
-from .lobes.methods.closure_model import Mirror
+from .lobes.methods.closure_model import ClosureModel
 from .material.coverage import covered_layers, patches
 from .material.schema import ANISOTROPY, THIN_FILM
 from .material.stack import Stack
 from .models.adding import Adding
-from .models.baselines import PEERS
+from .models.baselines import BASELINES
 from .models.patch_model import PatchModel
 from .models.position_free import PositionFree
 from .models.weidlich_wilkie import WeidlichWilkie
 from .models.weidlich_wilkie_repaired import WeidlichWilkieRepaired
 
-MODELS = {model.name: model for model in (WeidlichWilkie, WeidlichWilkieRepaired, Adding, PositionFree, Mirror, *PEERS)}
+MODELS = {model.name: model for model in (WeidlichWilkie, WeidlichWilkieRepaired, Adding, PositionFree, ClosureModel, *BASELINES)}
 
 
 def make_model(name: str, stack: Stack, **options: str):
@@ -31,7 +31,7 @@ def make_model(name: str, stack: Stack, **options: str):
     if not isinstance(stack, Stack):
         raise LaminaError(f"model {name} needs a Stack, not {type(stack).__name__}: see Stack.load, Stack.from_dict, presets.load")
     _require_known_features(name, stack)
-    if Mirror.name == name or not covered_layers(stack):  # the mirror's network is a mixture itself
+    if ClosureModel.name == name or not covered_layers(stack):  # the mirror's lobe set is a mixture itself
         return MODELS[name](stack, **options)
     parts = [(patch, MODELS[name](patch.stack, **options)) for patch in patches(stack) if patch.share > 0.0]
     return parts[0][1] if len(parts) == 1 else PatchModel(parts)

@@ -98,7 +98,7 @@ def _gain(cos_theta, alpha, eta, kind) -> np.ndarray:
 
 def main() -> None:
     data = {
-        "description": "Energies of rough dielectric interfaces, in units of 1e-4; axes and meaning in network/analytic/tables.py",
+        "description": "Energies of rough dielectric interfaces, in units of 1e-4; axes and meaning in lobes/analytic/tables.py",
         "distributions": [GGX, BECKMANN],
         **{kind: _tables_of(kind) for kind in (GGX, BECKMANN)},
     }

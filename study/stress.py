@@ -12,8 +12,8 @@ from types import MappingProxyType
 import numpy as np
 
 from ..reference_py.errors import LaminaError
-from ..reference_py.lobes.methods import TIERS, AutoNetwork
-from ..reference_py.lobes.methods.closure_model import Mirror
+from ..reference_py.lobes.methods import TIERS, AutoLobes
+from ..reference_py.lobes.methods.closure_model import ClosureModel
 from ..reference_py.material.stack import Stack
 from ..reference_py.optics.frame import normalize, reflect, spherical
 from ..reference_py.optics.quadrature import points
@@ -130,8 +130,8 @@ REFUSED: Mapping[str, dict] = MappingProxyType({
 
 
 # Every model, and what Cycles renders in every tier; auto is one of the others.
-_MIRRORS = tuple(f"{Mirror.name}:{tier}" for tier in TIERS if tier != AutoNetwork.tier)
-SUBJECTS = tuple(subject for name in MODELS for subject in (_MIRRORS if name == Mirror.name else (name,)))
+_MIRRORS = tuple(f"{ClosureModel.name}:{tier}" for tier in TIERS if tier != AutoLobes.tier)
+SUBJECTS = tuple(subject for name in MODELS for subject in (_MIRRORS if name == ClosureModel.name else (name,)))
 
 
 def is_refused(data: dict) -> bool:

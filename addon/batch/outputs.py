@@ -87,7 +87,7 @@ def missed(outputs: Sequence[Output]) -> str:
 
 
 def _seen(texts: Mapping[str, str]) -> list[str]:
-    """The errors that the tolerance is for, as in `judge.Errors.seen`."""
+    """The errors that the tolerance is for, as in `estimator.Errors.seen`."""
     errors = _errors(texts)
     return [errors[name] for name in ("albedo", "soft_light") if name in errors]
 

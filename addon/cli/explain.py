@@ -11,8 +11,8 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.baked import MAX_GLOSSY
 from ...reference_py.lobes.cache import truth_of
 from ...reference_py.lobes.error_estimate import SOFT_LIGHT_DEG
-from ...reference_py.lobes.methods import WeidlichWilkieNetwork
-from ...reference_py.lobes.methods.auto import DEFAULT_TOLERANCE, AutoNetwork, Choice, choose, with_anisotropy
+from ...reference_py.lobes.methods import PaperLobes
+from ...reference_py.lobes.methods.auto import DEFAULT_TOLERANCE, AutoLobes, Choice, choose, with_anisotropy
 from ...reference_py.lobes.methods.not_bakeable import unbaked, without_unbaked
 from ...reference_py.lobes.methods.patches import glossy_of_each
 from ...reference_py.material.coverage import Patch, patches
@@ -60,13 +60,13 @@ def _choice(stack: Stack, tolerance: float, glossy: int, sight, progress) -> Cho
     if not any(element.has(THIN_FILM) for element in elements):
         brushed = any(element.has(ANISOTROPY) for element in elements)
         return with_anisotropy(choice, stack, tolerance, None if sight is None else sight.cosines) if brushed else choice
-    able = next(c for c in choice.tried if c.label == WeidlichWilkieNetwork.tier)
+    able = next(c for c in choice.tried if c.label == PaperLobes.tier)
     return replace(choice, chosen=able, reason="the one tier that knows thin films; the errors are those without the film")
 
 
 def _choice_of_plain(plain: Stack, live, tolerance: float, glossy: int, sight, progress) -> Choice:
     if sight is None:
-        return AutoNetwork(plain, live, tolerance, progress, glossy).choice
+        return AutoLobes(plain, live, tolerance, progress, glossy).choice
     return choose(plain, truth_of(plain), live, tolerance, sight.cosines, sight.light_deg(SOFT_LIGHT_DEG), progress, glossy)
 
 

@@ -115,15 +115,15 @@ def eval(options) -> None:
 
 def shader(options) -> None:
     """The generated OSL text."""
-    from ...reference_py.lobes.methods import DEFAULT_TIER, make_network
+    from ...reference_py.lobes.methods import DEFAULT_TIER, make_lobe_set
     from ..material.backend import OSL
     from ..material.limits import require_shader
     from ..shader.osl.generate import generate
 
     stack = load_stack(options.stack)
     require_shader(stack, OSL)
-    network = make_network(stack, options.tier or DEFAULT_TIER, progress=tenths(say(options.command)))
-    sys.stdout.write(generate(network).text)
+    lobe_set = make_lobe_set(stack, options.tier or DEFAULT_TIER, progress=tenths(say(options.command)))
+    sys.stdout.write(generate(lobe_set).text)
 
 
 def load_stack(name_or_path: str):

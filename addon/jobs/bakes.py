@@ -2,7 +2,7 @@
 """Bakes that run beside Blender's window, one at a time, and shaders that follow values which they hold.
 
 A timer looks at the materials after something changed: a shader of old values is replaced at once by one that reads
-them (tier analytic), and when the values have rested for one tick, a process starts to compute the network that the
+them (tier analytic), and when the values have rested for one tick, a process starts to compute the lobe set that the
 material's tier stands for. Without a window nothing of this runs: `material.refresh(settle=True)` waits instead.
 """
 
@@ -30,7 +30,7 @@ TICK = 0.4
 
 
 class Bake(Process):
-    """One network in the making, in a process of its own."""
+    """One lobe set in the making, in a process of its own."""
 
     def __init__(self, wanted: state.Wanted):
         request = bake_process.request(wanted.stack, wanted.tier, wanted.live, wanted.tolerance, cache_folder())
@@ -109,7 +109,7 @@ def _follow(material: bpy.types.Material) -> bool:
             return False
         if material.lamina.tier not in HOLD_VALUES or live_values(material):
             return _follow_with_stock(material)
-    wanted = state.wanted_network(material)
+    wanted = state.wanted_lobes(material)
     rested = _state.resting.get(material.name_full) == wanted.key
     _state.resting[material.name_full] = wanted.key
     if wanted.is_known():

@@ -32,7 +32,7 @@ def make_ready(*_) -> None:
         adopt_pasted(material)
     if bpy.app.background:
         wanted: list[state.Wanted] = []
-        _for_each(_needs_bake, lambda material: wanted.append(state.wanted_network(material)))
+        _for_each(_needs_bake, lambda material: wanted.append(state.wanted_lobes(material)))
         bake_ahead(wanted, lambda told: print(f"Lamina: {told}"))
     _for_each(_is_unready, _make_ready)
     _for_each(_is_not_handed_over, lambda material: hand_over(material, settle=bpy.app.background))

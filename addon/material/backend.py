@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The ways to write a network in a material: an OSL shader, a group of stock nodes, or both. Does not need bpy."""
+"""The ways to write a lobe set in a material: an OSL shader, a group of stock nodes, or both. Does not need bpy."""
 
 from collections.abc import Callable
 

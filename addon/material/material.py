@@ -14,7 +14,7 @@ import bpy
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.cache import content
-from ...reference_py.lobes.methods import DEFAULT_TIER, HOLD_VALUES, PROVISIONAL_TIER, make_network, require_tier
+from ...reference_py.lobes.methods import DEFAULT_TIER, HOLD_VALUES, PROVISIONAL_TIER, make_lobe_set, require_tier
 from ...reference_py.lobes.methods.patches import MAX_CLOSURES, estimated_cost, estimated_error, holds_values, tiers_of
 from ...reference_py.material.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
 from ...reference_py.material.stack import Stack
@@ -34,7 +34,7 @@ from .record import keep_record, keep_structure, take_structure
 from .roles import node_with
 from .shader_node import Surface, backend_of, replacing_branches, shading_of
 from .snapshot import restore, snapshot
-from .state import SETTLED, TOLD, note_of, wanted_network
+from .state import SETTLED, TOLD, note_of, wanted_lobes
 
 _COLUMN, _ROW = 320, 240
 
@@ -162,31 +162,31 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
     lamina, branches = material.lamina, branches_here(material.lamina.backend)
     owners = _owners(material)
     waits = lamina.tier in HOLD_VALUES
-    wanted = wanted_network(material) if waits else None
+    wanted = wanted_lobes(material) if waits else None
     told = wanted.stack if wanted else _structure(material) if OSL in branches else stack_of(material)
     settled = wanted is None or settle or wanted.is_known()
-    network = make_network(told, PROVISIONAL_TIER) if not settled else wanted.make(progress) if waits else make_network(told, lamina.tier)
+    lobe_set = make_lobe_set(told, PROVISIONAL_TIER) if not settled else wanted.make(progress) if waits else make_lobe_set(told, lamina.tier)
     key = wanted.key if wanted and settled else ""
     with replacing_branches(material) as surface:
         if OSL in branches:
-            shader = generate(network)
+            shader = generate(lobe_set)
             script = surface.script(shader, owners)
-            _note(script, content(told, live_values(material)) if holds_values(network) else "", key)
+            _note(script, content(told, live_values(material)) if holds_values(lobe_set) else "", key)
             lamina.lobe_count = shader.lobe_count
-        elif lamina.backend == AUTO and _script_serves(material, network):
+        elif lamina.backend == AUTO and _script_serves(material, lobe_set):
             surface.keep(OSL)
         if NODES in branches:
             same = OSL not in branches or waits and not wanted.live
-            tables = _make_stock(surface, material, owners, *((network, key) if same else (None, "")))
+            tables = _make_stock(surface, material, owners, *((lobe_set, key) if same else (None, "")))
             lamina.lobe_count = lamina.lobe_count if OSL in branches else closure_count(tables)
-    others = ", ".join(sorted(tiers_of(network) - {lamina.tier}))
+    others = ", ".join(sorted(tiers_of(lobe_set) - {lamina.tier}))
     stand_in = f"{others}, as the tier {lamina.tier} knows no thin films" if others and not waits else ""
     many = f"{lamina.lobe_count} closures, more than the {MAX_CLOSURES} that OptiX takes" if lamina.lobe_count > MAX_CLOSURES else ""
-    notes = [network.reason if wanted and settled else stand_in, left_out(told) if OSL not in branches else "", many]
+    notes = [lobe_set.reason if wanted and settled else stand_in, left_out(told) if OSL not in branches else "", many]
     lamina.note = "; ".join(filter(None, notes))
     lamina.schema_version = max(lamina.schema_version, SCHEMA_VERSION)
-    error = estimated_error(network)
-    lamina.error, lamina.cost = -1.0 if error is None else 100.0 * error, estimated_cost(network)
+    error = estimated_error(lobe_set)
+    lamina.error, lamina.cost = -1.0 if error is None else 100.0 * error, estimated_cost(lobe_set)
     hand_over(material, settle)
     _arrange(lamina, node_with(material, branches[0]))
     keep_record(material)
@@ -209,14 +209,14 @@ def refresh_stock(material: bpy.types.Material, settle: bool = False) -> None:
     Of tiers that compute first they are those of the tier analytic where nothing is computed yet, but for `settle`.
     """
     require_editable(material)
-    owners, network, key = _owners(material), None, ""
+    owners, lobe_set, key = _owners(material), None, ""
     if material.lamina.tier in HOLD_VALUES:
-        wanted = wanted_network(material)
+        wanted = wanted_lobes(material)
         if not wanted.live and (settle or wanted.is_known()):
-            network, key = wanted.make(), wanted.key
+            lobe_set, key = wanted.make(), wanted.key
     with replacing_branches(material) as surface:
         surface.keep(OSL)
-        _make_stock(surface, material, owners, network, key)
+        _make_stock(surface, material, owners, lobe_set, key)
     keep_record(material)
 
 
@@ -236,16 +236,16 @@ def _structure(material) -> Stack:
     return Stack.from_dict({"layers": layers, "base": base}, f"material {material.name}")
 
 
-def _make_stock(surface: Surface, material, owners, network, key: str):
-    """The branch of stock nodes, of a network for the present values; without one, of a live tier's. Returns its tables.
+def _make_stock(surface: Surface, material, owners, lobe_set, key: str):
+    """The branch of stock nodes, of a lobe set for the present values; without one, of a live tier's. Returns its tables.
 
     Stock nodes follow no textures, so what a bake over live values becomes is the tier analytic at the sockets' own.
     """
     stack = stack_of(material)
-    if network is None:
+    if lobe_set is None:
         tier = material.lamina.tier
-        network = make_network(stack, PROVISIONAL_TIER if tier in HOLD_VALUES else tier)
-    tables = stock_tables(network)
+        lobe_set = make_lobe_set(stack, PROVISIONAL_TIER if tier in HOLD_VALUES else tier)
+    tables = stock_tables(lobe_set)
     _note(surface.stock(tables, owners), content(stack), key)
     return tables
 
@@ -255,14 +255,14 @@ def _note(node: bpy.types.Node, told: str, settled: str) -> None:
     node[TOLD], node[SETTLED] = told, settled
 
 
-def _script_serves(material, network) -> bool:
+def _script_serves(material, lobe_set) -> bool:
     """Whether the script of a material is right for its present values, in a Blender that cannot make another."""
     script = node_with(material, OSL)
     if script is None or script.script is None:
         return False
     if held := note_of(script, TOLD, material):
         return held == content(stack_of(material), live_values(material))
-    return script.script.as_string() == generate(network).text
+    return script.script.as_string() == generate(lobe_set).text
 
 
 def _arrange(lamina, shader) -> None:

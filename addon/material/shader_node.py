@@ -11,11 +11,11 @@ from contextlib import contextmanager
 
 import bpy
 
-from ...reference_py.lobes.patch_lobes import PatchNetwork
-from ...reference_py.lobes.view_table import TableNetwork
+from ...reference_py.lobes.patch_lobes import PatchLobes
+from ...reference_py.lobes.view_table import TableLobes
 from ..blender import environment
 from ..shader.inputs import PRIMARIES, TANGENT, ShaderInput
-from ..shader.nodes.node_groups import drop_group, network_group
+from ..shader.nodes.node_groups import drop_group, lobe_group
 from ..shader.nodes.stock_nodes import group_inputs
 from ..shader.osl.block import LIVE
 from ..shader.osl.generate import Shader
@@ -105,11 +105,11 @@ class Surface:
         self._wire(node, shader.inputs, owners)
         return node
 
-    def stock(self, network: TableNetwork | PatchNetwork, owners: dict[str, bpy.types.Node]) -> bpy.types.Node:
-        """The group node of this network, wired to the nodes of the values that it reads live."""
-        group = network_group(network)
+    def stock(self, lobe_set: TableLobes | PatchLobes, owners: dict[str, bpy.types.Node]) -> bpy.types.Node:
+        """The group node of this lobe set, wired to the nodes of the values that it reads live."""
+        group = lobe_group(lobe_set)
         node = self._branch(NODES, lambda node: node.node_tree == group, lambda node: setattr(node, "node_tree", group))
-        self._wire(node, group_inputs(network), owners)
+        self._wire(node, group_inputs(lobe_set), owners)
         return node
 
     def keep(self, role: str) -> None:

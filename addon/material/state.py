@@ -8,7 +8,7 @@ import bpy
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.cache import content
-from ...reference_py.lobes.methods import HOLD_VALUES, TIERS, AutoNetwork
+from ...reference_py.lobes.methods import HOLD_VALUES, TIERS, AutoLobes
 from ...reference_py.lobes.methods.auto import DEFAULT_TOLERANCE
 from ...reference_py.material.stack import Stack
 from ..shader.inputs import PRIMARIES
@@ -28,7 +28,7 @@ TOLD, SETTLED = "lamina_told", "lamina_settled"
 
 @dataclass(frozen=True)
 class Wanted:
-    """The network that a material's tier stands for, before it is made."""
+    """The lobe set that a material's tier stands for, before it is made."""
 
     stack: Stack
     tier: str
@@ -37,7 +37,7 @@ class Wanted:
 
     @property
     def _options(self) -> dict:
-        return {"live": self.live} | ({"tolerance": self.tolerance} if self.tier == AutoNetwork.tier else {})
+        return {"live": self.live} | ({"tolerance": self.tolerance} if self.tier == AutoLobes.tier else {})
 
     @property
     def key(self) -> str:
@@ -50,7 +50,7 @@ class Wanted:
         return TIERS[self.tier](self.stack, progress=progress, **self._options)
 
 
-def wanted_network(material: bpy.types.Material) -> Wanted:
+def wanted_lobes(material: bpy.types.Material) -> Wanted:
     """What a material's tier, one of HOLD_VALUES, wants for its present values. Raises LaminaError for bad values and too many layers."""
     lamina = material.lamina
     stack = stack_of(material)
@@ -90,7 +90,7 @@ def is_settled(material: bpy.types.Material) -> bool:
     """Whether what this Blender renders is what the material's tier stands for, and not what stands in for it."""
     if material.lamina.tier not in HOLD_VALUES:
         return True
-    return note_of(shader_of(material), SETTLED, material) == wanted_network(material).key
+    return note_of(shader_of(material), SETTLED, material) == wanted_lobes(material).key
 
 
 def lacks_branch(material: bpy.types.Material) -> bool:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solves one hand-over in a process of its own, as `network.worker` does with networks, and tells it in the same way."""
+"""Solves one hand-over in a process of its own, as `lobe_set.worker` does with lobe sets, and tells it in the same way."""
 
 import json
 import sys

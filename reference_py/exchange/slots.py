@@ -59,7 +59,7 @@ class Slots:
         return replace(self, color=tuple(float(c) for c in np.broadcast_to(color, 3)))
 
     def image(self, coated: bool) -> Stack:
-        """The stack that `peers` read as these slots, without features; a clear top of index 1 stands for no coat."""
+        """The stack that `baselines` read as these slots, without features; a clear top of index 1 stands for no coat."""
         layers, n = [], 1.0
         if coated and self.coat:
             n = self.coat.eta

@@ -68,7 +68,7 @@ class PeerFit:
         return self.model.f(self.model.values(self.x, self.channels), wi, wo)
 
 
-def fit_peer(model: PeerModel, metric: Metric, seed: int = 0) -> PeerFit:
+def fit_baseline(model: PeerModel, metric: Metric, seed: int = 0) -> PeerFit:
     """The best of several bounded fits to the metric's data."""
     m, channels = metric.measurement, metric.measurement.channels
     low, high = model.bounds(channels)
@@ -171,7 +171,7 @@ def _lafortune_terms() -> tuple[Term, ...]:
     return tuple(terms)
 
 
-PEER_MODELS = (
+BASELINE_MODELS = (
     PeerModel("ggx_lambert", "GGX and Lambert", (_DIFFUSE, *_specular()), _ggx),
     PeerModel("ward", "Ward 1992", (_DIFFUSE, *_specular()), _ward),
     PeerModel("ashikhmin_shirley", "Ashikhmin and Shirley 2000", (_DIFFUSE, *_specular()), _ashikhmin_shirley),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..registry import make_model
-from .baseline_fits import PEER_MODELS, fit_peer
+from .baseline_fits import BASELINE_MODELS, fit_baseline
 from .fitting import Fit, Progress, fit_structure
 from .forward import evaluate
 from .metric import Metric, shape_error
@@ -33,10 +33,10 @@ def compare(measurement: Measurement, fit: Fit, seed: int = 0, progress: Progres
     judged = Metric(subsample(measurement, JUDGED, np.random.default_rng(seed + 1)), fit.metric.kind)
     done = progress or (lambda share: None)
     models: dict[str, tuple[int, Evaluator]] = {}
-    for i, peer in enumerate(PEER_MODELS):
-        found = fit_peer(peer, fit.metric, seed)
+    for i, peer in enumerate(BASELINE_MODELS):
+        found = fit_baseline(peer, fit.metric, seed)
         models[peer.label] = found.count, found.f
-        done((i + 1) / (len(PEER_MODELS) + 3))
+        done((i + 1) / (len(BASELINE_MODELS) + 3))
     channels = measurement.channels
     for name in ("weidlich_wilkie", "adding"):
         ours = fit if fit.model == name else fit_structure(measurement, fit.structure, name, len(fit.metric.measurement.f), seed=seed)

@@ -2,7 +2,7 @@
 """Makes one fit in a process of its own, so that a window stays responsive and a cancelled fit is gone at once.
 
 Reads a request as JSON from stdin; prints lines "progress SHARE" and at last "result JSON" (see `outcome`) or "error
-MESSAGE". Started by `network.worker.command`.
+MESSAGE". Started by `lobe_set.worker.command`.
 """
 
 import json

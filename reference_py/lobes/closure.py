@@ -30,7 +30,7 @@ def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np
         if lobe.color is None:
             return weight / np.pi * np.ones(wi.shape)
         return weight * oren_nayar(wi, wo, np.array(lobe.color), lobe.sigma_deg, lobe.power)
-    if is_mirror(lobe):
+    if is_specular_lobe(lobe):
         return np.zeros(wi.shape)
     sharp = is_specular(np.sqrt(lobe.alpha_x * lobe.alpha_y))  # at some views only: a mirror there
     alpha_x, alpha_y = np.where(sharp, 1.0, lobe.alpha_x), np.where(sharp, 1.0, lobe.alpha_y)
@@ -38,7 +38,7 @@ def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np
     return weight * np.where(sharp, 0.0, value)[..., None] * fresnel(lobe, cos_ih)
 
 
-def is_mirror(lobe: GlossyLobe) -> bool:
+def is_specular_lobe(lobe: GlossyLobe) -> bool:
     return is_specular(np.max(np.sqrt(lobe.alpha_x * lobe.alpha_y)))
 
 
@@ -114,7 +114,7 @@ def _unit_energies(lobe: GlossyLobe, cos_o: np.ndarray, phi: float, count: int) 
     turn = 0.0 if lobe.frame is None else phi - lobe.frame
     sin_o = np.sqrt(np.maximum(1.0 - cos_o**2, 0.0))
     wo = np.stack([sin_o * np.cos(turn), sin_o * np.sin(turn), cos_o], axis=-1)
-    if is_mirror(lobe):
+    if is_specular_lobe(lobe):
         return fresnel(lobe, cos_o) * np.ones(3), np.ones(cos_o.shape)
     frame = None if lobe.frame is None else 0.0
     shapes = [np.broadcast_to(np.asarray(v, float), cos_o.shape) for v in (lobe.alpha_x, lobe.alpha_y, lobe.tilt)]

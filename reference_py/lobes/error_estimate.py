@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a network is from the truth, as a camera would notice it.
+"""How far a lobe set is from the truth, as a camera would notice it.
 
 The error that is seen is the worse of two: the albedo's at any view, and, on average over the pixels of a ball, that of
 the light which soft lights `SOFT_LIGHT_DEG` wide send, wherever they stand. A uniform sky would see the first alone, a point
@@ -39,7 +39,7 @@ class Errors:
         return float(max(np.max(self.albedo), np.mean(self.soft_light)))
 
 
-class Judge:
+class ErrorEstimator:
     """Knows the truth of one stack at view cosines (n,)."""
 
     def __init__(self, stack: Stack, truth, cosines: np.ndarray, light_deg: float = SOFT_LIGHT_DEG):
@@ -48,13 +48,13 @@ class Judge:
         self._albedo = np.maximum(truth.albedo(np.stack([v.wo for v in self._views])), 1e-9)
         self._lights = [_soft_lights(view, light_deg) for view in self._views]
 
-    def errors(self, network) -> Errors:
-        """Errors of a network of the stack."""
-        albedo = np.max(np.abs(sum(lobe_energy(lobe, self._cosines) for lobe in network.lobes(self._cosines)) - self._albedo) / self._albedo, axis=-1)
+    def errors(self, lobe_set) -> Errors:
+        """Errors of a lobe set of the stack."""
+        albedo = np.max(np.abs(sum(lobe_energy(lobe, self._cosines) for lobe in lobe_set.lobes(self._cosines)) - self._albedo) / self._albedo, axis=-1)
         soft, shape = np.zeros(len(self._views)), np.zeros(len(self._views))
         for i, view in enumerate(self._views):
             wo = np.broadcast_to(view.wo, view.wi.shape)
-            f = sum(lobe_f(lobe, wo, view.wi) for lobe in network.lobes(np.full(len(view.wi), view.cos_theta_o)))
+            f = sum(lobe_f(lobe, wo, view.wi) for lobe in lobe_set.lobes(np.full(len(view.wi), view.cos_theta_o)))
             shape[i] = np.max(view.share @ np.abs(f - view.f) / self._albedo[i])
             soft[i] = np.sum(np.abs(self._lights[i] @ (f - view.f))) / np.sum(self._albedo[i])
         return Errors(albedo, soft, shape)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baked networks over one or two live parameters: tables over the view at every knot of those.
+"""Baked lobe sets over one or two live parameters: tables over the view at every knot of those.
 
 Between knots all is linear but the energy of the fitted lobes together, whose logarithm is, as absorption is
 exponential. Widths are kept as roughness (the root of alpha), so that a lobe whose width is a live roughness itself is
@@ -16,7 +16,7 @@ from ..errors import LaminaError
 from ..material.stack import Stack
 from .closure import unit_energy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
-from .view_table import KNOTS, MIN_COS_O, DiffuseTable, GlossyTable, TableNetwork, interpolate, knot_cosines
+from .view_table import KNOTS, MIN_COS_O, DiffuseTable, GlossyTable, TableLobes, interpolate, knot_cosines
 
 # Less is nothing to Cycles.
 MIN_ENERGY = 1e-7
@@ -42,7 +42,7 @@ class Axis:
 
 
 @dataclass(frozen=True)
-class GridLobe:
+class LiveLobe:
     """One lobe on the grid, arrays with the axes first: `energy` (..., KNOTS, 3), `shape` (..., KNOTS, 3), `unit` (..., KNOTS, 1).
 
     Columns of the shape: roots of alpha along and across, and tan(tilt) / sin(theta_o). `unit` is the energy that the lobe
@@ -56,12 +56,12 @@ class GridLobe:
     unit: np.ndarray | None = None
 
     @property
-    def is_mirror(self) -> bool:
+    def is_specular_lobe(self) -> bool:
         return self.shape is not None and not np.any(self.shape)
 
 
 @dataclass(frozen=True)
-class GridNetwork:
+class LiveLobes:
     """A stack's lobes for all values of its axes; `lobes` are those of the stack's own values.
 
     `log_sum` (..., KNOTS, 3) is the logarithm of what the lobes with a `unit` have in energy together.
@@ -69,13 +69,13 @@ class GridNetwork:
 
     stack: Stack
     axes: tuple[Axis, ...]
-    grid: tuple[GridLobe, ...]
+    grid: tuple[LiveLobe, ...]
     log_sum: np.ndarray
 
     tier = "baked"
 
     @property
-    def resolved(self) -> "GridNetwork":
+    def resolved(self) -> "LiveLobes":
         return self
 
     @property
@@ -108,22 +108,22 @@ class GridNetwork:
         return result
 
 
-def _lobe(lobe: GridLobe, weight, shape, cos_theta_o):
+def _lobe(lobe: LiveLobe, weight, shape, cos_theta_o):
     if shape is None:
         return DiffuseLobe(weight)
     root_x, root_y, slope = np.moveaxis(shape, -1, 0)
     alpha_x, alpha_y = (np.clip(np.square(np.maximum(root, 0.0)), MIN_ALPHA, 1.0) for root in (root_x, root_y))
-    if lobe.is_mirror:
+    if lobe.is_specular:
         alpha_x = alpha_y = np.zeros_like(alpha_x)
     tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)))
     return GlossyLobe(lobe.distribution, weight, alpha_x, alpha_y, tilt, lobe.fresnel)
 
 
-def grid_of(stack: Stack, axes: tuple[Axis, ...], nodes: dict[tuple[int, ...], TableNetwork]) -> GridNetwork:
-    """A grid of the networks at its nodes, which must have the same lobes. Raises LaminaError when they have not."""
+def grid_of(stack: Stack, axes: tuple[Axis, ...], nodes: dict[tuple[int, ...], TableLobes]) -> LiveLobes:
+    """A grid of the lobe sets at its nodes, which must have the same lobes. Raises LaminaError when they have not."""
     size = tuple(len(axis.knots) for axis in axes)
-    if len({len(network.tables) for network in nodes.values()}) != 1 or len(nodes) != np.prod(size):
-        raise LaminaError("the networks of a grid differ in their lobes")
+    if len({len(lobe_set.tables) for lobe_set in nodes.values()}) != 1 or len(nodes) != np.prod(size):
+        raise LaminaError("the lobe sets of a grid differ in their lobes")
 
     def gathered(number: int, part) -> np.ndarray:
         arrays = [part(nodes[index].tables[number]) for index in np.ndindex(size)]
@@ -133,14 +133,14 @@ def grid_of(stack: Stack, axes: tuple[Axis, ...], nodes: dict[tuple[int, ...], T
     for number, first in enumerate(nodes[(0,) * len(axes)].tables):
         weight = gathered(number, lambda table: table.weight)
         if isinstance(first, DiffuseTable):
-            lobes.append(GridLobe(weight, unit=np.ones((*size, KNOTS, 1))))
+            lobes.append(LiveLobe(weight, unit=np.ones((*size, KNOTS, 1))))
             continue
         shape = gathered(number, lambda table: np.concatenate([np.sqrt(table.shape[:, :2]), table.shape[:, 2:]], axis=1))
         fixed = first.fresnel is not None or not np.any(first.shape)
         unit = None if fixed else gathered(number, _unit)
-        lobes.append(GridLobe(weight if fixed else weight * unit, first.distribution, shape, first.fresnel, unit))
+        lobes.append(LiveLobe(weight if fixed else weight * unit, first.distribution, shape, first.fresnel, unit))
     summed = sum(lobe.energy for lobe in lobes if lobe.unit is not None)
-    return GridNetwork(stack, axes, tuple(lobes), np.log(np.maximum(summed, MIN_ENERGY)))
+    return LiveLobes(stack, axes, tuple(lobes), np.log(np.maximum(summed, MIN_ENERGY)))
 
 
 def _unit(table: GlossyTable) -> np.ndarray:

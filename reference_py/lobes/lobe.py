@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One weighted closure of a network, as numbers for given views."""
+"""One weighted closure of a lobe set, as numbers for given views."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..optics.diffuse import OREN_NAYAR_POWER, oren_nayar_shares
-from ..optics.optical_stack import Brushed, Interface
+from ..optics.optical_stack import AnisotropicRoughness, Interface
 from ..optics.thin_film import Film
 
 
@@ -80,7 +80,7 @@ def top_curve(surface: Interface) -> DielectricCurve | FilmCurve:
     return DielectricCurve(surface.eta) if surface.film is None else FilmCurve(surface.eta, surface.film)
 
 
-def surface_lobe(kind: str, weight: np.ndarray, alpha: float, brushed: Brushed | None = None, fresnel=None) -> GlossyLobe:
+def surface_lobe(kind: str, weight: np.ndarray, alpha: float, brushed: AnisotropicRoughness | None = None, fresnel=None) -> GlossyLobe:
     """The lobe of a surface of this alpha, or, where it is anisotropic, of its own widths and frame."""
     if brushed is None:
         return GlossyLobe(kind, weight, alpha, alpha, fresnel=fresnel)

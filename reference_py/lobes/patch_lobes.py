@@ -11,8 +11,8 @@ from ..material.stack import Stack
 from .lobe import DiffuseLobe, GlossyLobe, SchlickCurve
 
 
-class PatchNetwork:
-    """The networks of a stack's patches; lobes that differ in their weight alone are one."""
+class PatchLobes:
+    """The lobe sets of a stack's patches; lobes that differ in their weight alone are one."""
 
     def __init__(self, stack: Stack, parts: Sequence[tuple[Patch, object]]):
         self.stack, self.parts = stack, tuple(parts)
@@ -22,13 +22,13 @@ class PatchNetwork:
         return self.parts[0][1].tier
 
     @property
-    def resolved(self) -> "PatchNetwork":
+    def resolved(self) -> "PatchLobes":
         return self
 
     @property
     def reason(self) -> str:
         """Why the parts are what they are, each reason once."""
-        return "; ".join(dict.fromkeys(network.reason for _, network in self.parts))
+        return "; ".join(dict.fromkeys(lobe_set.reason for _, lobe_set in self.parts))
 
     @property
     def lobe_count(self) -> int:
@@ -38,15 +38,15 @@ class PatchNetwork:
         """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
         scaled = [
             replace(lobe, weight=patch.share * np.asarray(lobe.weight))
-            for patch, network in self.parts
+            for patch, lobe_set in self.parts
             if patch.share > 0.0
-            for lobe in network.lobes(cos_theta_o, phi)
+            for lobe in lobe_set.lobes(cos_theta_o, phi)
         ]
         return merged(scaled)
 
     def packed(self) -> list:
         """The parts as JSON's types, for `PatchTier.remember`."""
-        return [network.packed() for _, network in self.parts]
+        return [lobe_set.packed() for _, lobe_set in self.parts]
 
 
 def merged(lobes: Sequence[GlossyLobe | DiffuseLobe]) -> list[GlossyLobe | DiffuseLobe]:

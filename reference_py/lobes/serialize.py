@@ -1,22 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Networks in tables as JSON's types and back. The types are named, nothing is executed."""
+"""Lobe sets in tables as JSON's types and back. The types are named, nothing is executed."""
 
 import numpy as np
 
 from ..material.stack import Stack
-from .live_grid import Axis, GridLobe, GridNetwork
+from .live_grid import Axis, LiveLobe, LiveLobes
 from .lobe import DielectricCurve
-from .view_table import KNOTS, DiffuseTable, GlossyTable, TableNetwork
+from .view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes
 
 
-def pack_tables(network: TableNetwork) -> list[dict]:
-    """A baked network as lists and numbers."""
-    return [_pack(table) for table in network.tables]
+def pack_tables(lobe_set: TableLobes) -> list[dict]:
+    """A baked lobe set as lists and numbers."""
+    return [_pack(table) for table in lobe_set.tables]
 
 
-def unpack_tables(data: list[dict]) -> TableNetwork:
-    """The network of `pack_tables`. Raises ValueError, KeyError or TypeError on anything else."""
-    return TableNetwork(tuple(_unpack(table) for table in data))
+def unpack_tables(data: list[dict]) -> TableLobes:
+    """The lobe set of `pack_tables`. Raises ValueError, KeyError or TypeError on anything else."""
+    return TableLobes(tuple(_unpack(table) for table in data))
 
 
 def _pack(table) -> dict:
@@ -35,8 +35,8 @@ def _unpack(data: dict):
     return GlossyTable(str(data["distribution"]), weight, _array(data["shape"]), curve)
 
 
-def pack_grid(network: GridNetwork) -> dict:
-    """A network that was baked over live parameters as lists and numbers."""
+def pack_grid(lobe_set: LiveLobes) -> dict:
+    """A lobe set that was baked over live parameters as lists and numbers."""
     lobes = [
         {
             "energy": lobe.energy.tolist(),
@@ -45,14 +45,14 @@ def pack_grid(network: GridNetwork) -> dict:
             "eta": None if lobe.fresnel is None else lobe.fresnel.eta,
             "unit": None if lobe.unit is None else lobe.unit.tolist(),
         }
-        for lobe in network.grid
+        for lobe in lobe_set.grid
     ]
-    axes = [[axis.index, axis.parameter, list(axis.knots)] for axis in network.axes]
-    return {"axes": axes, "lobes": lobes, "log_sum": network.log_sum.tolist()}
+    axes = [[axis.index, axis.parameter, list(axis.knots)] for axis in lobe_set.axes]
+    return {"axes": axes, "lobes": lobes, "log_sum": lobe_set.log_sum.tolist()}
 
 
-def unpack_grid(data: dict, stack: Stack) -> GridNetwork:
-    """The network of `pack_grid`. Raises ValueError, KeyError or TypeError on anything else."""
+def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
+    """The lobe set of `pack_grid`. Raises ValueError, KeyError or TypeError on anything else."""
     axes = tuple(Axis(int(index), str(name), tuple(float(k) for k in knots)) for index, name, knots in data["axes"])
     size = (*(len(axis.knots) for axis in axes), KNOTS)
 
@@ -60,7 +60,7 @@ def unpack_grid(data: dict, stack: Stack) -> GridNetwork:
         return None if values is None else _array(values, (*size, columns))
 
     lobes = [
-        GridLobe(
+        LiveLobe(
             grid(lobe["energy"]),
             lobe["distribution"],
             grid(lobe["shape"]),
@@ -69,7 +69,7 @@ def unpack_grid(data: dict, stack: Stack) -> GridNetwork:
         )
         for lobe in data["lobes"]
     ]
-    return GridNetwork(stack, axes, tuple(lobes), grid(data["log_sum"]))
+    return LiveLobes(stack, axes, tuple(lobes), grid(data["log_sum"]))
 
 
 def _array(values, shape: tuple[int, ...] = (KNOTS, 3)) -> np.ndarray:

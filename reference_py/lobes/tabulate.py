@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Any network as tables of lobes that stock nodes have: its lobes sampled at the knots, Fresnel curves folded.
+"""Any lobe set as tables of lobes that stock nodes have: its lobes sampled at the knots, Fresnel curves folded.
 
 A lobe with a Fresnel curve becomes a plain one whose weight keeps the lobe's energy at every knot. What is lost is
 how the curve changes within the lobe, and for a rough interface that is a lot: of all reflected light 23 % at 60 and
@@ -18,8 +18,8 @@ import numpy as np
 from ..optics.diffuse import OREN_NAYAR_POWER, oren_nayar_albedo
 from .closure import fresnel_share
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe, SchlickCurve
-from .patch_lobes import PatchNetwork
-from .view_table import AZIMUTHS, KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork, knot_cosines
+from .patch_lobes import PatchLobes
+from .view_table import AZIMUTHS, KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
 
 # Directions per view for a ratio of energies: good to 2e-4 (median of the views) and 2e-3 (grazing).
 _DIRECTIONS = 4096
@@ -30,17 +30,17 @@ _BISECTIONS = 40
 NARROWEST_CURVE = 0.01
 
 
-def tabulate(network, keep_dielectrics: bool = False, power: int = OREN_NAYAR_POWER) -> TableNetwork | PatchNetwork:
-    """A network in tables, or, of a PatchNetwork, one of such; `keep_dielectrics` leaves lobes their dielectric curve that
+def tabulate(lobe_set, keep_dielectrics: bool = False, power: int = OREN_NAYAR_POWER) -> TableLobes | PatchLobes:
+    """A lobe set in tables, or, of a PatchLobes, one of such; `keep_dielectrics` leaves lobes their dielectric curve that
     are grey, isotropic, of weight 2 at most and wider than NARROWEST_CURVE. `power` is that of Oren-Nayar lobes (`DiffuseLobe`).
 
-    `network` has `lobes(cos_theta_o)`, the same list of kinds at every view. Lobes of no weight are left out, but one stays.
+    `lobe_set` has `lobes(cos_theta_o)`, the same list of kinds at every view. Lobes of no weight are left out, but one stays.
     """
-    if isinstance(network, PatchNetwork):
-        return PatchNetwork(network.stack, [(patch, tabulate(part.resolved, keep_dielectrics, power)) for patch, part in network.parts])
-    tables = network.tables if isinstance(network, TableNetwork) else _tables(network, power)
+    if isinstance(lobe_set, PatchLobes):
+        return PatchLobes(lobe_set.stack, [(patch, tabulate(part.resolved, keep_dielectrics, power)) for patch, part in lobe_set.parts])
+    tables = lobe_set.tables if isinstance(lobe_set, TableLobes) else _tables(lobe_set, power)
     tables = [table if keep_dielectrics and _has_seen_curve(table) else _without_curve(table) for table in tables]
-    return TableNetwork(tuple([table for table in tables if np.any(table.weight > 0.0)] or tables[-1:]))
+    return TableLobes(tuple([table for table in tables if np.any(table.weight > 0.0)] or tables[-1:]))
 
 
 def is_grey_dielectric(table) -> bool:
@@ -74,12 +74,12 @@ def _azimuths(axis: float) -> np.ndarray:
     return axis + np.arccos(AZIMUTHS)
 
 
-def _tables(network, power: int) -> list[GlossyTable | DiffuseTable | OrenNayarTable]:
+def _tables(lobe_set, power: int) -> list[GlossyTable | DiffuseTable | OrenNayarTable]:
     cosines = knot_cosines()
-    lobes = network.lobes(cosines)
+    lobes = lobe_set.lobes(cosines)
     frames = [lobe.frame for lobe in lobes if isinstance(lobe, GlossyLobe) and lobe.frame is not None]
     # each lobe's weights about its own axis; those of lobes without one turn with the first that has
-    around = {frame: [network.lobes(cosines, phi) for phi in _azimuths(frame)] for frame in dict.fromkeys(frames)}
+    around = {frame: [lobe_set.lobes(cosines, phi) for phi in _azimuths(frame)] for frame in dict.fromkeys(frames)}
     tables, rough = [], []
     for i, lobe in enumerate(lobes):
         own = lobe.frame if isinstance(lobe, GlossyLobe) else None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Networks as tables over the view: what a baked shader holds, and what curves of stock nodes can say.
+"""Lobe sets as tables over the view: what a baked shader holds, and what curves of stock nodes can say.
 
 Knots are even in sqrt(cos_theta_o), which is dense at grazing where energies turn; between them all is linear.
 A tilt is kept as its tangent over sin(theta_o), which is smooth at the normal.
@@ -95,8 +95,8 @@ class OrenNayarTable:
 
 
 @dataclass(frozen=True)
-class TableNetwork:
-    """A network whose lobes are tables."""
+class TableLobes:
+    """A lobe set whose lobes are tables."""
 
     tables: tuple[GlossyTable | DiffuseTable | OrenNayarTable, ...]
 

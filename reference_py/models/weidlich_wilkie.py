@@ -193,9 +193,9 @@ class WeidlichWilkie:
         """Directional albedo (..., 3), mirror-like components included."""
         wo = np.asarray(wo, float)
         widths = [(kind, alpha) for alpha, kind in filter(None, self.lobes)]
-        return directional_albedo(self.f, wo, widths) + self.mirror_albedo(wo)
+        return directional_albedo(self.f, wo, widths) + self.specular_albedo(wo)
 
-    def mirror_albedo(self, wo: np.ndarray) -> np.ndarray:
+    def specular_albedo(self, wo: np.ndarray) -> np.ndarray:
         """Energy (..., 3) of the mirror-like components, which have no finite f: their delta sits at h = n, where D integrates to 1."""
         top_cos, total = wo[..., 2], np.zeros(wo.shape[:-1] + (self.channels,))
         *above, bottom = self.levels(wo, wo * np.array([-1.0, -1.0, 1.0]))

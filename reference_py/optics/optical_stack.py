@@ -17,7 +17,7 @@ TINT_FLOOR = 1e-30
 
 
 @dataclass(frozen=True)
-class Brushed:
+class AnisotropicRoughness:
     """Widths of an anisotropic surface, along and across a direction that is `angle` in radians from the tangent."""
 
     alpha_x: float
@@ -41,7 +41,7 @@ class Interface:
     distribution: str
     tau: np.ndarray
     """Optical depth (3,) of one perpendicular crossing of the medium below."""
-    brushed: Brushed | None = None
+    brushed: AnisotropicRoughness | None = None
     film: Film | None = None
 
     @property
@@ -56,13 +56,13 @@ class Interface:
         return film_reflectance(cos_theta_i, self.n_above, self.film, self.n_below)
 
 
-def brushed(element: Element) -> Brushed | None:
+def brushed(element: Element) -> AnisotropicRoughness | None:
     """How an element's surface is anisotropic, in Blender's convention; None if it is not. Cycles takes no alpha above 1."""
     if not element.has(ANISOTROPY):
         return None
     alpha = float(alpha_from_roughness(element["roughness"]))
     aspect = float(np.sqrt(1.0 - 0.9 * element["anisotropy"]))
-    return Brushed(min(alpha / aspect, 1.0), alpha * aspect, 2.0 * np.pi * element["rotation"])
+    return AnisotropicRoughness(min(alpha / aspect, 1.0), alpha * aspect, 2.0 * np.pi * element["rotation"])
 
 
 def film_of(element: Element) -> Film | None:

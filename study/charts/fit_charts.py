@@ -10,7 +10,7 @@ import numpy as np
 
 from ...reference_py.atomic import require_writable
 from ...reference_py.fit import fit_structure, select
-from ...reference_py.fit.baseline_fits import PEER_MODELS, fit_peer
+from ...reference_py.fit.baseline_fits import BASELINE_MODELS, fit_baseline
 from ...reference_py.fit.compare import compare
 from ...reference_py.fit.fitting import refined, rough_fits, subsampled
 from ...reference_py.fit.forward import evaluate
@@ -170,9 +170,9 @@ def _where_it_is_hard(whole: Metric) -> list[tuple[str, ...]]:
     rows = []
     for name, data in ((", without its lobe towards the light", replace(m, f=m.f - retro)), (f", to {_STEEP_DEG:g} degrees", m.subset(inner))):
         metric, few = Metric(data), subsampled(data)
-        peer = fit_peer(PEER_MODELS[0], few)
+        peer = fit_baseline(BASELINE_MODELS[0], few)
         f = peer.f(data.wi, data.wo)
-        rows.append((PEER_MODELS[0].label + name, str(peer.count), f"{metric.error(f):.4f}", f"{shape_error(f, data.f, data.wi[:, 2]):.4f}"))
+        rows.append((BASELINE_MODELS[0].label + name, str(peer.count), f"{metric.error(f):.4f}", f"{shape_error(f, data.f, data.wi[:, 2]):.4f}"))
         for structure in (Structure.of(1, "oren_nayar"), Structure.of(2, "oren_nayar")):
             rows.append(_paint_row(metric, fit_structure(data, structure, "weidlich_wilkie"), name))
         rows.append((f"any sum of lobes of stacks{name}", "-", f"{least_error(metric):.4f}", "-"))

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`lamina chart network`: error of each network of the tier weidlich_wilkie against the model of that name, for the presets of the paper, by view angle."""
+"""`lamina chart lobes`: error of each lobe set of the tier weidlich_wilkie against the model of that name, for the presets of the paper, by view angle."""
 
 from pathlib import Path
 
 import numpy as np
 
 from ...reference_py.atomic import require_writable
-from ...reference_py.lobes.methods import WeidlichWilkieNetwork
+from ...reference_py.lobes.methods import PaperLobes
 from ...reference_py.material import presets
 from ...reference_py.models.distance import Distance, distance
 from ...reference_py.registry import make_model
@@ -14,13 +14,13 @@ from .output import Report, pyplot, save_picture, write_table
 
 THETA_DEG = np.array([0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0])
 
-_TIER = WeidlichWilkieNetwork.tier
-_HEADING = ("lamina chart network", f"tier {_TIER} against model weidlich_wilkie")
+_TIER = PaperLobes.tier
+_HEADING = ("lamina chart lobes", f"tier {_TIER} against model weidlich_wilkie")
 
 
 def chart(folder: Path, report: Report) -> None:
-    """Write network_error.csv and .png and print the table."""
-    table = folder / "network_error.csv"
+    """Write lobe_errors.csv and .png and print the table."""
+    table = folder / "lobe_errors.csv"
     require_writable(table)
     names = presets.PAPER
     results = {}
@@ -33,7 +33,7 @@ def chart(folder: Path, report: Report) -> None:
         rows.append([name, "albedo", *(f"{v:.4f}" for v in result.albedo)])
         rows.append([name, "shape_L1", *(f"{v:.4f}" for v in result.shape)])
     print(write_table(table, _HEADING, ("preset", "error", *(f"{t:g}deg" for t in THETA_DEG)), rows, report), end="")
-    _draw(folder / "network_error.png", results, report)
+    _draw(folder / "lobe_errors.png", results, report)
 
 
 def _draw(path: Path, results: dict[str, Distance], report: Report) -> None:
@@ -47,5 +47,5 @@ def _draw(path: Path, results: dict[str, Distance], report: Report) -> None:
         axis.set(title=title, xlabel="view angle (degrees)", ylim=(1e-5, 2.0))
         axis.grid(alpha=0.3)
     axes[1].legend(fontsize=7, ncols=2)
-    figure.suptitle(f"Network of tier {_TIER} against the exact model of Weidlich and Wilkie 2007")
+    figure.suptitle(f"Lobe set of tier {_TIER} against the exact model of Weidlich and Wilkie 2007")
     save_picture(figure, path, report)

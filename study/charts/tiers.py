@@ -7,8 +7,8 @@ import numpy as np
 
 from ...reference_py.atomic import require_writable
 from ...reference_py.lobes.baked import Baker, is_bare_oren_nayar
-from ...reference_py.lobes.error_estimate import Errors, Judge
-from ...reference_py.lobes.methods import HOLD_VALUES, TIERS, AnalyticNetwork, make_network
+from ...reference_py.lobes.error_estimate import ErrorEstimator, Errors
+from ...reference_py.lobes.methods import HOLD_VALUES, TIERS, AnalyticLobes, make_lobe_set
 from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.adding.model import Adding
@@ -43,12 +43,12 @@ def chart(folder: Path, report: Report) -> None:
 
 def _rows(stack: Stack) -> list[list[str]]:
     truth = Adding(stack)
-    judge = Judge(stack, truth, np.cos(np.radians(THETA_DEG)))
-    networks = {tier: make_network(stack, tier) for tier in TIERS if tier not in HOLD_VALUES}
+    estimator = ErrorEstimator(stack, truth, np.cos(np.radians(THETA_DEG)))
+    lobe_sets = {tier: make_lobe_set(stack, tier) for tier in TIERS if tier not in HOLD_VALUES}
     baker = Baker(stack, truth)
-    exact = AnalyticNetwork(stack) if is_bare_oren_nayar(stack) else None
-    networks |= {f"baked, {count} glossy": exact or baker.bake(count).network for count in GLOSSY}
-    return [[tier, str(network.lobe_count), *_cells(judge.errors(network))] for tier, network in networks.items()]
+    exact = AnalyticLobes(stack) if is_bare_oren_nayar(stack) else None
+    lobe_sets |= {f"baked, {count} glossy": exact or baker.bake(count).lobe_set for count in GLOSSY}
+    return [[tier, str(lobe_set.lobe_count), *_cells(estimator.errors(lobe_set))] for tier, lobe_set in lobe_sets.items()]
 
 
 def _cells(errors: Errors) -> list[str]:

@@ -3,7 +3,7 @@
 
 # What `lamina chart` calls its charts, and the modules of `study.charts` that make them.
 CHARTS = {
-    "network": "lobe_errors", "presets": "preset_errors", "tiers": "tiers", "error": "error", "stress": "stress_chart", "suite": "suite_chart",
+    "lobes": "lobe_errors", "presets": "preset_errors", "tiers": "tiers", "error": "error", "stress": "stress_chart", "suite": "suite_chart",
     "pareto": "pareto_chart", "pair": "pair", "levers": "levers", "fit": "fit_charts", "scale": "scale", "viewport": "viewport_chart",
 }  # fmt: skip
 
@@ -13,7 +13,7 @@ def add_commands(commands) -> None:
     chart = commands.add_parser("chart", help="measure a chart's numbers, print the table and draw it")
     chart.set_defaults(module=f"{__name__}.chart")
     chart.add_argument("chart", choices=tuple(CHARTS), help=(
-        "network: what Cycles is told against the exact model; presets: what Cycles renders of every preset against the truth; "
+        "lobes: what Cycles is told against the exact model; presets: what Cycles renders of every preset against the truth; "
         "tiers: the same in every tier, for the presets of the paper and a suite of stacks; "
         "error: every model against the truth, by angle; "
         "stress: every model in every hard case; suite: the two truths against each other; "

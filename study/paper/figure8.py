@@ -27,7 +27,7 @@ def compute(size: int = 128) -> FigureData:
         means[name], peak[name] = (lightness, chroma, hue), float(np.max(xyz[..., 1]))
         rows.append((name, *means[name], peak[name]))
     up = np.array([[0.0, 0.0, 1.0]])
-    crayon, mug = (float(make_model("weidlich_wilkie", presets.load(name)).mirror_albedo(up)[0, 0]) for name in PAIRS[0])
+    crayon, mug = (float(make_model("weidlich_wilkie", presets.load(name)).specular_albedo(up)[0, 0]) for name in PAIRS[0])
     clean, patina = (means[name] for name in PAIRS[2])
     statements = (
         Statement("ceramic glazing has brighter specular reflections than paintwork", "section 6.1, type a",

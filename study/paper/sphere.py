@@ -3,7 +3,7 @@
 
 The light of a pixel is integrated by multiple importance sampling (Veach95) with the same evenly spread points in
 every pixel: one strategy per disc, per width of lobe and for the cosine. Mirror-like components look up the mirror
-direction. Any model with `f`, `lobes`, `channels` and `mirror_albedo` will do.
+direction. Any model with `f`, `lobes`, `channels` and `specular_albedo` will do.
 """
 
 from dataclasses import dataclass
@@ -74,7 +74,7 @@ def _radiance(model, normals, environment, lobes, count) -> np.ndarray:
     values = np.zeros(lit.shape + (model.channels,))
     values[lit] = model.f(view[lit], wi[lit]) * weight[lit][:, None]
     mirrored = np.squeeze((wo * np.array([-1.0, -1.0, 1.0]))[:, None] @ frame, axis=1)
-    return np.sum(values, axis=1) + model.mirror_albedo(wo) * environment.radiance(mirrored)[:, None]
+    return np.sum(values, axis=1) + model.specular_albedo(wo) * environment.radiance(mirrored)[:, None]
 
 
 def _frames(normals: np.ndarray) -> np.ndarray:

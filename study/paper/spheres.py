@@ -20,7 +20,7 @@ class BaseOnly(WeidlichWilkie):
     def f(self, wo, wi):
         return self.components(wo, wi)[-1]
 
-    def mirror_albedo(self, wo):
+    def specular_albedo(self, wo):
         return np.zeros(np.shape(wo)[:-1] + (self.channels,))
 
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from ...addon.blender.versions import node_tree
 from ...addon.material.script_node import set_script
-from ...addon.shader.nodes.node_groups import network_group
+from ...addon.shader.nodes.node_groups import lobe_group
 from ...addon.shader.osl.generate import Shader, generate
-from ...reference_py.lobes.view_table import TableNetwork
+from ...reference_py.lobes.view_table import TableLobes
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.baselines.principled_coat import PrincipledCoat
 from ...reference_py.optics.diffuse import fujii_roughness
@@ -37,23 +37,23 @@ def script_material(name: str, text: str, closures: int = 1) -> bpy.types.Materi
 
 
 class _Told(NamedTuple):
-    """Any network in tables as `generate` takes one."""
+    """Any lobe set in tables as `generate` takes one."""
 
-    resolved: TableNetwork
+    resolved: TableLobes
     stack: Stack
     tier: str = "baked"
 
 
-def table_material(network: TableNetwork, stack: Stack, name: str) -> bpy.types.Material:
-    """A network in tables as Lamina writes it in OSL, its shader called `name`."""
-    shader = generate(_Told(network, stack))
+def table_material(lobe_set: TableLobes, stack: Stack, name: str) -> bpy.types.Material:
+    """A lobe set in tables as Lamina writes it in OSL, its shader called `name`."""
+    shader = generate(_Told(lobe_set, stack))
     return script_material(name, shader.text.replace(shader.name, name), shader.lobe_count)
 
 
-def group_material(network: TableNetwork) -> bpy.types.Material:
-    """A network of `tabulate` as Lamina writes it in stock nodes."""
+def group_material(lobe_set: TableLobes) -> bpy.types.Material:
+    """A lobe set of `tabulate` as Lamina writes it in stock nodes."""
     material, node, end = node_material("ShaderNodeGroup")
-    node.node_tree = network_group(network)
+    node.node_tree = lobe_group(lobe_set)
     material.node_tree.links.new(node.outputs["BSDF"], end.inputs["Surface"])
     return material
 

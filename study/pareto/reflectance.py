@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a way to render a stack reflects, in numpy, and how far that is from the truth. Does not need bpy.
 
-Networks and peers equal their renders to 1e-4 and 5e-4 (tests/addon/test_parity*.py, test_peers_render.py), so that
+Lobe sets and peers equal their renders to 1e-4 and 5e-4 (tests/addon/test_parity*.py, test_peers_render.py), so that
 their errors need no render.
 """
 
@@ -10,10 +10,10 @@ from typing import Protocol
 
 import numpy as np
 
-from ...reference_py.lobes.closure import is_mirror, lobe_energy, lobe_f
+from ...reference_py.lobes.closure import is_specular_lobe, lobe_energy, lobe_f
 from ...reference_py.lobes.lobe import GlossyLobe
 from ...reference_py.lobes.samples import truth_at
-from ...reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableNetwork, knot_cosines
+from ...reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines
 from ...reference_py.material.stack import Stack
 from ...reference_py.optics.frame import spherical
 from ...reference_py.optics.microfacet import GGX, is_specular
@@ -33,23 +33,23 @@ class Reflectance(Protocol):
     def mirror(self, cos_theta_o: np.ndarray) -> np.ndarray: ...
 
 
-class NetworkReflectance:
-    """That of a network."""
+class LobeReflectance:
+    """That of a lobe set."""
 
-    def __init__(self, network):
-        self.network = network
+    def __init__(self, lobe_set):
+        self.lobe_set = lobe_set
 
     def f(self, wo, wi):
-        return sum(lobe_f(lobe, wo, wi) for lobe in self.network.lobes(wo[..., 2]))
+        return sum(lobe_f(lobe, wo, wi) for lobe in self.lobe_set.lobes(wo[..., 2]))
 
     def albedo(self, cos_theta_o):
         return self._energy(cos_theta_o, lambda lobe: True)
 
     def mirror(self, cos_theta_o):
-        return self._energy(cos_theta_o, lambda lobe: isinstance(lobe, GlossyLobe) and is_mirror(lobe))
+        return self._energy(cos_theta_o, lambda lobe: isinstance(lobe, GlossyLobe) and is_specular_lobe(lobe))
 
     def _energy(self, cos_theta_o, counts):
-        return sum((lobe_energy(lobe, cos_theta_o) for lobe in self.network.lobes(cos_theta_o) if counts(lobe)), np.zeros((len(cos_theta_o), 3)))
+        return sum((lobe_energy(lobe, cos_theta_o) for lobe in self.lobe_set.lobes(cos_theta_o) if counts(lobe)), np.zeros((len(cos_theta_o), 3)))
 
 
 class ModelReflectance:
@@ -76,7 +76,7 @@ class TruthReflectance(ModelReflectance):
     """That of `adding`, which knows its mirror-like part."""
 
     def mirror(self, cos_theta_o):
-        return self.model.mirror_albedo(cos_theta_o)
+        return self.model.specular_albedo(cos_theta_o)
 
 
 def _views(cos_theta_o) -> np.ndarray:
@@ -120,23 +120,23 @@ def plain_glossy(stack: Stack, truth) -> tuple[np.ndarray, float]:
     """(color (3,), alpha) of the one glossy node that comes closest: the truth's mean color, and the best of _GUESSES."""
     cosines = np.sqrt((np.arange(8) + 0.5) / 8.0)
     color, yardstick = TruthReflectance(truth).albedo(cosines).mean(axis=0), Yardstick(stack, truth)
-    alpha = min(_GUESSES, key=lambda a: yardstick.errors(NetworkReflectance(glossy_network(color, a))).shape_mean)
+    alpha = min(_GUESSES, key=lambda a: yardstick.errors(LobeReflectance(glossy_lobes(color, a))).shape_mean)
     return color, float(alpha)
 
 
-def glossy_network(color: np.ndarray, alpha: float) -> TableNetwork:
-    """A Glossy node (GGX) as a network."""
+def glossy_lobes(color: np.ndarray, alpha: float) -> TableLobes:
+    """A Glossy node (GGX) as a lobe set."""
     ones = np.ones((KNOTS, 3))
-    return TableNetwork((GlossyTable(GGX, ones * color, ones * (alpha, alpha, 0.0)),))
+    return TableLobes((GlossyTable(GGX, ones * color, ones * (alpha, alpha, 0.0)),))
 
 
-def belcour_network(model) -> TableNetwork:
+def belcour_lobes(model) -> TableLobes:
     """Belcour's lobes in tables. What T(wi) does within the diffuse lobe becomes part of its weight."""
     cosines = knot_cosines()
     tables = []
     for weight, alpha in model.lobes(cosines):
         tables.append(GlossyTable(GGX, weight, np.stack([alpha, alpha, np.zeros(KNOTS)], axis=-1)))
     if model.stack.base.kind != "conductor":
-        glossy = NetworkReflectance(TableNetwork(tuple(tables))).albedo(cosines) if tables else 0.0
+        glossy = LobeReflectance(TableLobes(tuple(tables))).albedo(cosines) if tables else 0.0
         tables.append(DiffuseTable(np.maximum(model.albedo(_views(cosines)) - glossy, 0.0)))
-    return TableNetwork(tuple(tables))
+    return TableLobes(tuple(tables))

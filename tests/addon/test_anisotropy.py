@@ -14,7 +14,7 @@ from lamina.addon.material.shader_node import shader_of
 from lamina.addon.rendering.measure import render_furnace, render_sun_sphere
 from lamina.addon.shader.nodes.stock_nodes import stock_tables
 from lamina.reference_py.lobes.closure import lobe_f
-from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import azimuth, spherical
 from lamina.reference_py.registry import make_model
@@ -75,10 +75,10 @@ def test_anisotropy_0_renders_as_none(blender, tier):
 ])
 def test_stock_nodes_equal_mirror(blender, tier, name):
     new = shown(*STACKS[name], tier, "nodes")
-    network = stock_tables(make_network(material.stack_of(new), tier))
+    lobe_set = stock_tables(make_lobe_set(material.stack_of(new), tier))
 
     def f(wo, wi):
-        return sum(lobe_f(lobe, wo, wi) for lobe in network.lobes(wo[..., 2], azimuth(wo))) * (wi[..., 2:] > 0.0)
+        return sum(lobe_f(lobe, wo, wi) for lobe in lobe_set.lobes(wo[..., 2], azimuth(wo))) * (wi[..., 2:] > 0.0)
 
     result = tangent_parity(new, f, 45.0, 64)
     print(f"{tier}, {name}: 99th percentile {result.percentile_99:.1e}")

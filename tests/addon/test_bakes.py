@@ -15,8 +15,8 @@ from lamina.addon.material.hand_over import MIX
 from lamina.addon.material.live_values import live_values
 from lamina.addon.material.roles import ROLE
 from lamina.addon.material.shader_node import shader_of
-from lamina.addon.material.state import is_settled, is_stale, lags, wanted_network
-from lamina.addon.shader.nodes.node_groups import network_group
+from lamina.addon.material.state import is_settled, is_stale, lags, wanted_lobes
+from lamina.addon.shader.nodes.node_groups import lobe_group
 from lamina.addon.shader.nodes.stock_nodes import stock_tables
 from lamina.reference_py.lobes import cache
 from lamina.study.suite import suite_stack
@@ -79,13 +79,13 @@ def shown_by(owner, engine: str):
     return mix.inputs[2 if engine == "CYCLES" else 1].links[0].from_node
 
 
-def test_eevee_shows_the_same_network_in_stock_nodes(window):
+def test_eevee_shows_the_same_lobes_in_stock_nodes(window):
     owner = coated(window)
     rest(owner)
     preview = shown_by(owner, "EEVEE")
     assert preview.bl_idname == "ShaderNodeGroup" and shown_by(owner, "CYCLES") == shader_of(owner)
     tables = preview.node_tree.name  # a removed group's place may be the next one's
-    assert preview.node_tree == network_group(stock_tables(wanted_network(owner).make()))
+    assert preview.node_tree == lobe_group(stock_tables(wanted_lobes(owner).make()))
     elements.node_of(owner.lamina.base).inputs["Color"].default_value = (0.1, 0.1, 0.1, 1.0)
     rest(owner)
     assert shown_by(owner, "EEVEE").node_tree.name != tables

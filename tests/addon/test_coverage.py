@@ -15,7 +15,7 @@ from lamina.addon.rendering.measure import render_furnace, render_sun_sphere
 from lamina.addon.shader.nodes.stock_nodes import stock_tables
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.lobes.closure import lobe_f
-from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.registry import make_model
 
@@ -28,7 +28,7 @@ GOLD = {"kind": "conductor", "metal": "gold", "roughness": 0.5}
 
 
 def layered(layers, base, tier, backend="osl"):
-    """A material that shows the network of its tier, baked if it must be."""
+    """A material that shows the lobe set of its tier, baked if it must be."""
     import bpy
 
     new = bpy.data.materials.new("covered")
@@ -41,7 +41,7 @@ def picture(layers, base, tier, backend="osl"):
     return render_sun_sphere(layered(layers, base, tier, backend), 45.0, 48)["radiance"]
 
 
-# A bake has a network for each of the four patches.
+# A bake has a lobe set for each of the four patches.
 @pytest.mark.parametrize("tier, base", [("weidlich_wilkie", GREY), ("weidlich_wilkie", GOLD), ("analytic", GREY), ("analytic", GOLD), ("baked", GREY)])
 def test_render_equals_mirror(blender, tier, base):
     new = layered([{**VARNISH, "coverage": 0.4}, {**GLAZE, "coverage": 0.7}], base, tier)
@@ -66,10 +66,10 @@ def test_ends_are_the_patches_and_the_middle_is_their_mean(blender, tier, backen
 
 def test_stock_nodes_equal_mirror(blender):
     new = layered([{**VARNISH, "coverage": 0.4}, {**GLAZE, "coverage": 0.7}], GREY, "weidlich_wilkie", "nodes")
-    network = stock_tables(make_network(material.stack_of(new), "weidlich_wilkie"))
+    lobe_set = stock_tables(make_lobe_set(material.stack_of(new), "weidlich_wilkie"))
 
     def f(wo, wi):
-        return sum(lobe_f(lobe, wo, wi) for lobe in network.lobes(wo[..., 2])) * (wi[..., 2:] > 0.0)
+        return sum(lobe_f(lobe, wo, wi) for lobe in lobe_set.lobes(wo[..., 2])) * (wi[..., 2:] > 0.0)
 
     assert parity(new, f, 45.0, 64).percentile_99 <= TOLERANCE
 
@@ -105,4 +105,4 @@ def test_too_many_covered_layers_leave_all_as_it_was(blender):
     assert "4 layers have a coverage (layers 0, 1, 2, 3); choose at most 3" in new.lamina.problem
     assert shader_of(new).script == script
     with pytest.raises(LaminaError, match="choose at most 3"):
-        make_network(material.stack_of(new), "analytic")
+        make_lobe_set(material.stack_of(new), "analytic")

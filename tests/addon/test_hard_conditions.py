@@ -212,15 +212,15 @@ def test_a_file_whose_shader_was_edited_by_hand_opens_and_keeps_the_edit(tmp_pat
     assert blender.data.texts[name].as_string() == edited  # nothing of the user's is lost
 
 
-@pytest.mark.parametrize("text", ["", "{", "null", "[1]", '{"chosen": 99}', '{"chosen": 0, "network": {"a": []}, "tried": [{}], "reason": 1}', "[" * 100_000, "\x00"])
+@pytest.mark.parametrize("text", ["", "{", "null", "[1]", '{"chosen": 99}', '{"chosen": 0, "lobe_set": {"a": []}, "tried": [{}], "reason": 1}', "[" * 100_000, "\x00"])
 def test_a_broken_cache_counts_as_none(tmp_path, monkeypatch, text):
-    from lamina.reference_py.lobes.methods import AutoNetwork
+    from lamina.reference_py.lobes.methods import AutoLobes
 
     monkeypatch.setattr(cache, "_memory", {})
     monkeypatch.setattr(cache, "_folder", tmp_path)
     stack = presets.load("clean_copper")
-    cache._file(AutoNetwork.key(stack)).write_text(text)
-    assert not AutoNetwork.is_known(stack)
+    cache._file(AutoLobes.key(stack)).write_text(text)
+    assert not AutoLobes.is_known(stack)
 
 
 def test_the_clock_may_run_backwards(tmp_path, monkeypatch):

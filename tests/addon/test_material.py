@@ -25,7 +25,7 @@ from lamina.addon.rendering.measure import render_furnace
 from lamina.addon.shader.inputs import PRIMARIES
 from lamina.addon.shader.osl.generate import generate
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.schema import CHOICE, COVERAGE, DIELECTRIC, FLOAT, SCHEMA, Parameter
 from lamina.reference_py.material.stack import Stack
@@ -273,8 +273,8 @@ def test_deleted_nodes(layered):
     assert [layer.unknown["name"] for layer in material.stack_of(layered).layers] == ["Paint"]
 
 
-def broken_shader(network):
-    good = generate(network)
+def broken_shader(lobe_set):
+    good = generate(lobe_set)
     body = good.text.replace("BSDF = ", "BSDF = no_such_function() + ").replace(good.name, "@SHADER@")
     name = "lamina_" + hashlib.sha256(body.encode()).hexdigest()[:12]
     return replace(good, name=name, text=body.replace("@SHADER@", name))
@@ -382,7 +382,7 @@ def test_a_parameter_added_to_the_schema_appears_everywhere(blender):
     assert {"Haze", "Finish"} <= {p.label for p in elements.shown_parameters(kind, "")}
 
     node = node_tree(blender.data.materials.new("new")).nodes.new("ShaderNodeScript")
-    shader = generate(make_network(stack, "weidlich_wilkie"), schema=schema)
+    shader = generate(make_lobe_set(stack, "weidlich_wilkie"), schema=schema)
     script_node.set_script(node, shader)
     assert node.inputs["Layer1SurfaceHaze"].default_value == 0.25
 

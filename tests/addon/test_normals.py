@@ -11,7 +11,7 @@ from support.goniometer import TOLERANCE, local_directions, parity
 from lamina.addon.material import elements, material
 from lamina.addon.rendering.measure import render_sun_sphere
 from lamina.reference_py.lobes.closure import lobe_f
-from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
@@ -57,14 +57,14 @@ def test_each_layer_renders_in_its_frame(blender, tier, base):
     new = shown(Stack.from_dict({"layers": layers, "base": {**BASES[base], **OWN}}), tier)
     for index, element in ((0, new.lamina.layers[0]), (1, new.lamina.layers[1]), (-1, new.lamina.base)):
         bend(new, element, BENDS[index])
-    network = make_network(material.stack_of(new), tier)
+    lobe_set = make_lobe_set(material.stack_of(new), tier)
 
     def expected(normal, wi, wo):
         total = 0.0
         for place, offset in enumerate((BENDS[0], BENDS[1], BENDS[-1])):
             local_wi, local_wo = local_directions(bent(normal, offset), wi, wo)
             # a rough diffuse base has two
-            own = network.lobes(np.maximum(local_wo[:, 2], 1e-4))[place : None if place == 2 else place + 1]
+            own = lobe_set.lobes(np.maximum(local_wo[:, 2], 1e-4))[place : None if place == 2 else place + 1]
             visible = (local_wi[:, 2:] > 0.0) & (local_wo[:, 2:] > 0.0)
             total = total + np.where(visible, sum(lobe_f(lobe, local_wo, local_wi) for lobe in own) * local_wi[:, 2:], 0.0)
         return total
@@ -95,7 +95,7 @@ def test_a_covered_layer_keeps_its_normal(blender):
     layers, base = [{**COAT, **OWN, "coverage": 0.0}], BASES["metal"]
     new = shown(Stack.from_dict({"layers": layers, "base": base}), "weidlich_wilkie")
     bend(new, new.lamina.layers[0], BENDS[0])
-    bare = make_network(Stack.from_dict({"base": base}), "weidlich_wilkie")
+    bare = make_lobe_set(Stack.from_dict({"base": base}), "weidlich_wilkie")
     result = parity(new, lambda wo, wi: sum(lobe_f(lobe, wo, wi) for lobe in bare.lobes(wo[..., 2])) * (wi[..., 2:] > 0.0), 45.0, 48)
     assert result.percentile_99 <= TOLERANCE
 

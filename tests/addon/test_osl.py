@@ -8,7 +8,7 @@ import pytest
 from lamina.addon.material.shader_node import shader_of
 from lamina.addon.shader.osl.generate import generate
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 
@@ -17,12 +17,12 @@ LAMBERT = {"kind": "lambert"}
 
 
 def text_of(layers, base):
-    return generate(make_network(Stack.from_dict({"layers": layers, "base": base}), "weidlich_wilkie")).text
+    return generate(make_lobe_set(Stack.from_dict({"layers": layers, "base": base}), "weidlich_wilkie")).text
 
 
 @pytest.mark.parametrize("name", presets.names())
 def test_text_is_complete_small_and_self_contained(name):
-    shader = generate(make_network(presets.load(name), "weidlich_wilkie"))
+    shader = generate(make_lobe_set(presets.load(name), "weidlich_wilkie"))
     assert "@" not in shader.text, "a placeholder was left"
     assert "#include" not in shader.text
     assert len(shader.text) < 100_000
@@ -49,7 +49,7 @@ def test_what_a_stack_lacks_is_not_generated():
 
 @pytest.mark.parametrize("name", ["glazed_mug", "frosted_paint"])
 def test_baked_text_is_small_and_takes_no_parameters(name):
-    shader = generate(make_network(presets.load(name), "baked"))
+    shader = generate(make_lobe_set(presets.load(name), "baked"))
     assert "@" not in shader.text and not shader.inputs
     assert len(shader.text) < 20_000
     assert "fresnel" not in shader.text and "carried" not in shader.text

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The render equals the numpy evaluation of the same network: every preset, pixel by pixel and in energy."""
+"""The render equals the numpy evaluation of the same lobe set: every preset, pixel by pixel and in energy."""
 
 import numpy as np
 import pytest
@@ -91,13 +91,13 @@ def test_a_wrong_index_is_caught(blender):
 
 
 @pytest.mark.parametrize("links", [{"Roughness": 0.42}, {"Thickness": 1.5, "Roughness": 0.12}], ids=["one", "two"])
-def test_a_bake_over_live_values_equals_its_network(blender, links):
+def test_a_bake_over_live_values_equals_its_lobe_set(blender, links):
     """Values come in through sockets, as from textures; those of the test lie between knots, and below the first."""
     from lamina.addon.material.elements import node_of
     from lamina.addon.material.live_values import live_values
     from lamina.addon.material.material import apply_stack, refresh, stack_of
     from lamina.reference_py.lobes.closure import lobe_f
-    from lamina.reference_py.lobes.methods import make_network
+    from lamina.reference_py.lobes.methods import make_lobe_set
 
     material = blender.data.materials.new("Live")
     stack = Stack.from_dict({"layers": [{"kind": "dielectric", "ior": 1.5, "roughness": 0.3, "tint": [0.9, 0.6, 0.3]}], "base": {"kind": "lambert"}})
@@ -110,9 +110,9 @@ def test_a_bake_over_live_values_equals_its_network(blender, links):
     refresh(material, settle=True)
     assert len([socket for socket in shader_of(material).inputs if socket.is_linked]) == len(links)
     text = shader_of(material).script.as_string()
-    network = make_network(stack_of(material), "baked", live=live_values(material)).resolved
+    lobe_set = make_lobe_set(stack_of(material), "baked", live=live_values(material)).resolved
     for theta in SUN_THETA_DEG:
-        result = parity(material, lambda wo, wi: sum(lobe_f(lobe, wo, wi) for lobe in network.lobes(wo[..., 2])), theta)
+        result = parity(material, lambda wo, wi: sum(lobe_f(lobe, wo, wi) for lobe in lobe_set.lobes(wo[..., 2])), theta)
         print(f"live {', '.join(links)}, sun {theta:g} deg: 99th percentile {result.percentile_99:.1e}, text {len(text) / 1e3:.0f} kB")
         assert result.finite and result.percentile_99 <= 1e-4
     assert len(text) <= 100_000

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tier `analytic` on Cycles: the shader computes what the numpy network computes, in float32 and from sockets."""
+"""Tier `analytic` on Cycles: the shader computes what the numpy lobe set computes, in float32 and from sockets."""
 
 import re
 
@@ -7,7 +7,7 @@ import pytest
 from support.goniometer import SUN_THETA_DEG, parity, tolerance
 
 from lamina.addon.shader.osl.generate import generate
-from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.registry import make_model
@@ -42,7 +42,7 @@ def test_render_equals_mirror(blender, name):
 
 
 def test_text_size():
-    sizes = {name: len(generate(make_network(stack, "analytic")).text) for name, stack in suite().items()}
+    sizes = {name: len(generate(make_lobe_set(stack, "analytic")).text) for name, stack in suite().items()}
     print(max(sizes.items(), key=lambda item: item[1]))
     assert max(sizes.values()) < 100_000
 
@@ -50,7 +50,7 @@ def test_text_size():
 def test_text_does_not_depend_on_values():
     data = suite_stack("three_rough").to_dict()
     other = Stack.from_dict({**data, "layers": [{**layer, "ior": 1.7, "roughness": 0.2} for layer in data["layers"]]})
-    assert generate(make_network(other, "analytic")).text == generate(make_network(suite_stack("three_rough"), "analytic")).text
+    assert generate(make_lobe_set(other, "analytic")).text == generate(make_lobe_set(suite_stack("three_rough"), "analytic")).text
 
 
 def test_functions_are_defined_once_where_tiers_meet():
@@ -58,7 +58,7 @@ def test_functions_are_defined_once_where_tiers_meet():
     coat, film = {"kind": "dielectric", "roughness": 0.5}, {"film_thickness": 300.0, "film_ior": 1.8}
     metal = {"kind": "conductor", "metal": "gold", "roughness": 0.5}
     stack = Stack.from_dict({"layers": [{**coat, **film, "coverage": 0.5}, coat], "base": metal})
-    text = generate(make_network(stack, "analytic")).text
+    text = generate(make_lobe_set(stack, "analytic")).text
     signatures = re.findall(r"^\w+ \w+\([^)]*\)(?=\n\{)", text, re.MULTILINE)
     assert any("weight_glossy" in s for s in signatures) and any("cross_first" in s for s in signatures)
     assert len(signatures) == len(set(signatures))

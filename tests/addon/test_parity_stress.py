@@ -7,7 +7,7 @@ from support.goniometer import TOLERANCE, parity
 
 from lamina.reference_py.lobes.closure import lobe_f
 from lamina.reference_py.lobes.lobe import GlossyLobe, SchlickCurve
-from lamina.reference_py.lobes.methods import TIERS, AutoNetwork
+from lamina.reference_py.lobes.methods import TIERS, AutoLobes
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.registry import make_model
 
@@ -27,7 +27,7 @@ STACKS = {
 }
 
 
-@pytest.mark.parametrize("tier", [tier for tier in TIERS if tier != AutoNetwork.tier])
+@pytest.mark.parametrize("tier", [tier for tier in TIERS if tier != AutoLobes.tier])
 @pytest.mark.parametrize("name", STACKS)
 def test_render_equals_mirror(blender, name, tier):
     import bpy
@@ -61,7 +61,7 @@ shader tilted_lobe(output closure color BSDF = 0)
 @pytest.mark.parametrize("distribution", ["ggx", "beckmann"])
 @pytest.mark.parametrize("tilt, alpha_x, alpha_y", [(0.0, 0.3, 0.3), (0.15, 0.2, 0.2), (0.15, 0.4, 0.15), (0.1, 0.1, 0.5)])
 def test_tilted_anisotropic_schlick_lobes(blender, distribution, tilt, alpha_x, alpha_y):
-    """What a network may contain beyond the present tier: the lobe's frame, widths and Fresnel curve."""
+    """What a lobe set may contain beyond the present tier: the lobe's frame, widths and Fresnel curve."""
     import bpy
     import cycles.osl
 

@@ -14,13 +14,13 @@ from lamina.addon.material import layers
 from lamina.addon.material import material as materials
 from lamina.addon.material.shader_node import backend_of, shader_of, surface_of
 from lamina.addon.rendering import settings
-from lamina.addon.shader.nodes.node_groups import network_group
+from lamina.addon.shader.nodes.node_groups import lobe_group
 from lamina.addon.shader.nodes.stock_nodes import stock_tables
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.lobes.lobe import DielectricCurve
-from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.lobes.tabulate import tabulate
-from lamina.reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork
+from lamina.reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.registry import make_model
@@ -44,24 +44,24 @@ def no_osl(blender, monkeypatch):
     return blender
 
 
-def mirror_of(network: TableNetwork):
+def mirror_of(lobe_set: TableLobes):
     mirror = make_model("mirror", presets.load("clean_copper"), tier="weidlich_wilkie")
-    mirror.network = network
+    mirror.lobe_set = lobe_set
     return mirror
 
 
-def material_of(bpy, network: TableNetwork):
-    material = bpy.data.materials.new("network")
+def material_of(bpy, lobe_set: TableLobes):
+    material = bpy.data.materials.new("lobes")
     tree = settings.node_tree(material)
     tree.nodes.clear()
     node, output = tree.nodes.new("ShaderNodeGroup"), tree.nodes.new("ShaderNodeOutputMaterial")
-    node.node_tree = network_group(network)
+    node.node_tree = lobe_group(lobe_set)
     tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
     return material
 
 
-def check(bpy, network: TableNetwork, tolerance: float, windows=((0.0, 0.0, 1.0),)):
-    material, mirror = material_of(bpy, network), mirror_of(network)
+def check(bpy, lobe_set: TableLobes, tolerance: float, windows=((0.0, 0.0, 1.0),)):
+    material, mirror = material_of(bpy, lobe_set), mirror_of(lobe_set)
     for theta in SUN_THETA_DEG:
         for window in windows(theta) if callable(windows) else windows:
             result = parity(material, mirror.f, theta, window=window)
@@ -81,8 +81,8 @@ def check(bpy, network: TableNetwork, tolerance: float, windows=((0.0, 0.0, 1.0)
 ])
 def test_render_equals_mirror(no_osl, tier, name, tolerance):
     stack = presets.load(name)
-    network = make_network(stack, tier)
-    tables = stock_tables(network)
+    lobe_set = make_lobe_set(stack, tier)
+    tables = stock_tables(lobe_set)
 
     def windows(theta):
         return filter(None, ((0.0, 0.0, 1.0), highlight_window(stack, theta)))
@@ -108,7 +108,7 @@ SHAPES = {
 @pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES)
 def test_lobes_of_every_form(no_osl, distribution, shape):
     glossy = GlossyTable(distribution, jagged(3, 0.1, 2.0), shape)
-    check(no_osl, TableNetwork((glossy, DiffuseTable(jagged(4, 0.0, 0.2)))), TOLERANCE)
+    check(no_osl, TableLobes((glossy, DiffuseTable(jagged(4, 0.0, 0.2)))), TOLERANCE)
 
 
 @pytest.mark.skipif(not HAS_DIELECTRIC, reason="Metallic nodes before 5.0 have an approximate Fresnel curve")
@@ -116,20 +116,20 @@ def test_lobes_of_every_form(no_osl, distribution, shape):
 def test_dielectrics_have_the_exact_curve(no_osl, distribution, alpha, eta):
     """Weights below and above 1, which is what a Metallic node has."""
     weight, shape = np.linspace(1.6, 0.4, KNOTS)[:, None] * np.ones(3), np.array([alpha, alpha, 0.0]) * np.ones((KNOTS, 3))
-    check(no_osl, TableNetwork((GlossyTable(distribution, weight, shape, DielectricCurve(eta)),)), TOLERANCE)
+    check(no_osl, TableLobes((GlossyTable(distribution, weight, shape, DielectricCurve(eta)),)), TOLERANCE)
 
 
 def test_a_folded_dielectric(no_osl):
-    check(no_osl, tabulate(make_network(presets.load("frosted_paint"))), TOLERANCE)
+    check(no_osl, tabulate(make_lobe_set(presets.load("frosted_paint"))), TOLERANCE)
 
 
 def test_rough_diffuse_and_many_lobes(no_osl):
     many = [GlossyTable("ggx", jagged(i, 0.0, 0.2), SHAPES["jagged"]) for i in range(20)]
-    check(no_osl, TableNetwork((OrenNayarTable(jagged(5, 0.1, 0.9), 30.0, DIFFUSE_POWER), *many)), TOLERANCE)
+    check(no_osl, TableLobes((OrenNayarTable(jagged(5, 0.1, 0.9), 30.0, DIFFUSE_POWER), *many)), TOLERANCE)
 
 
 def test_with_osl_switched_on_stock_nodes_render_the_same(blender):
-    check(blender, TableNetwork((GlossyTable("beckmann", jagged(3, 0.1, 2.0), SHAPES["jagged"]),)), TOLERANCE)
+    check(blender, TableLobes((GlossyTable("beckmann", jagged(3, 0.1, 2.0), SHAPES["jagged"]),)), TOLERANCE)
 
 
 def test_a_wrong_table_is_caught(no_osl):
@@ -137,7 +137,7 @@ def test_a_wrong_table_is_caught(no_osl):
     weight = jagged(6, 0.2, 0.9)
     wrong = weight.copy()
     wrong[18] *= 1.01
-    result = parity(material_of(no_osl, TableNetwork((DiffuseTable(weight),))), mirror_of(TableNetwork((DiffuseTable(wrong),))).f, 45.0)
+    result = parity(material_of(no_osl, TableLobes((DiffuseTable(weight),))), mirror_of(TableLobes((DiffuseTable(wrong),))).f, 45.0)
     assert result.percentile_99 > 10.0 * TOLERANCE
 
 
@@ -145,19 +145,19 @@ def test_the_very_normal_is_finite(no_osl):
     """Seen along its normal a plane has no plane of incidence, and Cycles would divide by the tangent's length."""
     from lamina.addon.rendering.measure import render_furnace
 
-    network = TableNetwork((GlossyTable("ggx", np.ones((KNOTS, 3)), SHAPES["across"]),))
-    albedo, _ = render_furnace(material_of(no_osl, network), (0.0,), samples=4, size=4)
+    lobe_set = TableLobes((GlossyTable("ggx", np.ones((KNOTS, 3)), SHAPES["across"]),))
+    albedo, _ = render_furnace(material_of(no_osl, lobe_set), (0.0,), samples=4, size=4)
     assert np.all(np.isfinite(albedo)) and np.all(albedo > 0.5)
 
 
-def test_equal_networks_share_a_group_and_an_edited_one_is_left_alone(no_osl):
-    network = TableNetwork((DiffuseTable(jagged(7, 0.1, 0.9)),))
-    group = network_group(network)
-    assert network_group(network) == group and len(no_osl.data.node_groups) == 1
-    assert network_group(TableNetwork((DiffuseTable(jagged(8, 0.1, 0.9)),))) != group
+def test_equal_lobe_sets_share_a_group_and_an_edited_one_is_left_alone(no_osl):
+    lobe_set = TableLobes((DiffuseTable(jagged(7, 0.1, 0.9)),))
+    group = lobe_group(lobe_set)
+    assert lobe_group(lobe_set) == group and len(no_osl.data.node_groups) == 1
+    assert lobe_group(TableLobes((DiffuseTable(jagged(8, 0.1, 0.9)),))) != group
     ramp = next(node for node in group.nodes if node.bl_idname == "ShaderNodeValToRGB")
     ramp.color_ramp.elements[3].color = (1.0, 0.0, 0.0, 1.0)
-    assert network_group(network) != group
+    assert lobe_group(lobe_set) != group
     assert group.name in no_osl.data.node_groups
 
 
@@ -179,7 +179,7 @@ def group_of(material):
 
 
 def tables_of(material):
-    return stock_tables(make_network(materials.stack_of(material), material.lamina.tier))
+    return stock_tables(make_lobe_set(materials.stack_of(material), material.lamina.tier))
 
 
 def test_without_osl_a_stack_is_made_of_stock_nodes_and_says_so(no_osl, capfd):
@@ -187,7 +187,7 @@ def test_without_osl_a_stack_is_made_of_stock_nodes_and_says_so(no_osl, capfd):
     materials.apply_stack(material, STACK, "analytic")
     assert capfd.readouterr().out.count("new is made of stock nodes, because this Blender was built without OSL") == 1
     assert backend_of(material) == "nodes" and material.lamina.backend == "auto"
-    assert shading(material.node_tree.get_output_node("ALL").inputs["Surface"]).node_tree == network_group(tables_of(material))
+    assert shading(material.node_tree.get_output_node("ALL").inputs["Surface"]).node_tree == lobe_group(tables_of(material))
     assert materials.stack_of(material) == STACK
     assert material.lamina.lobe_count == 3
 
@@ -209,7 +209,7 @@ def test_the_group_follows_every_change_of_structure(layered, no_osl, change):
     change(layered)
     assert layered.lamina.problem == ""
     assert group_of(layered).name != before
-    assert network_group(tables_of(layered)) == group_of(layered)
+    assert lobe_group(tables_of(layered)) == group_of(layered)
     assert before not in no_osl.data.node_groups
 
 
@@ -220,7 +220,7 @@ def test_refresh_takes_up_values(layered, no_osl):
     coat = layered.node_tree.nodes[layered.lamina.layers[0].node]
     coat.inputs["Roughness"].default_value = 0.6
     materials.refresh(layered)
-    assert network_group(tables_of(layered)) == group_of(layered)
+    assert lobe_group(tables_of(layered)) == group_of(layered)
     assert texts == len(no_osl.data.texts) == 0
 
 
@@ -260,7 +260,7 @@ def test_backends_can_be_changed_and_wires_stay(blender):
         material.lamina.backend = backend
         assert material.lamina.problem == "" and backend_of(material) == made_of
         assert mix.inputs[1].links[0].from_socket == surface_of(material)
-    assert [g.name for g in blender.data.node_groups if g.name.startswith("Lamina Network")] == []
+    assert [g.name for g in blender.data.node_groups if g.name.startswith("Lamina Lobes")] == []
     with pytest.raises(LaminaError, match="unknown backend 'cuda'; choose auto, osl, nodes"):
         materials.apply_stack(material, STACK, backend="cuda")
     assert backend_of(material) == "osl"

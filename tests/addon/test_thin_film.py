@@ -11,7 +11,7 @@ from support.goniometer import TOLERANCE, parity
 from lamina.addon.material import material
 from lamina.addon.rendering.measure import render_sun_sphere
 from lamina.addon.shader.osl.generate import generate
-from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.registry import make_model
 
@@ -68,5 +68,5 @@ def test_a_film_colors_grey_metal_and_costs_others_nothing(blender, tier):
     colors = [render_sun_sphere(m, 45.0, 48)["radiance"].reshape(-1, 3).sum(axis=0) for m in (bare, filmed)]
     spread = [np.ptp(color) / color.mean() for color in colors]
     assert spread[1] > 3.0 * spread[0]
-    text = generate(make_network(Stack.from_dict({"layers": [COAT], "base": STEEL}), tier)).text
+    text = generate(make_lobe_set(Stack.from_dict({"layers": [COAT], "base": STEEL}), tier)).text
     assert "film" not in text.lower() and "anisotrop" not in text.lower().replace("slightly anisotropic", "").replace("an anisotropic", "")

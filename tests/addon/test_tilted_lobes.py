@@ -12,10 +12,10 @@ bpy = pytest.importorskip("bpy")
 
 from lamina.addon.rendering import settings
 from lamina.addon.rendering.measure import render_furnace
-from lamina.addon.shader.nodes.node_groups import network_group
+from lamina.addon.shader.nodes.node_groups import lobe_group
 from lamina.reference_py.lobes.closure import unit_energy
 from lamina.reference_py.lobes.lobe import GlossyLobe
-from lamina.reference_py.lobes.view_table import KNOTS, GlossyTable, TableNetwork
+from lamina.reference_py.lobes.view_table import KNOTS, GlossyTable, TableLobes
 from lamina.reference_py.optics.frame import normalize, reflect
 from lamina.reference_py.optics.microfacet import smith_lambda
 from lamina.reference_py.optics.quadrature import points
@@ -44,7 +44,7 @@ def test_a_tilted_lobe_in_a_white_world(blender):
     tree = settings.node_tree(material)
     tree.nodes.clear()
     node, output = tree.nodes.new("ShaderNodeGroup"), tree.nodes.new("ShaderNodeOutputMaterial")
-    node.node_tree = network_group(TableNetwork((GlossyTable("ggx", np.ones((KNOTS, 3)), np.array([ALPHA, ALPHA, SLOPE]) * np.ones((KNOTS, 1))),)))
+    node.node_tree = lobe_group(TableLobes((GlossyTable("ggx", np.ones((KNOTS, 3)), np.array([ALPHA, ALPHA, SLOPE]) * np.ones((KNOTS, 1))),)))
     tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
     measured, stderr = (values[:, 0] for values in render_furnace(material, THETA_DEG, samples=128, size=32))
     cos_o = np.cos(np.radians(THETA_DEG))

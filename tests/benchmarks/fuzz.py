@@ -35,7 +35,7 @@ from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.fit.readers import read
 from lamina.reference_py.fit.readers.measurement import spread_pairs
 from lamina.reference_py.lobes import cache
-from lamina.reference_py.lobes.methods import AutoNetwork, BakedNetwork
+from lamina.reference_py.lobes.methods import AutoLobes, BakedLobes
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.schema import SCHEMA
 from lamina.reference_py.material.stack import Stack
@@ -62,9 +62,9 @@ def read_job(text: str) -> None:
 def read_cache(text: str) -> None:
     cache._memory.clear()
     stack = presets.load("clean_copper")
-    for network in (AutoNetwork, BakedNetwork):
-        cache._file(network.key(stack)).write_text(text, encoding="utf-8", errors="replace")
-        network.is_known(stack)
+    for lobe_set in (AutoLobes, BakedLobes):
+        cache._file(lobe_set.key(stack)).write_text(text, encoding="utf-8", errors="replace")
+        lobe_set.is_known(stack)
 
 
 def read_preset_file(data: bytes) -> None:
@@ -107,7 +107,7 @@ def keys() -> list[str]:
     names = {p.name for kind in kinds for p in kind.all_parameters} | {c for kind in kinds for p in kind.all_parameters for c in p.choices}
     return sorted(names | {k.name for k in KEYS} | {k.name for k in kinds} | {
         "layers", "base", "kind", "schema_version", "name", "stack", "blend", "object", "parameter", "values", "from", "to", "steps", "chosen",
-        "network", "tried", "reason", "layers[0].roughness", "base.color", "ball", "1-24", *presets.names()})
+        "lobe_set", "tried", "reason", "layers[0].roughness", "base.color", "ball", "1-24", *presets.names()})
 
 
 def values():
@@ -207,8 +207,8 @@ def main() -> int:
     stacks = [presets.load(name).to_json().encode() for name in presets.names()[:8]]
     job = {"stacks": ["clean_copper", {"name": "a", "stack": presets.load("frosted_metal").to_dict()}], "views": [0, 20], "frames": "1-5x2", "size": [20, 10],
            "sweeps": [{"parameter": "base.roughness", "values": [0.1, 0.2]}], "tiers": ["auto"], "scenes": ["ball"], "seed": 3, "samples": 4}
-    AutoNetwork(presets.load("clean_copper"))
-    BakedNetwork(presets.load("clean_copper"))
+    AutoLobes(presets.load("clean_copper"))
+    BakedLobes(presets.load("clean_copper"))
     caches = [file.read_bytes() for file in HOME.glob("*.json")]
     trials = [Trial(read.__name__, read) for read in (read_stack, read_job, read_cache, read_preset_file, read_picture)]
     stack_trial, job_trial, cache_trial, preset_trial, picture_trial = trials

@@ -114,7 +114,7 @@ def usd_metal(trial):
 
 @case("USD with MaterialX")
 def usd_materialx(trial):
-    """Base color, metallic and roughness after a USD with a MaterialX network and back."""
+    """Base color, metallic and roughness after a USD with a MaterialX lobe set and back."""
     round_trip(trial, PAINT, write_usd_mtlx, read_usd, ".usda")
 
 

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.distance import distance
@@ -125,13 +125,13 @@ def test_shape():
 
 
 def test_number_of_closures():
-    assert make_network(suite_stack("twenty_rough"), "analytic").lobe_count == 3
-    assert make_network(suite_stack("plastic_grey_0"), "analytic").lobe_count == 2
-    assert make_network(suite_stack("gold_rough"), "analytic").lobe_count == 1
+    assert make_lobe_set(suite_stack("twenty_rough"), "analytic").lobe_count == 3
+    assert make_lobe_set(suite_stack("plastic_grey_0"), "analytic").lobe_count == 2
+    assert make_lobe_set(suite_stack("gold_rough"), "analytic").lobe_count == 1
 
 
 def test_views_behind_the_surface_take_the_grazing_weights():
-    network = make_network(suite_stack("three_rough"), "analytic")
-    behind, grazing = network.lobes(np.array([-0.5, 0.0])), network.lobes(np.array([1e-4, 1e-4]))
+    lobe_set = make_lobe_set(suite_stack("three_rough"), "analytic")
+    behind, grazing = lobe_set.lobes(np.array([-0.5, 0.0])), lobe_set.lobes(np.array([1e-4, 1e-4]))
     for a, b in zip(behind, grazing):
         assert np.array_equal(a.weight, b.weight)

@@ -7,14 +7,14 @@ import pytest
 from lamina.reference_py.lobes.analytic.tables import brushed_energy
 from lamina.reference_py.lobes.closure import lobe_energy, lobe_f, unit_energy
 from lamina.reference_py.lobes.lobe import DielectricCurve, GlossyLobe
-from lamina.reference_py.lobes.methods import AutoNetwork, make_network
+from lamina.reference_py.lobes.methods import AutoLobes, make_lobe_set
 from lamina.reference_py.lobes.methods.auto import DEFAULT_TOLERANCE, with_anisotropy
 from lamina.reference_py.lobes.methods.not_bakeable import unbaked, without_unbaked
 from lamina.reference_py.lobes.methods.with_features import seen_alpha
 from lamina.reference_py.lobes.tabulate import tabulate
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
-from lamina.reference_py.optics.optical_stack import Brushed
+from lamina.reference_py.optics.optical_stack import AnisotropicRoughness
 from lamina.reference_py.optics.quadrature import directional_albedo
 from lamina.reference_py.registry import make_model
 
@@ -37,9 +37,9 @@ METALS = {
 }
 
 
-def energies(network, theta=THETA, azimuths=AZIMUTHS):
+def energies(lobe_set, theta=THETA, azimuths=AZIMUTHS):
     """(azimuths, angles, 3)."""
-    return np.stack([sum(lobe_energy(lobe, np.cos(theta), phi) for lobe in network.lobes(np.cos(theta), phi)) for phi in azimuths])
+    return np.stack([sum(lobe_energy(lobe, np.cos(theta), phi) for lobe in lobe_set.lobes(np.cos(theta), phi)) for phi in azimuths])
 
 
 def walked(stack, theta=THETA, azimuths=AZIMUTHS, walks=1 << 14):
@@ -74,15 +74,15 @@ def test_a_brushed_metal_reflects_what_it_should(name):
     """Along, between and across, 0 to 80 degrees. With the isotropic surface's weights white was 1.082 and grey .9688 for .8866 at 60 degrees."""
     stack = Stack.from_dict({"base": METALS[name]})
     truth, stderr = walked(stack)
-    for network in (make_network(stack, "analytic"), tabulate(make_network(stack, "analytic"))):
-        error = np.abs(energies(network) / truth - 1.0)
+    for lobe_set in (make_lobe_set(stack, "analytic"), tabulate(make_lobe_set(stack, "analytic"))):
+        error = np.abs(energies(lobe_set) / truth - 1.0)
         print(f"{name}: {error.max():.4f}, standard error {np.max(stderr / truth):.1e}")
         assert np.all(error < 0.01 + 3.0 * stderr / truth)
 
 
 def test_isotropic_weights_would_be_caught():
     stack = Stack.from_dict({"base": metal()})
-    plain, own = make_network(without_unbaked(stack), "analytic").lobes(np.cos(THETA)), make_network(stack, "analytic").lobes(np.cos(THETA))
+    plain, own = make_lobe_set(without_unbaked(stack), "analytic").lobes(np.cos(THETA)), make_lobe_set(stack, "analytic").lobes(np.cos(THETA))
     wrong = plain[0].weight * unit_energy(own[0], np.cos(THETA), 0.0)
     print(np.round(wrong[:, 0], 4))
     assert wrong[0, 0] == pytest.approx(1.018, abs=2e-3) and wrong[3, 0] == pytest.approx(1.082, abs=2e-3)
@@ -91,7 +91,7 @@ def test_isotropic_weights_would_be_caught():
 def test_no_anisotropy_is_the_limit():
     for base in (metal(0.6, anisotropy=0.0), {"kind": "lambert", "color": [0.5, 0.4, 0.3]}):
         stack = Stack.from_dict({"layers": [{**COAT, "roughness": 0.5, "anisotropy": 0.0}], "base": base})
-        assert energies(make_network(stack, "analytic")) == pytest.approx(energies(make_network(without_unbaked(stack), "analytic")), rel=1e-3)
+        assert energies(make_lobe_set(stack, "analytic")) == pytest.approx(energies(make_lobe_set(without_unbaked(stack), "analytic")), rel=1e-3)
 
 
 @pytest.mark.parametrize("eta", [1.2, 1.5])
@@ -101,7 +101,7 @@ def test_what_a_view_sees_of_an_anisotropic_coat(eta):
     for alpha_x, alpha_y in ((0.79, 0.079), (0.61, 0.39), (0.28, 0.028)):
         for phi in AZIMUTHS:
             exact = unit_energy(GlossyLobe("ggx", np.ones(3), alpha_x, alpha_y, fresnel=curve, frame=0.0), np.cos(THETA), phi)
-            alpha = seen_alpha(Brushed(alpha_x, alpha_y, 0.0), np.cos(THETA), phi)
+            alpha = seen_alpha(AnisotropicRoughness(alpha_x, alpha_y, 0.0), np.cos(THETA), phi)
             stands_in = unit_energy(GlossyLobe("ggx", np.ones(3), alpha, alpha, fresnel=curve), np.cos(THETA))
             worst = np.maximum(worst, np.abs(stands_in - exact)[:, 0])
     print(f"eta {eta:g}: {np.round(worst, 4)}")
@@ -110,8 +110,8 @@ def test_what_a_view_sees_of_an_anisotropic_coat(eta):
 
 def test_a_white_base_under_a_brushed_coat_stays_white():
     stack = Stack.from_dict({"layers": [{**COAT, "roughness": 0.5, "anisotropy": 1.0}], "base": {"kind": "lambert", "color": [1.0] * 3}})
-    for network in (make_network(stack, "analytic"), tabulate(make_network(stack, "analytic"))):
-        found = energies(network)
+    for lobe_set in (make_lobe_set(stack, "analytic"), tabulate(make_lobe_set(stack, "analytic"))):
+        found = energies(lobe_set)
         print(np.round(found[..., 0], 4))
         assert found == pytest.approx(np.ones_like(found), abs=0.01)
 
@@ -124,9 +124,9 @@ def test_coated_brushed_metals_are_as_good_as_isotropic_ones(name, layers, base,
     """To .5 % of the light: the tier's own error over a white metal is 1.6 %."""
     stack = Stack.from_dict({"layers": layers, "base": base})
     truth, stderr = walked(stack)
-    error = np.abs(energies(make_network(stack, "analytic")) - truth)
+    error = np.abs(energies(make_lobe_set(stack, "analytic")) - truth)
     plain = without_unbaked(stack)
-    own = np.abs(energies(make_network(plain, "analytic"), azimuths=AZIMUTHS[:1])[0] - make_model("adding", plain).albedo(spherical(THETA, 0.0)))
+    own = np.abs(energies(make_lobe_set(plain, "analytic"), azimuths=AZIMUTHS[:1])[0] - make_model("adding", plain).albedo(spherical(THETA, 0.0)))
     print(f"{name}: {error.max():.4f}, without anisotropy {own.max():.4f}, standard error {stderr.max():.1e}")
     assert np.all(error < most + 3.0 * stderr)
 
@@ -134,12 +134,12 @@ def test_coated_brushed_metals_are_as_good_as_isotropic_ones(name, layers, base,
 def test_the_estimated_error_knows_the_anisotropy():
     """Of the tier that forgets what facets hide from each other it is large, of the other what walks say."""
     stack = Stack.from_dict({"base": metal(0.9)})
-    choice = AutoNetwork(without_unbaked(stack), unbaked(stack)).choice
+    choice = AutoLobes(without_unbaked(stack), unbaked(stack)).choice
     told = {c.label: c for c in with_anisotropy(choice, stack, DEFAULT_TOLERANCE).tried}
     theta, azimuths = np.radians([15.0, 45.0, 75.0]), np.radians([0.0, 90.0])
     truth, _ = walked(stack, theta, azimuths)
     for tier, candidate in told.items():
-        error = np.max(np.abs(energies(make_network(stack, tier), theta, azimuths) / truth - 1.0))
+        error = np.max(np.abs(energies(make_lobe_set(stack, tier), theta, azimuths) / truth - 1.0))
         print(f"{tier}: estimated {candidate.albedo:.4f}, found {error:.4f}")
         assert candidate.albedo == pytest.approx(error, rel=0.2, abs=3e-3)
     assert told["analytic"].albedo < 0.01 < 0.3 < told["weidlich_wilkie"].albedo

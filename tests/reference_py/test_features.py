@@ -6,7 +6,7 @@ import pytest
 from support.chi_square import chi_square_p_value
 
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.lobes.methods.not_bakeable import needs_live
 from lamina.reference_py.lobes.methods.patches import MAX_CLOSURES
 from lamina.reference_py.material.coverage import patches
@@ -61,7 +61,7 @@ def test_patches_have_the_layers_that_are_there():
         patches(stack([{**COAT, "coverage": 0.5}] * 4, WHITE))
 
 
-# A mirror is one network whose quadrature sees other lobes: its albedo is as exact as that.
+# A mirror is one lobe set whose quadrature sees other lobes: its albedo is as exact as that.
 @pytest.mark.parametrize("name, rtol", [("weidlich_wilkie", 1e-12), ("adding", 1e-12), ("position_free", 1e-12), ("belcour", 1e-12), ("mirror", 1e-3)])
 def test_coverage_is_exact_at_its_ends_and_the_mean_between(name, rtol):
     options = {"mirror": {"tier": "analytic"}, "position_free": {"walks": 64}}.get(name, {})
@@ -87,7 +87,7 @@ def test_a_covered_white_stack_is_white():
 def test_patches_keep_within_the_closures_of_a_shader(tier, covered):
     """Bakes of as many lobes as without coverage would have 8 and 17 here, and those of grey and white ones more."""
     layers = [{**COAT, "roughness": 0.3 + 0.2 * i, "tint": [1.0, 0.8, 0.6], "coverage": 0.5} for i in range(covered)]
-    assert 2 <= make_network(stack(layers, STEEL), tier).lobe_count <= MAX_CLOSURES
+    assert 2 <= make_lobe_set(stack(layers, STEEL), tier).lobe_count <= MAX_CLOSURES
 
 
 def test_a_patch_model_samples_its_density():
@@ -110,8 +110,8 @@ def test_what_a_bake_cannot_hold_is_named_and_makes_it_live():
     one = stack([{**COAT, **BRUSHED, "coverage": 0.5}, {**COAT, **FILM}], {**WHITE, "normal": [0, 0, 0]})
     assert needs_live(one) == "the anisotropy of layer 0, the thin film of layer 1, the normal of the base"
     assert needs_live(stack([{**COAT, "coverage": 0.5}], WHITE)) is None
-    assert make_network(one, "baked").reason == "weidlich_wilkie, the one tier that knows thin films"
-    brushed = make_network(stack([{**COAT, **BRUSHED, "coverage": 0.5}], WHITE), "baked")
+    assert make_lobe_set(one, "baked").reason == "weidlich_wilkie, the one tier that knows thin films"
+    brushed = make_lobe_set(stack([{**COAT, **BRUSHED, "coverage": 0.5}], WHITE), "baked")
     assert "analytic, as a bake cannot follow the anisotropy of layer 0" in brushed.reason
 
 
@@ -147,7 +147,7 @@ def test_turning_an_anisotropic_stack_turns_its_light(surface):
 def test_single_scattering_brushed_metal_is_the_formula():
     base = {**STEEL, **BRUSHED}
     model = make_model("position_free", stack([], base), surface="single", walks=16)
-    lobe = make_model("mirror", stack([], base), tier="weidlich_wilkie").network.lobes(np.ones(1))[0]
+    lobe = make_model("mirror", stack([], base), tier="weidlich_wilkie").lobe_set.lobes(np.ones(1))[0]
     wi = spherical(np.radians([25.0, 40.0, 55.0, 70.0]), np.array([1.0, 2.5, 3.3, 4.0]))
     c, s = np.cos(lobe.frame), np.sin(lobe.frame)
     own = [np.stack([c * w[:, 0] + s * w[:, 1], c * w[:, 1] - s * w[:, 0], w[:, 2]], axis=-1) for w in (WO, wi)]

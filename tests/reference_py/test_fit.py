@@ -9,7 +9,7 @@ from support.measured import paint
 
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.fit import fit_structure, select
-from lamina.reference_py.fit.baseline_fits import PEER_MODELS, fit_peer
+from lamina.reference_py.fit.baseline_fits import BASELINE_MODELS, fit_baseline
 from lamina.reference_py.fit.certainty import certainty, independent_pairs
 from lamina.reference_py.fit.dense import evaluate_all
 from lamina.reference_py.fit.fitting import refined, subsampled
@@ -234,7 +234,7 @@ def test_bad_choices_are_named():
             select(data, **options)
 
 
-@pytest.mark.parametrize("peer", PEER_MODELS, ids=lambda p: p.name)
+@pytest.mark.parametrize("peer", BASELINE_MODELS, ids=lambda p: p.name)
 def test_peers_find_themselves(peer):
     low, high = peer.bounds(1)
     usual = np.array([0.5 * sum(t.usual) if t.name != "diffuse" else 0.3 for t in peer.terms])
@@ -242,7 +242,7 @@ def test_peers_find_themselves(peer):
         usual = np.array([0.3, -0.9, 0.9, 30.0, -0.4, 0.1, 3.0, 0.85, 0.8, 20.0])
     wi, wo = spread_pairs(300, np.random.default_rng(1))
     f = peer.f(peer.values(usual, 1), wi, wo)
-    fit = fit_peer(peer, subsampled(checked(wi, wo, f, peer.name)))
+    fit = fit_baseline(peer, subsampled(checked(wi, wo, f, peer.name)))
     assert fit.count == len(low) == peer.count(1)
     assert fit.error < 0.01
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from lamina.reference_py.lobes import cache
-from lamina.reference_py.lobes.baked import BakedNetwork
+from lamina.reference_py.lobes.baked import BakedLobes
 from lamina.reference_py.lobes.cache import truth_of
 from lamina.reference_py.lobes.closure import lobe_energy
-from lamina.reference_py.lobes.error_estimate import Judge
-from lamina.reference_py.lobes.live_grid import GridNetwork
-from lamina.reference_py.lobes.methods import AnalyticNetwork
+from lamina.reference_py.lobes.error_estimate import ErrorEstimator
+from lamina.reference_py.lobes.live_grid import LiveLobes
+from lamina.reference_py.lobes.methods import AnalyticLobes
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 
@@ -28,11 +28,11 @@ def with_layer(stack: Stack, **values) -> Stack:
 @pytest.mark.parametrize("name, parameter, values", [("tinted_glaze", "thickness", (0.0, 0.3, 2.5)), ("frosted_paint", "roughness", (0.15, 0.45, 0.95))])
 def test_between_knots_a_live_value_is_as_right_as_a_constant(name, parameter, values):
     stack = presets.load(name)
-    baked = BakedNetwork(stack, live=((0, parameter),)).resolved
-    assert isinstance(baked, GridNetwork)
+    baked = BakedLobes(stack, live=((0, parameter),)).resolved
+    assert isinstance(baked, LiveLobes)
     for value in values:
         here = with_layer(stack, **{parameter: value})
-        errors = Judge(here, truth_of(here), np.cos(np.radians(VIEWS_DEG))).errors(replace(baked, stack=here))
+        errors = ErrorEstimator(here, truth_of(here), np.cos(np.radians(VIEWS_DEG))).errors(replace(baked, stack=here))
         print(f"{name} {parameter} {value}: albedo {100 * errors.albedo.max():.2f} %, shape {100 * errors.shape.max():.1f} %")
         assert np.max(errors.albedo) <= ALBEDO_TOLERANCE
         assert np.max(errors.shape) <= SHAPE_TOLERANCE
@@ -40,7 +40,7 @@ def test_between_knots_a_live_value_is_as_right_as_a_constant(name, parameter, v
 
 def test_energy_follows_the_thickness_to_black():
     stack = presets.load("tinted_glaze")
-    baked = BakedNetwork(stack, live=((0, "thickness"),)).resolved
+    baked = BakedLobes(stack, live=((0, "thickness"),)).resolved
     cos_o = np.cos(np.radians(VIEWS_DEG))
     thick = [sum(lobe_energy(lobe, cos_o) for lobe in replace(baked, stack=with_layer(stack, thickness=t)).lobes(cos_o)) for t in (0.5, 1.0, 2.0, 8.0)]
     assert all(np.all(b <= a * (1.0 + ALBEDO_TOLERANCE)) for a, b in zip(thick, thick[1:]))
@@ -49,12 +49,12 @@ def test_energy_follows_the_thickness_to_black():
 def test_live_values_do_not_make_another_bake(monkeypatch):
     monkeypatch.setattr(cache, "_memory", {})
     stack, live = presets.load("tinted_glaze"), ((0, "thickness"),)
-    assert BakedNetwork.key(stack, live) == BakedNetwork.key(with_layer(stack, thickness=3.0), live)
-    assert BakedNetwork.key(stack, live) != BakedNetwork.key(with_layer(stack, ior=1.7), live)
+    assert BakedLobes.key(stack, live) == BakedLobes.key(with_layer(stack, thickness=3.0), live)
+    assert BakedLobes.key(stack, live) != BakedLobes.key(with_layer(stack, ior=1.7), live)
 
 
 @pytest.mark.parametrize("live", [((0, "tint"),), ((0, "roughness"), (0, "thickness"), (1, "roughness"))])
 def test_what_a_bake_cannot_follow_is_analytic_and_said(live):
-    network = BakedNetwork(presets.load("metallic_car_paint"), live=live)
-    assert isinstance(network.resolved, AnalyticNetwork)
-    assert "analytic, as a bake cannot follow the" in network.reason and live[0][1] in network.reason
+    lobe_set = BakedLobes(presets.load("metallic_car_paint"), live=live)
+    assert isinstance(lobe_set.resolved, AnalyticLobes)
+    assert "analytic, as a bake cannot follow the" in lobe_set.reason and live[0][1] in lobe_set.reason

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of plain lobes have the energy of the network they were made of, at every knot."""
+"""Tables of plain lobes have the energy of the lobe set they were made of, at every knot."""
 
 from types import SimpleNamespace
 
@@ -8,9 +8,9 @@ import pytest
 
 from lamina.reference_py.lobes.closure import lobe_f, unit_energy
 from lamina.reference_py.lobes.lobe import DielectricCurve, GlossyLobe, SchlickCurve, oren_nayar_lobes
-from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.lobes.tabulate import NARROWEST_CURVE, tabulate
-from lamina.reference_py.lobes.view_table import DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork, interpolate, knot_cosines
+from lamina.reference_py.lobes.view_table import DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, interpolate, knot_cosines
 from lamina.reference_py.material import presets
 from lamina.reference_py.optics.diffuse import CYCLES_5_2_POWER, OREN_NAYAR_POWER, oren_nayar, oren_nayar_albedo
 from lamina.reference_py.optics.frame import spherical
@@ -19,7 +19,7 @@ from lamina.reference_py.optics.quadrature import cosine_directions, directional
 COSINES = knot_cosines()
 
 
-def network_of(*lobes):
+def lobe_set_of(*lobes):
     return SimpleNamespace(lobes=lambda cos_theta_o: list(lobes))
 
 
@@ -42,7 +42,7 @@ def test_oren_nayar_albedo_is_the_integral(sigma_deg):
 @pytest.mark.parametrize("distribution, alpha", [("ggx", 0.1), ("beckmann", 0.5), ("ggx", 0.0)])
 def test_a_fresnel_curve_is_folded_with_its_energy(curve, distribution, alpha):
     lobe = GlossyLobe(distribution, np.array([1.0, 0.5, 0.2]), np.float64(alpha), np.float64(alpha), fresnel=curve)
-    (table,) = tabulate(network_of(lobe)).tables
+    (table,) = tabulate(lobe_set_of(lobe)).tables
     assert table.fresnel is None
     for k in range(0, len(COSINES), 5):
         at = COSINES[k : k + 1]
@@ -56,18 +56,18 @@ def test_a_dielectric_curve_stays_where_it_may():
     curve = DielectricCurve(1.5)
     lobes = {weight: GlossyLobe("ggx", np.array(weight), np.float64(0.3), np.float64(0.3), fresnel=curve)
              for weight in ((1.0, 1.0, 1.0), (1.9, 1.9, 1.9), (1.0, 0.9, 1.0), (2.1, 2.1, 2.1))}
-    kept = [table.fresnel is not None for table in tabulate(network_of(*lobes.values()), keep_dielectrics=True).tables]
+    kept = [table.fresnel is not None for table in tabulate(lobe_set_of(*lobes.values()), keep_dielectrics=True).tables]
     assert kept == [True, True, False, False]
     tilted = GlossyLobe("ggx", np.ones(3), np.float64(0.3), np.float64(0.3), np.float64(0.1), curve)
     narrow = GlossyLobe("ggx", np.ones(3), np.float64(NARROWEST_CURVE), np.float64(NARROWEST_CURVE), fresnel=curve)
     for lobe in (tilted, narrow):
-        assert tabulate(network_of(lobe), keep_dielectrics=True).tables[0].fresnel is None
+        assert tabulate(lobe_set_of(lobe), keep_dielectrics=True).tables[0].fresnel is None
 
 
 def test_tilt_and_widths_come_back():
     tilt = np.arctan(0.3 * np.sqrt(1.0 - COSINES**2))
     lobe = GlossyLobe("ggx", COSINES[:, None] * np.ones(3), 0.1 + 0.2 * COSINES, np.float64(0.4), tilt)
-    table = tabulate(network_of(lobe)).tables[0]
+    table = tabulate(lobe_set_of(lobe)).tables[0]
     assert table.shape == pytest.approx(np.stack([lobe.alpha_x, np.full(len(COSINES), 0.4), np.full(len(COSINES), 0.3)], axis=-1))
     assert table.lobe(COSINES[1:]).tilt == pytest.approx(tilt[1:])
 
@@ -76,7 +76,7 @@ def test_tilt_and_widths_come_back():
 @pytest.mark.parametrize("sigma_deg", [0.0, 30.0])
 def test_oren_nayar_keeps_its_energy(sigma_deg, power):
     weight, color = (0.2 + 0.7 * COSINES)[:, None] * np.array([1.0, 0.9, 0.8]), (0.3, 0.6, 0.9)
-    (table,) = tabulate(network_of(*oren_nayar_lobes(weight, color, sigma_deg)), power=power).tables
+    (table,) = tabulate(lobe_set_of(*oren_nayar_lobes(weight, color, sigma_deg)), power=power).tables
     expected = weight * oren_nayar_albedo(COSINES, color, sigma_deg)
     if sigma_deg:
         assert isinstance(table, OrenNayarTable)
@@ -89,7 +89,7 @@ def test_oren_nayar_keeps_its_energy(sigma_deg, power):
 def test_older_nodes_keep_the_shape_of_oren_nayar(color):
     """The color that mends the energy of nodes up to Blender 5.2 leaves an L1 error of 1.3 %; without it the error is 4 %."""
     wi = cosine_directions(*points(2048))
-    (table,) = tabulate(network_of(*oren_nayar_lobes(np.ones(3), (color,) * 3, 90.0)), power=CYCLES_5_2_POWER).tables
+    (table,) = tabulate(lobe_set_of(*oren_nayar_lobes(np.ones(3), (color,) * 3, 90.0)), power=CYCLES_5_2_POWER).tables
     for theta_deg in (0.0, 40.0, 60.0, 80.0):
         wo = np.broadcast_to(spherical(np.radians(theta_deg), 0.0), wi.shape)
         exact = oren_nayar(wi, wo, (color,) * 3, 90.0)
@@ -101,16 +101,16 @@ def test_older_nodes_keep_the_shape_of_oren_nayar(color):
 def test_tables_stay_and_lobes_without_weight_go():
     ones = np.ones((len(COSINES), 3))
     glossy, diffuse, none = GlossyTable("ggx", ones, 0.3 * ones), DiffuseTable(ones), DiffuseTable(0.0 * ones)
-    assert tabulate(TableNetwork((glossy, none, diffuse))).tables == (glossy, diffuse)
-    assert tabulate(TableNetwork((none,))).tables == (none,)
+    assert tabulate(TableLobes((glossy, none, diffuse))).tables == (glossy, diffuse)
+    assert tabulate(TableLobes((none,))).tables == (none,)
 
 
 @pytest.mark.parametrize("name", presets.PAPER)
-def test_between_knots_tables_follow_the_network(name):
+def test_between_knots_tables_follow_the_lobe_set(name):
     """Of the base, which has no Fresnel curve: the middles of all cells, relative to the greatest weight."""
-    network = make_network(presets.load(name), "weidlich_wilkie")
+    lobe_set = make_lobe_set(presets.load(name), "weidlich_wilkie")
     between = np.square((np.arange(1, len(COSINES) - 1) + 0.5) / (len(COSINES) - 1))
-    lobes, table = network.lobes(between), tabulate(network).tables[-1]
+    lobes, table = lobe_set.lobes(between), tabulate(lobe_set).tables[-1]
     exact = lobes[-1].weight
     if isinstance(table, OrenNayarTable):
         exact = sum(oren_nayar_albedo(between, lobe.color, lobe.sigma_deg) * lobe.weight for lobe in lobes[-2:])

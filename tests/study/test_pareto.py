@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.lobes.view_table import KNOTS, DiffuseTable, TableNetwork
+from lamina.reference_py.lobes.view_table import KNOTS, DiffuseTable, TableLobes
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.adding.model import Adding
 from lamina.reference_py.registry import make_model
 from lamina.study.pareto.appearance import Surroundings, ball_picture, delta_e_2000, difference, encoded, lab, shown
 from lamina.study.pareto.draw import frontier
-from lamina.study.pareto.reflectance import ModelReflectance, NetworkReflectance, TruthReflectance, Yardstick, belcour_network, glossy_network
+from lamina.study.pareto.reflectance import LobeReflectance, ModelReflectance, TruthReflectance, Yardstick, belcour_lobes, glossy_lobes
 from lamina.study.pareto.surfaces import SURFACES, load_surface
 
 # L*a*b* pairs and CIEDE2000 from table 1 of Sharma, Wu and Dalal 2005.
@@ -50,7 +50,7 @@ def test_a_white_furnace_shows_the_albedo():
     class White(Surroundings):
         texels = np.ones((16, 32))
 
-    reflectance = NetworkReflectance(glossy_network(np.array([0.9, 0.6, 0.3]), 0.3))
+    reflectance = LobeReflectance(glossy_lobes(np.array([0.9, 0.6, 0.3]), 0.3))
     picture = ball_picture(reflectance, [0.3], 12, White())
     inside = np.isfinite(picture[..., 0])
     place = (np.arange(12) + 0.5) / 6.0 - 1.0
@@ -75,7 +75,7 @@ def test_belcour_in_tables_keeps_his_albedo():
     model = make_model("belcour", stack)
     cosines = np.array([0.3, 0.7, 1.0])
     np.testing.assert_allclose(
-        NetworkReflectance(belcour_network(model)).albedo(cosines), ModelReflectance(model).albedo(cosines), rtol=0.02
+        LobeReflectance(belcour_lobes(model)).albedo(cosines), ModelReflectance(model).albedo(cosines), rtol=0.02
     )
 
 
@@ -96,10 +96,10 @@ def test_numpy_and_cycles_show_the_same_ball(blender):
     from lamina.study.pareto.materials import table_material
 
     surroundings = Surroundings()
-    network = TableNetwork((*glossy_network(np.array([0.5, 0.3, 0.2]), 0.2).tables, DiffuseTable(np.ones((KNOTS, 3)) * 0.3)))
-    expected = ball_picture(NetworkReflectance(network), [0.2], 32, surroundings)
+    lobe_set = TableLobes((*glossy_lobes(np.array([0.5, 0.3, 0.2]), 0.2).tables, DiffuseTable(np.ones((KNOTS, 3)) * 0.3)))
+    expected = ball_picture(LobeReflectance(lobe_set), [0.2], 32, surroundings)
     with studio_stage(32, surroundings) as stage:
-        stage.show([with_material(ball(), table_material(network, COATED, "pareto_test"))])
+        stage.show([with_material(ball(), table_material(lobe_set, COATED, "pareto_test"))])
         rendered = stage.picture(128)
     error = difference(rendered, expected, surroundings)
     print(f"render against numpy: mean CIEDE2000 {error:.3f}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A Cycles render of a sphere in the sun against the numpy evaluation of the same network, pixel by pixel."""
+"""A Cycles render of a sphere in the sun against the numpy evaluation of the same lobe set, pixel by pixel."""
 
 import math
 from dataclasses import dataclass

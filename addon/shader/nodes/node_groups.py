@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node groups of networks in a file: equal networks share one, and what somebody edited is left alone."""
+"""Node groups of lobe sets in a file: equal lobe sets share one, and what somebody edited is left alone."""
 
 import hashlib
 import json
@@ -9,30 +9,30 @@ from dataclasses import fields, is_dataclass
 import bpy
 import numpy as np
 
-from ....reference_py.lobes.patch_lobes import PatchNetwork
-from ....reference_py.lobes.view_table import TableNetwork
+from ....reference_py.lobes.patch_lobes import PatchLobes
+from ....reference_py.lobes.view_table import TableLobes
 from ..working_space import REC709, is_current, working_space
 from .stock_nodes import SPACE_MARK, build_group
 
 GROUP_KEY = "lamina_network"
 # The working space that a group was made in.
 SPACE_KEY = "lamina_space"
-# What the groups of networks were, by a digest of the network and the working space: the many nodes of one that is there need not be built again.
+# What the groups of lobe sets were, by a digest of the lobe set and the working space: the many nodes of one that is there need not be built again.
 _MOST_BUILT = 256
 _built: dict[tuple[str, str], str] = {}
 
 
-def network_group(network: TableNetwork | PatchNetwork) -> bpy.types.NodeTree:
-    """The node group of a network that `tabulate` made: one output "BSDF", and `group_inputs`.
+def lobe_group(lobe_set: TableLobes | PatchLobes) -> bpy.types.NodeTree:
+    """The node group of a lobe set that `tabulate` made: one output "BSDF", and `group_inputs`.
 
-    Networks of equal tables share one group of this file. A group that somebody edited is left alone.
+    Lobe sets of equal tables share one group of this file. A group that somebody edited is left alone.
     """
-    digest = _digest(network)
+    digest = _digest(lobe_set)
     if tree := _group_with(_built.get((digest, working_space()))):
         return tree
-    tree = bpy.data.node_groups.new("Lamina Network", "ShaderNodeTree")
+    tree = bpy.data.node_groups.new("Lamina Lobes", "ShaderNodeTree")
     try:
-        build_group(tree, network)
+        build_group(tree, lobe_set)
     except Exception:
         bpy.data.node_groups.remove(tree)
         raise
@@ -43,7 +43,7 @@ def network_group(network: TableNetwork | PatchNetwork) -> bpy.types.NodeTree:
     if other := _group_with(content):
         bpy.data.node_groups.remove(tree)
         return other
-    tree.name, tree[GROUP_KEY], tree[SPACE_KEY] = f"Lamina Network {content}", content, working_space()
+    tree.name, tree[GROUP_KEY], tree[SPACE_KEY] = f"Lamina Lobe set {content}", content, working_space()
     return tree
 
 
@@ -53,11 +53,11 @@ def _group_with(content: str | None) -> bpy.types.NodeTree | None:
     return next((group for group in own if _space_of(group) == working_space() and is_untouched(group)), None)
 
 
-def _digest(network: TableNetwork | PatchNetwork) -> str:
+def _digest(lobe_set: TableLobes | PatchLobes) -> str:
     def told(value):
         if isinstance(value, np.ndarray):
             return value.tolist()
-        if isinstance(value, PatchNetwork):
+        if isinstance(value, PatchLobes):
             return told((value.stack, value.parts))
         if is_dataclass(value):
             return [type(value).__name__, *(told(getattr(value, field.name)) for field in fields(value))]
@@ -65,17 +65,17 @@ def _digest(network: TableNetwork | PatchNetwork) -> str:
             return [[name, told(value[name])] for name in sorted(value)]
         return [told(v) for v in value] if isinstance(value, (list, tuple)) else value
 
-    return hashlib.sha256(json.dumps(told(network)).encode()).hexdigest()
+    return hashlib.sha256(json.dumps(told(lobe_set)).encode()).hexdigest()
 
 
 def drop_group(tree: bpy.types.NodeTree | None) -> None:
-    """Remove a network's group that nothing uses any more. A group edited by hand stays."""
+    """Remove a lobe set's group that nothing uses any more. A group edited by hand stays."""
     if tree is not None and tree.library is None and GROUP_KEY in tree and tree.users == 0 and is_untouched(tree):
         bpy.data.node_groups.remove(tree)
 
 
 def is_untouched(tree: bpy.types.NodeTree) -> bool:
-    """Whether a network's group still is what its hash was taken of; of one that Blender converted that cannot be said, so it counts as such."""
+    """Whether a lobe set's group still is what its hash was taken of; of one that Blender converted that cannot be said, so it counts as such."""
     return _space_of(tree) != working_space() or tree.get(GROUP_KEY) == _content(tree)
 
 

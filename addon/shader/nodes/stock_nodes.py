@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A network in tables as Blender's own nodes: for Blenders and devices without OSL, and for EEVEE.
+"""A lobe set in tables as Blender's own nodes: for Blenders and devices without OSL, and for EEVEE.
 
 Tables are Color Ramps. Cycles samples a ramp at 256 even steps and is linear between; every knot is put exactly on such
 a place, so a ramp is the table itself, up to float32. A ramp holds a weight, a color, or two numbers of a lobe's shape.
@@ -11,9 +11,9 @@ from functools import cached_property, reduce
 import bpy
 import numpy as np
 
-from ....reference_py.lobes.patch_lobes import PatchNetwork
+from ....reference_py.lobes.patch_lobes import PatchLobes
 from ....reference_py.lobes.tabulate import color_of_energy, is_grey_dielectric, tabulate
-from ....reference_py.lobes.view_table import AZIMUTH_PLACES, KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableNetwork, knot_cosines
+from ....reference_py.lobes.view_table import AZIMUTH_PLACES, KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
 from ....reference_py.material.schema import COVERAGE, FLOAT, NORMAL
 from ....reference_py.material.stack import Stack
 from ....reference_py.optics.diffuse import fujii_roughness, oren_nayar_albedo
@@ -40,18 +40,18 @@ _NEARLY_ISOTROPIC = 1e-3
 _SOME_DIRECTION = (5.7e-7, 3.1e-7, 7.6e-7)
 
 
-def stock_tables(network) -> TableNetwork | PatchNetwork:
-    """A network in tables of the lobes that this Blender's nodes have."""
-    return tabulate(network.resolved, HAS_DIELECTRIC, DIFFUSE_POWER)
+def stock_tables(lobe_set) -> TableLobes | PatchLobes:
+    """A lobe set in tables of the lobes that this Blender's nodes have."""
+    return tabulate(lobe_set.resolved, HAS_DIELECTRIC, DIFFUSE_POWER)
 
 
-def group_inputs(network: TableNetwork | PatchNetwork) -> tuple[ShaderInput, ...]:
+def group_inputs(lobe_set: TableLobes | PatchLobes) -> tuple[ShaderInput, ...]:
     """What the group reads live: the coverage of every layer that has one, and the tangent."""
-    if isinstance(network, TableNetwork):
-        framed = any(table.axis is not None or getattr(table, "frame", None) is not None for table in network.tables)
+    if isinstance(lobe_set, TableLobes):
+        framed = any(table.axis is not None or getattr(table, "frame", None) is not None for table in lobe_set.tables)
         return (TANGENT_INPUT,) if framed else ()
-    covers = [i for i in shader_inputs(network.stack) if i.parameter in COVERAGE.parameters]
-    return (*covers, *dict.fromkeys(i for _, part in network.parts for i in group_inputs(part)))
+    covers = [i for i in shader_inputs(lobe_set.stack) if i.parameter in COVERAGE.parameters]
+    return (*covers, *dict.fromkeys(i for _, part in lobe_set.parts for i in group_inputs(part)))
 
 
 def left_out(stack: Stack) -> str:
@@ -61,15 +61,15 @@ def left_out(stack: Stack) -> str:
     return f"stock nodes leave out the normal of {', '.join(bent)}" if bent else ""
 
 
-def closure_count(network: TableNetwork | PatchNetwork) -> int:
+def closure_count(lobe_set: TableLobes | PatchLobes) -> int:
     """Closures of the group: patches share none."""
-    return network.lobe_count if isinstance(network, TableNetwork) else sum(part.lobe_count for _, part in network.parts)
+    return lobe_set.lobe_count if isinstance(lobe_set, TableLobes) else sum(part.lobe_count for _, part in lobe_set.parts)
 
 
-def build_group(tree: bpy.types.NodeTree, network: TableNetwork | PatchNetwork) -> None:
-    """Fill an empty node group with what a network that `tabulate` made does: one output "BSDF", and `group_inputs`."""
+def build_group(tree: bpy.types.NodeTree, lobe_set: TableLobes | PatchLobes) -> None:
+    """Fill an empty node group with what a lobe set that `tabulate` made does: one output "BSDF", and `group_inputs`."""
     build = Builder(tree)
-    inputs = group_inputs(network)
+    inputs = group_inputs(lobe_set)
     for given in inputs:
         socket_type = "NodeSocketFloat" if given.parameter.type == FLOAT else "NodeSocketVector"
         tree.interface.new_socket(given.osl_name, in_out="INPUT", socket_type=socket_type)
@@ -78,10 +78,10 @@ def build_group(tree: bpy.types.NodeTree, network: TableNetwork | PatchNetwork) 
         node = build.node("NodeGroupInput")
         sockets = {given.osl_name: node.outputs[given.osl_name] for given in inputs}
     view = _View(build, sockets.pop(TANGENT, None))
-    if isinstance(network, TableNetwork):
-        closure = _closure_of(build, view, network)
+    if isinstance(lobe_set, TableLobes):
+        closure = _closure_of(build, view, lobe_set)
     else:
-        closure = _mixed(build, list(sockets.values()), [_closure_of(build, view, part) for _, part in network.parts])
+        closure = _mixed(build, list(sockets.values()), [_closure_of(build, view, part) for _, part in lobe_set.parts])
     tree.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
     output = build.node("NodeGroupOutput")
     build.link(closure, output.inputs["BSDF"])
@@ -95,8 +95,8 @@ def _mark_space(node: bpy.types.Node) -> None:
     node.outputs[0].default_value = (*into_working((1.0, 0.0, 0.0)), 1.0)
 
 
-def _closure_of(build: Builder, view: "_View", network: TableNetwork) -> bpy.types.NodeSocket:
-    return _sum(build, [_LOBES[type(table)](build, view, table) for table in network.tables])
+def _closure_of(build: Builder, view: "_View", lobe_set: TableLobes) -> bpy.types.NodeSocket:
+    return _sum(build, [_LOBES[type(table)](build, view, table) for table in lobe_set.tables])
 
 
 def _mixed(build: Builder, coverages: list, patches: list) -> bpy.types.NodeSocket:

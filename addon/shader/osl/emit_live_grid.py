@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a network that was baked over live parameters writes: tables over the view and those, which come in through sockets."""
+"""What a lobe set that was baked over live parameters writes: tables over the view and those, which come in through sockets."""
 
 import numpy as np
 
-from ....reference_py.lobes.live_grid import MIN_ALPHA, MIN_ENERGY, GridLobe, GridNetwork
+from ....reference_py.lobes.live_grid import MIN_ALPHA, MIN_ENERGY, LiveLobe, LiveLobes
 from ....reference_py.lobes.lobe import DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS
 from ....reference_py.material.schema import SCHEMA
@@ -15,9 +15,9 @@ from .surface import view
 NOTE = "Tables hold the values that the stack had, but for those with a socket."
 
 
-def grid_block(network: GridNetwork, owners: list[str], prefix: str = "") -> Block:
-    """The block of a network; what it declares ends with `prefix`."""
-    writer = _Writer(network, owners, prefix)
+def grid_block(lobe_set: LiveLobes, owners: list[str], prefix: str = "") -> Block:
+    """The block of a lobe set; what it declares ends with `prefix`."""
+    writer = _Writer(lobe_set, owners, prefix)
     return Block(
         functions=(fill("bent.h"), narrow(), fill("interface.h"), fill("grid.h")),
         arrays=tuple(writer.arrays),
@@ -28,15 +28,15 @@ def grid_block(network: GridNetwork, owners: list[str], prefix: str = "") -> Blo
 
 
 class _Writer:
-    def __init__(self, network: GridNetwork, owners: list[str], prefix: str):
+    def __init__(self, lobe_set: LiveLobes, owners: list[str], prefix: str):
         self.arrays: list[str] = []
         self.statements: list[str] = []
         self.closures: list[Closure] = []
         self._prefix = prefix
-        sizes = [len(axis.knots) for axis in network.axes]
+        sizes = [len(axis.knots) for axis in lobe_set.axes]
         steps = [KNOTS * int(np.prod(sizes[i + 1 :])) for i in range(len(sizes))]
-        for i, axis in enumerate(network.axes):
-            element = network.stack.base if axis.index < 0 else network.stack.layers[axis.index]
+        for i, axis in enumerate(lobe_set.axes):
+            element = lobe_set.stack.base if axis.index < 0 else lobe_set.stack.layers[axis.index]
             owner = BASE if axis.index < 0 else owners[axis.index]
             kinds = SCHEMA.bases if axis.index < 0 else SCHEMA.layers
             value = owner + kinds[element.kind].parameter(axis.parameter).osl_name
@@ -48,7 +48,7 @@ class _Writer:
         alongs = [self._name(f"along{i}") for i in range(len(sizes))]
         place = f"{self._name('at')}, {listed(map(str, steps))}, "
         self._free, self._bounded = (place + listed(a) + ", between" for a in (alongs, [f"max({a}, 0.0)" for a in alongs]))
-        self._lobes(network)
+        self._lobes(lobe_set)
 
     def _name(self, word: str) -> str:
         return f"{word}_{self._prefix}" if self._prefix else word
@@ -69,25 +69,25 @@ class _Writer:
         self._array("color" if color else "float", name, entries)
         return f"grid({self._name(name)}, {self._free if extends else self._bounded})"
 
-    def _lobes(self, network: GridNetwork) -> None:
+    def _lobes(self, lobe_set: LiveLobes) -> None:
         shared = []
-        for i, lobe in enumerate(network.grid):
+        for i, lobe in enumerate(lobe_set.grid):
             if lobe.unit is not None:
                 shared.append(self._name(f"energy{i}"))
                 self._say(f"color {shared[-1]} = {self._value(f'Energy{i}', lobe.energy)};")
-        total = self._value("LogSum", network.log_sum)
+        total = self._value("LogSum", lobe_set.log_sum)
         self._say(f"color {self._name('scale')} = exp({total}) / max({' + '.join(shared)}, color({MIN_ENERGY:g}));")
-        for i, lobe in enumerate(network.grid):
+        for i, lobe in enumerate(lobe_set.grid):
             if lobe.unit is None:
                 weight = self._value(f"Weight{i}", lobe.energy)
             else:
                 weight = f"{self._name(f'energy{i}')} * {self._name('scale')} / {self._value(f'Unit{i}', lobe.unit)}"
             self.closures.append(Closure(weight, self._closure(i, lobe), is_local=True))
 
-    def _closure(self, i: int, lobe: GridLobe) -> str:
+    def _closure(self, i: int, lobe: LiveLobe) -> str:
         if lobe.shape is None:
             return "diffuse(N)"
-        if lobe.is_mirror:
+        if lobe.is_specular:
             return f'microfacet("{lobe.distribution}", N, tangent, 0.0, 0.0, 1.0, 0)'
         roots = [self._value(f"Root{axis}{i}", lobe.shape[..., column : column + 1], extends=True) for column, axis in enumerate("XY")]
         alphas = [self._name(f"alpha_{axis}{i}") for axis in "xy"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a network in tables writes: constants over the view, and no parameters that make sockets.
+"""What a lobe set in tables writes: constants over the view, and no parameters that make sockets.
 
 Tables are array parameters: they stay at their defaults, take no time per shading, and make no sockets. Cycles translates
 a shader for each material that has it, in a time that goes with the count of lookups; so a lobe's shape is one table.
@@ -8,7 +8,7 @@ a shader for each material that has it, in a time that goes with the count of lo
 import numpy as np
 
 from ....reference_py.lobes.lobe import DielectricCurve
-from ....reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableNetwork
+from ....reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes
 from .block import Block, Closure
 from .parts import fill, listed, narrow, numbers
 from .surface import view
@@ -16,12 +16,12 @@ from .surface import view
 NOTE = "Tables hold the values that the stack had."
 
 
-def table_block(network: TableNetwork, prefix: str = "") -> Block:
-    """The block of a network; its array parameters begin with `prefix`."""
+def table_block(lobe_set: TableLobes, prefix: str = "") -> Block:
+    """The block of a lobe set; its array parameters begin with `prefix`."""
     arrays: list[str] = []
     widths: list[str] = []
-    closures = tuple(_closure(arrays, widths, f"{prefix}{i}", table) for i, table in enumerate(network.tables))
-    glossy = any(isinstance(t, GlossyTable) for t in network.tables)
+    closures = tuple(_closure(arrays, widths, f"{prefix}{i}", table) for i, table in enumerate(lobe_set.tables))
+    glossy = any(isinstance(t, GlossyTable) for t in lobe_set.tables)
     frame = (fill("tangent.osl"), fill("plane_of_incidence.osl")) if glossy else ()
     return Block(
         functions=(fill("bent.h"), *([narrow(), fill("interface.h")] if glossy else [])),

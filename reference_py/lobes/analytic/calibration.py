@@ -56,5 +56,5 @@ BRUSHED_KEPT = 0.7
 """Of light that an anisotropic metal's first facet does not let go, its share, this often, is the share that later ones keep. Fitted to
 `position_free`: metals of .9, .6 and .2, roughness .35 to .9, to 80 degrees at 0, 45 and 90 of azimuth, worst 1.1, 5 and 14 % of the albedo."""
 
-# --- lobes outside (network.py) ---
+# --- lobes outside (lobe_set.py) ---
 LOBE_BEND = 0.8

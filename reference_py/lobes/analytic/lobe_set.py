@@ -22,7 +22,7 @@ MIN_COS_O = 1e-4
 ALBEDO_NODES = 8
 
 
-class AnalyticNetwork:
+class AnalyticLobes:
     """At most three closures, or two and a diffuse base's one or two, whatever the number of layers.
 
     The top interface has the exact Fresnel curve and its lossless energy; all deeper interfaces share one glossy
@@ -39,7 +39,7 @@ class AnalyticNetwork:
         self._n_base = n_above_base(stack)
 
     @property
-    def resolved(self) -> "AnalyticNetwork":
+    def resolved(self) -> "AnalyticLobes":
         return self
 
     @property

@@ -13,14 +13,14 @@ from ...material.schema import OREN_NAYAR
 from ...material.stack import Stack
 from ...optics.microfacet import GGX, is_specular
 from ...optics.optical_stack import interfaces, rough_surfaces
-from ..analytic import AnalyticNetwork
+from ..analytic import AnalyticLobes
 from ..cache import content, known, remembered, truth_of
 from ..closure import unit_energy
-from ..live_grid import Axis, GridNetwork
+from ..live_grid import Axis, LiveLobes
 from ..lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from ..samples import truth_at
 from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
-from ..view_table import KNOTS, DiffuseTable, GlossyTable, TableNetwork, knot_cosines, middle_cosines
+from ..view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
 from .live import axes_of, bake_live
 from .plan import Path, Plan, best_path, continued_path
 
@@ -33,9 +33,9 @@ _LEAST_SHARE = 1e-3
 
 @dataclass(frozen=True)
 class Bake:
-    """`network` in tables; `shape_error` (KNOTS,) is its cosine-weighted L1 at each knot, worst channel."""
+    """`lobe_set` in tables; `shape_error` (KNOTS,) is its cosine-weighted L1 at each knot, worst channel."""
 
-    network: TableNetwork
+    lobe_set: TableLobes
     shape_error: np.ndarray
 
 
@@ -50,7 +50,7 @@ class Found:
 class Baker:
     """Bakes one stack with ever more lobes; what fewer lobes found is where more begin.
 
-    `truth` is a model with f, albedo and mirror_albedo. `progress` is called with the share done; an exception that
+    `truth` is a model with f, albedo and specular_albedo. `progress` is called with the share done; an exception that
     it raises cancels.
     """
 
@@ -58,7 +58,7 @@ class Baker:
         self._report = progress or (lambda share: None)
         cosines, surfaces = knot_cosines(), rough_surfaces(stack)
         widths = [alpha for _, alpha in surfaces]
-        self._mirror = truth.mirror_albedo(cosines)
+        self._mirror = truth.specular_albedo(cosines)
         views = truth_at(truth, np.concatenate([cosines, middle_cosines()]), widths)
         self._albedo = truth.albedo(np.stack([v.wo for v in views[:KNOTS]]))
         top = _top_lobe(stack)
@@ -70,7 +70,7 @@ class Baker:
     def bake(self, glossy: int) -> Bake:
         """The best that at most `glossy` glossy lobes and a Lambert lobe do."""
         found = self.path(glossy)
-        return Bake(self.network(found), np.array([m.error for m in found.path.mixtures]))
+        return Bake(self.lobe_set(found), np.array([m.error for m in found.path.mixtures]))
 
     def path(self, glossy: int) -> Found:
         """The fits behind `bake`."""
@@ -95,7 +95,7 @@ class Baker:
         """The fits to this stack's truth that begin at those of a stack much like it."""
         return replace(found, path=continued_path(self._plans[found.plan], found.path))
 
-    def network(self, found: Found, keep: bool = False) -> TableNetwork:
+    def lobe_set(self, found: Found, keep: bool = False) -> TableLobes:
         """The tables of fits. Lobes that carry next to nothing are left out unless `keep`."""
         known, kinds, mixtures = self._plans[found.plan].known, found.path.kinds, found.path.mixtures
         cosines = knot_cosines()
@@ -116,7 +116,7 @@ class Baker:
         diffuse = np.array([m.weight[:, -1] for m in mixtures])
         fitted.append((DiffuseTable(diffuse), diffuse))
         fitted = [(table, energy) for table, energy in fitted if keep or np.any(energy > _NEGLIGIBLE * self._albedo)]
-        return TableNetwork((*tables, *self._with_energy(fitted, np.maximum(self._albedo - spent, 0.0))))
+        return TableLobes((*tables, *self._with_energy(fitted, np.maximum(self._albedo - spent, 0.0))))
 
     def _with_energy(self, fitted: list, rest: np.ndarray) -> list:
         """The fitted tables, scaled to carry `rest` (KNOTS, 3) together.
@@ -134,7 +134,7 @@ class Baker:
         return result
 
 
-class BakedNetwork:
+class BakedLobes:
     """A stack baked at construction: see `Baker`. Stacks of equal content share one bake (`memory`).
 
     `live` values, as (index of the layer or -1, parameter), are followed by tables over them too (`live.axes_of`); where
@@ -153,13 +153,13 @@ class BakedNetwork:
         self.stack = stack
         axes = axes_of(stack, live)
         if is_bare_oren_nayar(stack):
-            self.resolved, self.reason = AnalyticNetwork(stack), "the base's own closures, which are exact"
+            self.resolved, self.reason = AnalyticLobes(stack), "the base's own closures, which are exact"
             return
         if live and axes is None:
-            self.resolved, self.reason = AnalyticNetwork(stack), f"analytic, as a bake cannot follow {described(live)}"
+            self.resolved, self.reason = AnalyticLobes(stack), f"analytic, as a bake cannot follow {described(live)}"
             return
         self.resolved = remembered(
-            self.key(stack, live, glossy), lambda: baked(stack, axes, glossy, progress), pack_network, lambda data: unpack_network(data, stack)
+            self.key(stack, live, glossy), lambda: baked(stack, axes, glossy, progress), pack_lobes, lambda data: unpack_lobes(data, stack)
         )
         self.reason = f"baked, {glossy} glossy" + (f", over {described(live)}" if live else "")
         if live:
@@ -172,19 +172,19 @@ class BakedNetwork:
 
     @classmethod
     def is_known(cls, stack: Stack, live: tuple[tuple[int, str], ...] = (), glossy: int = DEFAULT_GLOSSY) -> bool:
-        """Whether making the network takes no time, as it was made before or needs no bake."""
+        """Whether making the lobe set takes no time, as it was made before or needs no bake."""
         if is_bare_oren_nayar(stack) or (live and axes_of(stack, live) is None):
             return True
-        return known(cls.key(stack, live, glossy), lambda data: unpack_network(data, stack)) is not None
+        return known(cls.key(stack, live, glossy), lambda data: unpack_lobes(data, stack)) is not None
 
     def packed(self) -> dict:
         """The bake as JSON's types, for `remember`."""
-        return pack_network(self.resolved)
+        return pack_lobes(self.resolved)
 
     @classmethod
     def remember(cls, key: str, stack: Stack, data: dict) -> None:
         """Remember what `packed` gave in another process."""
-        remembered(key, lambda: unpack_network(data, stack), pack_network, lambda packed: unpack_network(packed, stack))
+        remembered(key, lambda: unpack_lobes(data, stack), pack_lobes, lambda packed: unpack_lobes(packed, stack))
 
     @property
     def lobe_count(self) -> int:
@@ -218,18 +218,18 @@ def described(live: tuple[tuple[int, str], ...]) -> str:
     return ", ".join(f"the {name.replace('_', ' ')} of {'the base' if index < 0 else f'layer {index}'}" for index, name in live)
 
 
-def baked(stack: Stack, axes: tuple[Axis, ...] | None, glossy: int, progress: Callable[[float], None] | None) -> TableNetwork | GridNetwork:
-    """The network of a stack with constant values, or over the axes of live ones."""
+def baked(stack: Stack, axes: tuple[Axis, ...] | None, glossy: int, progress: Callable[[float], None] | None) -> TableLobes | LiveLobes:
+    """The lobe set of a stack with constant values, or over the axes of live ones."""
     if axes is None:
-        return Baker(stack, truth_of(stack), progress).bake(glossy).network
+        return Baker(stack, truth_of(stack), progress).bake(glossy).lobe_set
     return bake_live(stack, axes, glossy, Baker, progress or (lambda share: None))
 
 
-def pack_network(network: TableNetwork | GridNetwork) -> dict:
-    """A baked network as JSON's types."""
-    return {"grid": pack_grid(network)} if isinstance(network, GridNetwork) else {"tables": pack_tables(network)}
+def pack_lobes(lobe_set: TableLobes | LiveLobes) -> dict:
+    """A baked lobe set as JSON's types."""
+    return {"grid": pack_grid(lobe_set)} if isinstance(lobe_set, LiveLobes) else {"tables": pack_tables(lobe_set)}
 
 
-def unpack_network(data: dict, stack: Stack) -> TableNetwork | GridNetwork:
-    """The network of `pack_network`. Raises ValueError, KeyError or TypeError on anything else."""
+def unpack_lobes(data: dict, stack: Stack) -> TableLobes | LiveLobes:
+    """The lobe set of `pack_lobes`. Raises ValueError, KeyError or TypeError on anything else."""
     return unpack_grid(data["grid"], stack) if "grid" in data else unpack_tables(data["tables"])

@@ -9,7 +9,7 @@ import numpy as np
 from ...material.stack import Stack
 from ...optics.optical_stack import interfaces
 from ..cache import truth_of
-from ..live_grid import Axis, GridNetwork, grid_of
+from ..live_grid import Axis, LiveLobes, grid_of
 
 MOST_AXES = 2
 # Knots of a live roughness; below the first the widths go on, see `grid`. Two axes share out fewer.
@@ -34,7 +34,7 @@ def _knots(stack: Stack, index: int, name: str, count: int) -> tuple[float, ...]
     return tuple(depths / mean) if mean > 0.0 else (0.0, 1.0)
 
 
-def bake_live(stack: Stack, axes: tuple[Axis, ...], glossy: int, make_baker: Callable, report: Callable[[float], None]) -> GridNetwork:
+def bake_live(stack: Stack, axes: tuple[Axis, ...], glossy: int, make_baker: Callable, report: Callable[[float], None]) -> LiveLobes:
     """The grid of a stack. `make_baker` is `Baker`; `report` gets the share done and may raise to cancel."""
     size = tuple(len(axis.knots) for axis in axes)
     center = tuple(n // 2 for n in size)
@@ -50,7 +50,7 @@ def bake_live(stack: Stack, axes: tuple[Axis, ...], glossy: int, make_baker: Cal
         else:
             near = min(found, key=lambda other: sum(abs(a - b) for a, b in zip(node, other)))
             found[node] = baker.continued(found[near])
-        nodes[node] = baker.network(found[node], keep=True)
+        nodes[node] = baker.lobe_set(found[node], keep=True)
         report((done + 1) / len(order))
     return grid_of(stack, axes, nodes)
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Networks: what Cycles is told about a stack, as a list of lobes that depend on the view alone.
+"""Lobe sets: what Cycles is told about a stack, as a list of lobes that depend on the view alone.
 
-A tier turns a stack into a network. `lobes(cos_theta_o)` gives the lobes for views; `closure_model`
+A tier turns a stack into a lobe set. `lobes(cos_theta_o)` gives the lobes for views; `closure_model`
 evaluates them exactly as Cycles does, and `addon.shader` writes them as a shader.
 """
 
@@ -9,18 +9,18 @@ from collections.abc import Callable
 
 from ...errors import LaminaError
 from ...material.stack import Stack
-from ..analytic import AnalyticNetwork
-from ..baked import BakedNetwork
-from .auto import AutoNetwork
-from .paper import WeidlichWilkieNetwork
+from ..analytic import AnalyticLobes
+from ..baked import BakedLobes
+from .auto import AutoLobes
+from .paper import PaperLobes
 from .patches import PatchTier
 
-TIERS = {network.tier: PatchTier(network) for network in (WeidlichWilkieNetwork, AnalyticNetwork, BakedNetwork, AutoNetwork)}
-DEFAULT_TIER = AutoNetwork.tier
+TIERS = {lobe_set.tier: PatchTier(lobe_set) for lobe_set in (PaperLobes, AnalyticLobes, BakedLobes, AutoLobes)}
+DEFAULT_TIER = AutoLobes.tier
 # What stands in for a tier that takes time until it is there.
-PROVISIONAL_TIER = AnalyticNetwork.tier
+PROVISIONAL_TIER = AnalyticLobes.tier
 # Shaders of these hold a stack's values and not only its structure.
-HOLD_VALUES = (BakedNetwork.tier, AutoNetwork.tier)
+HOLD_VALUES = (BakedLobes.tier, AutoLobes.tier)
 
 
 def require_tier(tier: str) -> str:
@@ -30,16 +30,16 @@ def require_tier(tier: str) -> str:
     return tier
 
 
-def make_network(
+def make_lobe_set(
     stack: Stack,
     tier: str = DEFAULT_TIER,
     live: tuple[tuple[int, str], ...] = (),
     progress: Callable[[float], None] | None = None,
 ):
-    """The network of a stack. Raises LaminaError on an unknown tier.
+    """The lobe set of a stack. Raises LaminaError on an unknown tier.
 
     `live` names the values that a texture or an animation gives, as (index of the layer or -1, parameter): shaders
     that hold values must not hold these. `progress` gets the share done and may raise to cancel.
     """
-    network = TIERS[require_tier(tier)]
-    return network(stack, live=live, progress=progress) if tier in HOLD_VALUES else network(stack)
+    lobe_set = TIERS[require_tier(tier)]
+    return lobe_set(stack, live=live, progress=progress) if tier in HOLD_VALUES else lobe_set(stack)

@@ -10,15 +10,15 @@ from ...errors import LaminaError
 from ...material.stack import Stack
 from ...models.position_free import PositionFree
 from ...optics.frame import spherical
-from ..analytic import AnalyticNetwork
-from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, axes_of, baked, described, pack_network, unpack_network
+from ..analytic import AnalyticLobes
+from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, axes_of, baked, described, pack_lobes, unpack_lobes
 from ..cache import content, known, remembered, truth_of
-from ..closure import is_mirror, lobe_energy
-from ..error_estimate import SOFT_LIGHT_DEG, Errors, Judge, ball_cosines
-from ..live_grid import GridNetwork
+from ..closure import is_specular_lobe, lobe_energy
+from ..error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosines
+from ..live_grid import LiveLobes
 from ..lobe import DiffuseLobe, GlossyLobe
-from ..view_table import TableNetwork
-from .paper import WeidlichWilkieNetwork
+from ..view_table import TableLobes
+from .paper import PaperLobes
 from .with_features import featured_analytic
 
 DEFAULT_TOLERANCE = 0.02
@@ -27,7 +27,7 @@ _AS_CLOSE = 0.05
 # Of albedos with anisotropy: azimuths, views, and walks for each.
 _AZIMUTHS = np.radians([0.0, 45.0, 90.0, 135.0])
 _FEW, _WALKS = 4, 1 << 15
-_LIVE_TIERS = {network.tier: network for network in (WeidlichWilkieNetwork, AnalyticNetwork)}
+_LIVE_TIERS = {lobe_set.tier: lobe_set for lobe_set in (PaperLobes, AnalyticLobes)}
 
 
 @dataclass(frozen=True)
@@ -54,15 +54,15 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Choice:
-    """What was chosen and its network, what was tried, and why as a sentence."""
+    """What was chosen and its lobe set, what was tried, and why as a sentence."""
 
     chosen: Candidate
-    network: object
+    lobe_set: object
     tried: tuple[Candidate, ...]
     reason: str
 
 
-class AutoNetwork:
+class AutoLobes:
     """What `choose` chose for a stack. Stacks of equal content share one choice (`memory`).
 
     `live` names the values that a texture or an animation gives, as (index of the layer or -1, parameter); bakes are
@@ -84,7 +84,7 @@ class AutoNetwork:
             self.key(stack, live, tolerance, glossy), lambda: choose(stack, truth_of(stack), live, tolerance, progress=progress, glossy=glossy),
             _pack, lambda data: _unpack(data, stack),
         )  # fmt: skip
-        self.resolved = _with_values_of(stack, self.choice.network)
+        self.resolved = _with_values_of(stack, self.choice.lobe_set)
         self.reason = f"{self.choice.chosen}: {self.choice.reason}"
 
     @staticmethod
@@ -94,7 +94,7 @@ class AutoNetwork:
 
     @classmethod
     def is_known(cls, stack: Stack, live: tuple[tuple[int, str], ...] = (), tolerance: float = DEFAULT_TOLERANCE, glossy: int = MAX_GLOSSY) -> bool:
-        """Whether making the network takes no time, as it was made before."""
+        """Whether making the lobe set takes no time, as it was made before."""
         return known(cls.key(stack, live, tolerance, glossy), lambda data: _unpack(data, stack)) is not None
 
     def packed(self) -> dict:
@@ -134,30 +134,30 @@ def choose(
     if not 0.0 < tolerance <= 1.0:
         raise LaminaError(f"tolerance {100.0 * tolerance:g} percent: choose more than 0 and at most 100")
     report = progress or (lambda share: None)
-    judge = Judge(stack, truth, ball_cosines() if cosines is None else cosines, light_deg)
+    estimator = ErrorEstimator(stack, truth, ball_cosines() if cosines is None else cosines, light_deg)
     report(0.2)
     axes = axes_of(stack, live)
-    makers = [(tier, lambda network=network: network(stack)) for tier, network in _LIVE_TIERS.items()]
+    makers = [(tier, lambda lobe_set=lobe_set: lobe_set(stack)) for tier, lobe_set in _LIVE_TIERS.items()]
     if not live:
         baker = Baker(stack, truth)
-        makers += [(f"baked, {k} glossy", lambda k=k: baker.bake(k).network) for k in range(1, glossy + 1)]
+        makers += [(f"baked, {k} glossy", lambda k=k: baker.bake(k).lobe_set) for k in range(1, glossy + 1)]
     elif axes is not None:
         makers.append((f"baked over {described(live)}", lambda: baked(stack, axes, min(DEFAULT_GLOSSY, glossy), lambda share: report(0.4 + 0.6 * share))))
     tried: list[tuple[Candidate, object]] = []
     for done, (label, make) in enumerate(makers):
-        network = make()
-        tried.append((_candidate(label, network, judge.errors(network), bool(live)), network))
+        lobe_set = make()
+        tried.append((_candidate(label, lobe_set, estimator.errors(lobe_set), bool(live)), lobe_set))
         report(0.2 + 0.8 * (done + 1) / len(makers))
         if label not in _LIVE_TIERS and tried[-1][0].seen <= tolerance:
             break  # more lobes cost more
-    (chosen, network), reason = _best(tried, tolerance)
+    (chosen, lobe_set), reason = _best(tried, tolerance)
     if live and axes is None:
         reason += f"; a bake cannot follow {described(live)}"
-    return Choice(chosen, network, tuple(candidate for candidate, _ in tried), reason)
+    return Choice(chosen, lobe_set, tuple(candidate for candidate, _ in tried), reason)
 
 
 def _best(tried: list[tuple[Candidate, object]], tolerance: float) -> tuple[tuple[Candidate, object], str]:
-    """What to take of candidates and their networks, and why."""
+    """What to take of candidates and their lobe sets, and why."""
     good = [t for t in tried if t[0].seen <= tolerance]
     if good:
         return min(good, key=lambda t: t[0].cost), f"the cheapest whose error is at most {100.0 * tolerance:g} %"
@@ -179,44 +179,44 @@ def with_anisotropy(choice: Choice, stack: Stack, tolerance: float, cosines: np.
     tried = []
     for candidate in choice.tried:
         if candidate.label in _LIVE_TIERS:
-            network = featured_analytic(stack) if candidate.label == AnalyticNetwork.tier else _LIVE_TIERS[candidate.label](stack)
-            albedo = np.stack([sum(lobe_energy(lobe, views, phi) for lobe in network.lobes(views, phi)) for phi in _AZIMUTHS], axis=1)
+            lobe_set = featured_analytic(stack) if candidate.label == AnalyticLobes.tier else _LIVE_TIERS[candidate.label](stack)
+            albedo = np.stack([sum(lobe_energy(lobe, views, phi) for lobe in lobe_set.lobes(views, phi)) for phi in _AZIMUTHS], axis=1)
             error = float(np.max(np.abs(albedo - truth) / truth))
-            tried.append((replace(candidate, albedo=error), network))
-    (chosen, network), reason = _best(tried, tolerance)
+            tried.append((replace(candidate, albedo=error), lobe_set))
+    (chosen, lobe_set), reason = _best(tried, tolerance)
     noise = float(np.max(stderr / truth))
     reason += f"; albedo is judged with the anisotropy (standard error {100.0 * noise:.2g} %), soft light and shape without it"
-    return Choice(chosen, network, tuple(candidate for candidate, _ in tried), reason)
+    return Choice(chosen, lobe_set, tuple(candidate for candidate, _ in tried), reason)
 
 
-def _with_values_of(stack: Stack, network):
-    """A remembered network with a stack's own live values."""
-    if isinstance(network, TableNetwork):
-        return network
-    return replace(network, stack=stack) if isinstance(network, GridNetwork) else type(network)(stack)
+def _with_values_of(stack: Stack, lobe_set):
+    """A remembered lobe set with a stack's own live values."""
+    if isinstance(lobe_set, TableLobes):
+        return lobe_set
+    return replace(lobe_set, stack=stack) if isinstance(lobe_set, LiveLobes) else type(lobe_set)(stack)
 
 
-def _candidate(label: str, network, errors: Errors, live: bool) -> Candidate:
+def _candidate(label: str, lobe_set, errors: Errors, live: bool) -> Candidate:
     means = float(np.mean(errors.soft_light)), float(np.mean(errors.shape))
-    return Candidate(label, network.lobe_count, cost(network, live), float(np.max(errors.albedo)), *means)
+    return Candidate(label, lobe_set.lobe_count, cost(lobe_set, live), float(np.max(errors.albedo)), *means)
 
 
-def cost(network, live: bool = False) -> float:
+def cost(lobe_set, live: bool = False) -> float:
     """An estimate of the CPU time of a frame-filling object over that of a plain glossy node, good to a quarter.
 
     Of closures and of the adding in the tier analytic, from what `lamina chart pareto` measured; OSL folds that adding where
     parameters are constant and layers few.
     """
-    lobes = network.lobes(np.ones(1))
+    lobes = lobe_set.lobes(np.ones(1))
     diffuse = sum(isinstance(lobe, DiffuseLobe) for lobe in lobes)
-    mirrors = sum(is_mirror(lobe) for lobe in lobes if isinstance(lobe, GlossyLobe))
+    mirrors = sum(is_specular_lobe(lobe) for lobe in lobes if isinstance(lobe, GlossyLobe))
     total = 0.85 + 0.07 * diffuse + 0.1 * mirrors + 0.2 * (len(lobes) - diffuse - mirrors)
-    if isinstance(network, AnalyticNetwork):
-        folds = not live and len(network.stack.layers) <= 3
-        over_metal = network.stack.base.kind == "conductor"
-        total += len(network.stack.layers) * ((0.9 if over_metal else 0.15) if folds else (2.4 if over_metal else 0.8))
-    elif isinstance(network, WeidlichWilkieNetwork):
-        total += 0.25 * len(network.stack.layers)
+    if isinstance(lobe_set, AnalyticLobes):
+        folds = not live and len(lobe_set.stack.layers) <= 3
+        over_metal = lobe_set.stack.base.kind == "conductor"
+        total += len(lobe_set.stack.layers) * ((0.9 if over_metal else 0.15) if folds else (2.4 if over_metal else 0.8))
+    elif isinstance(lobe_set, PaperLobes):
+        total += 0.25 * len(lobe_set.stack.layers)
     return total
 
 
@@ -224,7 +224,7 @@ def _pack(choice: Choice) -> dict:
     live = choice.chosen.label in _LIVE_TIERS
     return {
         "chosen": choice.tried.index(choice.chosen),
-        "network": None if live else pack_network(choice.network),
+        "lobe_set": None if live else pack_lobes(choice.lobe_set),
         "tried": [asdict(candidate) for candidate in choice.tried],
         "reason": choice.reason,
     }
@@ -233,5 +233,5 @@ def _pack(choice: Choice) -> dict:
 def _unpack(data: dict, stack: Stack) -> Choice:
     tried = tuple(Candidate(**candidate) for candidate in data["tried"])
     chosen = tried[data["chosen"]]
-    network = unpack_network(data["network"], stack) if data["network"] else _LIVE_TIERS[chosen.label](stack)
-    return Choice(chosen, network, tried, str(data["reason"]))
+    lobe_set = unpack_lobes(data["lobe_set"], stack) if data["lobe_set"] else _LIVE_TIERS[chosen.label](stack)
+    return Choice(chosen, lobe_set, tried, str(data["reason"]))

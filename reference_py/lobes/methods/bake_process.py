@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes one network in a process of its own, so that a window stays responsive and a cancelled bake is gone at once.
+"""Makes one lobe set in a process of its own, so that a window stays responsive and a cancelled bake is gone at once.
 
 Reads a request as JSON from stdin; prints lines "progress SHARE" and "warning TEXT" and at last "result JSON" or "error MESSAGE". The
 process is started by `command` and needs nothing but this package and numpy.
@@ -42,19 +42,19 @@ def request(stack: Stack, tier: str, live: Sequence[tuple[int, str]], tolerance:
 def main() -> None:
     """Serve one request."""
     from ..cache import keep_in
-    from . import TIERS, AutoNetwork
+    from . import TIERS, AutoLobes
 
     data = json.load(sys.stdin)
     keep_in(Path(data["folder"]) if data["folder"] else None, lambda told: print(f"warning {told}", flush=True))
     options = {"live": tuple((int(i), str(name)) for i, name in data["live"])}
-    if data["tier"] == AutoNetwork.tier:
+    if data["tier"] == AutoLobes.tier:
         options["tolerance"] = data["tolerance"]
     try:
-        network = TIERS[data["tier"]](Stack.from_dict(data["stack"]), progress=_progress, **options)
+        lobe_set = TIERS[data["tier"]](Stack.from_dict(data["stack"]), progress=_progress, **options)
     except LaminaError as error:
         print(f"error {' '.join(str(error).split())}", flush=True)
         return
-    print(f"result {json.dumps(network.packed())}", flush=True)
+    print(f"result {json.dumps(lobe_set.packed())}", flush=True)
 
 
 def _progress(share: float) -> None:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Model `mirror`: a network evaluated as Cycles evaluates its closures.
+"""Model `mirror`: a lobe set evaluated as Cycles evaluates its closures.
 
 Equal to the render up to float32 rounding (`make test`, goniometer tests). It is not a model of the stack:
-its distance from one is the network's error. Limits: weights of lobes know the view alone, so f is not reciprocal;
+its distance from one is the lobe set's error. Limits: weights of lobes know the view alone, so f is not reciprocal;
 energy is that of the tier, which exceeds 1 where the tier's own model does.
 """
 
@@ -15,15 +15,15 @@ from ...optics.frame import azimuth, dot, half_vector, normalize, reflect
 from ...optics.microfacet import anisotropic_distribution
 from ...optics.quadrature import cosine_directions, directional_albedo
 from ...optics.sampling import components, projected_area, sample_visible_normals, vectors
-from ..closure import fresnel, is_mirror, lobe_f
+from ..closure import fresnel, is_specular_lobe, lobe_f
 from ..lobe import DiffuseLobe, GlossyLobe
-from . import DEFAULT_TIER, make_network
+from . import DEFAULT_TIER, make_lobe_set
 
 # Share of its weight that a lobe keeps where its Fresnel factor vanishes, as the factor rises around that view.
 _LEAST_SHARE = 1e-3
 
 
-class Mirror:
+class ClosureModel:
     """What Cycles renders: the closures of a tier, evaluated."""
 
     name = "mirror"
@@ -34,25 +34,25 @@ class Mirror:
         for key in options:
             if key != "tier":
                 raise LaminaError(f"model {self.name}: unknown option {key!r}; choose tier")
-        self.network = make_network(stack, options.get("tier", DEFAULT_TIER))
+        self.lobe_set = make_lobe_set(stack, options.get("tier", DEFAULT_TIER))
 
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """BRDF (..., 3) in 1/sr without cosine; mirror-like lobes have none and count as 0."""
         wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
         visible = (wo[..., 2] > 0.0) & (wi[..., 2] > 0.0)
-        lobes = self.network.lobes(np.where(visible, wo[..., 2], 1.0), azimuth(wo))
+        lobes = self.lobe_set.lobes(np.where(visible, wo[..., 2], 1.0), azimuth(wo))
         total = sum(lobe_f(lobe, wo, wi) for lobe in lobes)
         return np.where(visible[..., None], total, 0.0)
 
     def albedo(self, wo: np.ndarray) -> np.ndarray:
         """Directional albedo (..., 3), mirror-like lobes included."""
         wo = np.asarray(wo, float)
-        lobes = self.network.lobes(wo[..., 2], azimuth(wo))
+        lobes = self.lobe_set.lobes(wo[..., 2], azimuth(wo))
         glossy = [lobe for lobe in lobes if isinstance(lobe, GlossyLobe)]
         widths = [(lobe.distribution, float(np.max(alpha))) for lobe in glossy for alpha in (lobe.alpha_x, lobe.alpha_y)]
         total = directional_albedo(self.f, wo, widths)
         for lobe in glossy:
-            if is_mirror(lobe):
+            if is_specular_lobe(lobe):
                 total = total + lobe.weight * fresnel(lobe, wo[..., 2])
         return total
 
@@ -84,7 +84,7 @@ class Mirror:
     def _finite_lobes(self, wo):
         """The lobes with a finite f and the probabilities (n, lobes) of picking them for wo (n, 3)."""
         cos_o = np.where(wo[:, 2] > 0.0, wo[:, 2], 1.0)
-        lobes = [lobe for lobe in self.network.lobes(cos_o, azimuth(wo)) if not (isinstance(lobe, GlossyLobe) and is_mirror(lobe))]
+        lobes = [lobe for lobe in self.lobe_set.lobes(cos_o, azimuth(wo)) if not (isinstance(lobe, GlossyLobe) and is_specular_lobe(lobe))]
         shares = np.ones((len(wo), len(lobes)))
         for i, lobe in enumerate(lobes):
             shares[:, i] = np.mean(lobe.weight * _reflectance(lobe, cos_o), axis=-1)

@@ -7,7 +7,7 @@ into the weight that keeps the component's directional albedo: the ratio of comp
 closure's own lobe at `NODE_COUNT` fixed facet normals (over the cosine for a diffuse base). Of an anisotropic surface the widths are
 exact, and energies are those of the isotropic one of as much variance. The same nodes go into
 the generated shader. Against the exact component's energy that is good to 1 % up to 60 degrees and 5 % at 85
-(`lamina chart network`); taking the mirror direction alone would be 55 % off at 75 degrees for a car paint.
+(`lamina chart lobes`); taking the mirror direction alone would be 55 % off at 75 degrees for a car paint.
 """
 
 import numpy as np
@@ -39,7 +39,7 @@ def nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return u.ravel(), np.cos(azimuth).ravel(), weight
 
 
-class WeidlichWilkieNetwork:
+class PaperLobes:
     """Lobes of a stack; see the module's head for how weights are found."""
 
     tier = "weidlich_wilkie"
@@ -50,7 +50,7 @@ class WeidlichWilkieNetwork:
         self._n = np.array([1.0] + [s.n_below for s in self._surfaces])
 
     @property
-    def resolved(self) -> "WeidlichWilkieNetwork":
+    def resolved(self) -> "PaperLobes":
         return self
 
     @property

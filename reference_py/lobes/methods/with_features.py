@@ -14,29 +14,29 @@ import numpy as np
 
 from ...material.schema import THIN_FILM
 from ...material.stack import Stack
-from ...optics.optical_stack import Brushed, brushed
-from ..analytic import AnalyticNetwork
+from ...optics.optical_stack import AnisotropicRoughness, brushed
+from ..analytic import AnalyticLobes
 from ..analytic.base import Facets
 from ..analytic.lobe_set import at_views
 from ..analytic.tables import brushed_energy, closure_energy
 from ..lobe import DiffuseLobe, GlossyLobe
 from ..view_table import MIN_COS_O
 from .not_bakeable import without_unbaked
-from .paper import WeidlichWilkieNetwork
+from .paper import PaperLobes
 
 
 def featured_analytic(stack: Stack):
-    """The network that a stack has in the tier `analytic`."""
+    """The lobe set that a stack has in the tier `analytic`."""
     if any(element.has(THIN_FILM) for element in (*stack.layers, stack.base)):
-        return WeidlichWilkieNetwork(stack)
-    return FeaturedAnalyticNetwork(stack)
+        return PaperLobes(stack)
+    return FeaturedAnalyticLobes(stack)
 
 
-class FeaturedAnalyticNetwork(AnalyticNetwork):
+class FeaturedAnalyticLobes(AnalyticLobes):
     """The lobes of the stack without its features, in the shapes that these give them."""
 
     def __init__(self, stack: Stack):
-        self.stack, self._plain = stack, AnalyticNetwork(without_unbaked(stack))
+        self.stack, self._plain = stack, AnalyticLobes(without_unbaked(stack))
 
     def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
         """The lobes from the top for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
@@ -61,7 +61,7 @@ class FeaturedAnalyticNetwork(AnalyticNetwork):
         ]
 
 
-def seen_alpha(widths: Brushed, cos_o, phi) -> np.ndarray:
+def seen_alpha(widths: AnisotropicRoughness, cos_o, phi) -> np.ndarray:
     """Alpha (...) of the isotropic interface that reflects as much of the view as an anisotropic one.
 
     Along the normal all of its slopes count alike, at grazing views those along the plane of incidence. Its reflectance is good to
@@ -71,19 +71,19 @@ def seen_alpha(widths: Brushed, cos_o, phi) -> np.ndarray:
     return np.sqrt((along + np.square(cos_o) * across) / (1.0 + np.square(cos_o)))
 
 
-def _sides(widths: Brushed, phi) -> tuple[np.ndarray, np.ndarray]:
+def _sides(widths: AnisotropicRoughness, phi) -> tuple[np.ndarray, np.ndarray]:
     """Alphas (...) along and across the plane of incidence."""
     cos, sin = np.cos(phi - widths.angle), np.sin(phi - widths.angle)
     return np.hypot(widths.alpha_x * cos, widths.alpha_y * sin), np.hypot(widths.alpha_x * sin, widths.alpha_y * cos)
 
 
-def _facets(cos_theta, widths: Brushed, phi, kind: str) -> Facets:
+def _facets(cos_theta, widths: AnisotropicRoughness, phi, kind: str) -> Facets:
     x2, y2 = widths.alpha_x**2, widths.alpha_y**2
     white = brushed_energy(cos_theta, phi - widths.angle, widths.alpha_x, widths.alpha_y, kind)
     return Facets(_sides(widths, phi), white, (x2 - y2) / max(x2 + y2, 1e-20))
 
 
-def _shaped(lobe, widths: Brushed | None, n: float, cos_o: np.ndarray, phi: np.ndarray, is_top: bool):
+def _shaped(lobe, widths: AnisotropicRoughness | None, n: float, cos_o: np.ndarray, phi: np.ndarray, is_top: bool):
     if widths is None:
         return lobe
     if is_top:

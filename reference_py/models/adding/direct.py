@@ -54,7 +54,7 @@ def mirror_reflectance(recipe: Recipe, cos_theta: np.ndarray) -> np.ndarray:
     run = list(takewhile(lambda i: is_specular(i.alpha), recipe.interfaces))
     cosines = [cos_theta, *(cos_theta_t(cos_theta, i.n_below) for i in run)]
     reflected = np.zeros((len(cos_theta), 3))
-    if len(run) == len(recipe.interfaces) and recipe.base.is_mirror:
+    if len(run) == len(recipe.interfaces) and recipe.base.is_specular:
         eta, k = np.array(recipe.base.index).T
         reflected = fresnel_conductor(cosines[-1][:, None], eta, k)
     for interface, tau, above, below in reversed(list(zip(run, recipe.taus, cosines, cosines[1:]))):
@@ -78,7 +78,7 @@ def _event(recipe: Recipe, k: int, surface: str, wo, wi) -> np.ndarray:
         return np.array(base.color) / np.pi * np.ones((len(wo), 1))
     if base.kind == "oren_nayar":
         return oren_nayar(wi, wo, base.color, base.sigma_deg)
-    if base.is_mirror:
+    if base.is_specular:
         return np.zeros(wo.shape)
     eta, k = np.array(base.index).T
     lobe = reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], base.alpha, base.distribution, surface)

@@ -148,7 +148,7 @@ class Adding:
             escape[channel] = round_trips(below[0], top.r_down[0], below[0] @ outside)
         return escape
 
-    def mirror_albedo(self, cos_theta: np.ndarray) -> np.ndarray:
+    def specular_albedo(self, cos_theta: np.ndarray) -> np.ndarray:
         """The part (..., 3) of the albedo that is mirror-like and has no f, for view cosines (...)."""
         cos_theta = np.asarray(cos_theta, float)
         return mirror_reflectance(self._recipe, cos_theta.ravel()).reshape(cos_theta.shape + (3,))
@@ -195,7 +195,7 @@ class Adding:
             n, base = recipe.base.n, recipe.base
             once, more = base.rows(channel, grid.cosines(n), self.surface, grid, resolution)
             whole, direct = once + more, once
-            mirror = np.diagonal(more[0]) if base.is_mirror else np.zeros(len(once[0]))
+            mirror = np.diagonal(more[0]) if base.is_specular else np.zeros(len(once[0]))
         else:
             n, top = recipe.interfaces[k].n_above, self._operators(k, resolution)
             below, mirror_below, direct_below = self._reflection(k + 1, channel, resolution)

@@ -14,8 +14,8 @@ from .principled_coat import PrincipledCoat
 from .schlick import Schlick
 from .torrance_sparrow import TorranceSparrow
 
-PEERS = (
+BASELINES = (
     TorranceSparrow, CyclesLayer, PrincipledCoat, Belcour, OpenPbrCoat, Kelemen, AshikhminShirley, Schlick, Lafortune,
 )
 
-__all__ = ["PEERS", *(peer.__name__ for peer in PEERS)]
+__all__ = ["PEERS", *(peer.__name__ for peer in BASELINES)]

@@ -15,7 +15,7 @@ from ...optics import microsurface
 from ...optics.diffuse import oren_nayar
 from ...optics.fresnel import fresnel_conductor
 from ...optics.microfacet import is_specular
-from ...optics.optical_stack import Brushed, Interface, brushed, conductor_index, film_of, interfaces, mean_alpha, n_above_base
+from ...optics.optical_stack import AnisotropicRoughness, Interface, brushed, conductor_index, film_of, interfaces, mean_alpha, n_above_base
 from ...optics.sampling import vectors
 from ...optics.thin_film import FilmInterface, film_reflectance
 
@@ -78,7 +78,7 @@ class SmoothDielectric:
 class _Rough:
     """Widths of a rough surface. An anisotropic one turns directions into its own frame and back."""
 
-    def _set_widths(self, alpha: float, brushed: Brushed | None) -> None:
+    def _set_widths(self, alpha: float, brushed: AnisotropicRoughness | None) -> None:
         self.alpha = alpha if brushed is None else (brushed.alpha_x, brushed.alpha_y)
         self._turn = None if brushed is None else (np.cos(brushed.angle), np.sin(brushed.angle))
 
@@ -99,7 +99,7 @@ class RoughDielectric(_Rough):
     is_delta = False
 
     def __init__(
-        self, eta: float, alpha: float, kind: str, surface: str, brushed: Brushed | None = None, film: FilmInterface | None = None
+        self, eta: float, alpha: float, kind: str, surface: str, brushed: AnisotropicRoughness | None = None, film: FilmInterface | None = None
     ):
         self.eta, self.kind, self.surface, self.film = eta, kind, surface, film
         self._set_widths(alpha, brushed)
@@ -171,7 +171,7 @@ class RoughConductor(_Rough):
     is_delta = False
 
     def __init__(
-        self, fresnel: Callable[[np.ndarray], np.ndarray], alpha: float, kind: str, surface: str, brushed: Brushed | None = None
+        self, fresnel: Callable[[np.ndarray], np.ndarray], alpha: float, kind: str, surface: str, brushed: AnisotropicRoughness | None = None
     ):
         self._fresnel = fresnel
         self.kind, self.surface = kind, surface

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Networks in numpy: exact where a closure can be, energy kept where it cannot, errors as the README states them."""
+"""Lobe sets in numpy: exact where a closure can be, energy kept where it cannot, errors as the README states them."""
 
 import csv
 from pathlib import Path
@@ -9,7 +9,7 @@ import pytest
 
 import lamina
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.lobes.methods import make_network
+from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.distance import distance
@@ -17,7 +17,7 @@ from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.registry import make_model
 
 BLACK = {"kind": "lambert", "color": [0, 0, 0]}
-CHART = Path(lamina.__file__).parent / "figures" / "network_error.csv"
+CHART = Path(lamina.__file__).parent / "figures" / "lobe_errors.csv"
 
 
 def pairs(count=200, seed=5):
@@ -51,7 +51,7 @@ def test_equal_indices_change_nothing():
 
 
 @pytest.mark.parametrize("name", presets.PAPER)
-def test_committed_errors_are_those_of_this_network(name):
+def test_committed_errors_are_those_of_this_lobe_set(name):
     """The chart in figures/ and the README's table come from the code as it is."""
     rows = [row for row in csv.reader(CHART.read_text().splitlines()) if row[0] == name]
     header = next(row for row in csv.reader(CHART.read_text().splitlines()) if row[0] == "preset")
@@ -67,13 +67,13 @@ def test_committed_errors_are_those_of_this_network(name):
 def test_weights_are_finite_and_never_negative_from_normal_to_grazing():
     layers = [{"kind": "dielectric", "ior": 1.0 + 0.4 * (i % 4), "roughness": 0.1 * i, "tint": [0, 0.5, 1]} for i in range(8)]
     for base in (BLACK, {"kind": "oren_nayar"}, {"kind": "conductor", "metal": "silver", "roughness": 1.0}):
-        network = make_network(Stack.from_dict({"layers": layers, "base": base}), "weidlich_wilkie")
-        lobes = network.lobes(np.cos(np.radians([0.0, 45.0, 85.0, 89.9, 90.0])))
-        assert len(lobes) == network.lobe_count == (10 if base["kind"] == "oren_nayar" else 9)
+        lobe_set = make_lobe_set(Stack.from_dict({"layers": layers, "base": base}), "weidlich_wilkie")
+        lobes = lobe_set.lobes(np.cos(np.radians([0.0, 45.0, 85.0, 89.9, 90.0])))
+        assert len(lobes) == lobe_set.lobe_count == (10 if base["kind"] == "oren_nayar" else 9)
         for lobe in lobes:
             assert np.all(np.isfinite(lobe.weight)) and np.all(lobe.weight >= 0.0)
 
 
 def test_unknown_tier_lists_the_tiers():
     with pytest.raises(LaminaError, match="unknown tier 'magic'; choose weidlich_wilkie"):
-        make_network(presets.load("crayon_paint"), "magic")
+        make_lobe_set(presets.load("crayon_paint"), "magic")
