@@ -11,7 +11,17 @@ from .material import properties
 from .operators import check_operators, exchange_operators, fit_operators, layer_operators, material_operators, preset_operators, texture_operator
 from .ui import panel, panel_layers, swatch_icons, translation
 
-CLASSES = (*properties.CLASSES, *material_operators.CLASSES, *layer_operators.CLASSES, *check_operators.CLASSES, *preset_operators.CLASSES, *fit_operators.CLASSES, *exchange_operators.CLASSES, *texture_operator.CLASSES, *panel.CLASSES)
+CLASSES = (
+    *properties.CLASSES,
+    *material_operators.CLASSES,
+    *layer_operators.CLASSES,
+    *check_operators.CLASSES,
+    *preset_operators.CLASSES,
+    *fit_operators.CLASSES,
+    *exchange_operators.CLASSES,
+    *texture_operator.CLASSES,
+    *panel.CLASSES,
+)
 
 
 def register() -> None:

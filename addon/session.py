@@ -31,9 +31,7 @@ def blender(report: Callable[[str], None]) -> Iterator[None]:
             try:
                 import bpy
             except ImportError as error:
-                raise LaminaError(
-                    f"this command needs Blender: pip install bpy, or blender --command lamina ... ({error})"
-                ) from None
+                raise LaminaError(f"this command needs Blender: pip install bpy, or blender --command lamina ... ({error})") from None
             ensure_osl_query_on_path()
             if not hasattr(bpy.types.Material, "lamina"):
                 from . import registration
@@ -92,7 +90,7 @@ def _render_listener(report):
         text = next((a for a in arguments if isinstance(a, str)), "")
         if "Sample" in text and time.monotonic() - last > REPORT_SECONDS:
             last = time.monotonic()
-            report(text[text.index("Sample"):].split("|")[0].strip())
+            report(text[text.index("Sample") :].split("|")[0].strip())
 
     return listen
 

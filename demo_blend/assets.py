@@ -16,9 +16,7 @@ from .materials import preset_material
 def build(output: Path, names: list[str] | None = None, settle: bool = True) -> None:
     """Write a .blend with all presets, or those of `names`, as material assets."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    made = [
-        _asset(name, catalogue, settle) for catalogue, members in CATALOGUES.items() for name in members if names is None or name in names
-    ]
+    made = [_asset(name, catalogue, settle) for catalogue, members in CATALOGUES.items() for name in members if names is None or name in names]
     with replacing(output) as temporary:
         # only the materials and what they use: no scene, no window
         bpy.data.libraries.write(str(temporary), set(made), path_remap="RELATIVE_ALL", compress=True)

@@ -11,14 +11,23 @@ from .set import link_attribute, per_object, put, stage
 from .shapes import tube, turned
 
 RED, ORANGE, YELLOW, GREEN, BLUE, VIOLET = (
-    (0.62, 0.03, 0.025), (0.8, 0.23, 0.02), (0.85, 0.6, 0.03), (0.05, 0.36, 0.08), (0.02, 0.11, 0.5), (0.2, 0.04, 0.32),
+    (0.62, 0.03, 0.025),
+    (0.8, 0.23, 0.02),
+    (0.85, 0.6, 0.03),
+    (0.05, 0.36, 0.08),
+    (0.02, 0.11, 0.5),
+    (0.2, 0.04, 0.32),
 )
 # length of a crayon and where its wood and enamel begin, below the tip
 LENGTH, WOOD, ENAMEL, RADIUS = 1.75, 0.1, 0.34, 0.075
 # place of the lower end, and the tips' directions: azimuth and height in degrees
 CRAYONS = (
-    (ORANGE, (-1.55, -1.05, RADIUS), 8.0, 0.0), (GREEN, (-1.35, -1.4, RADIUS), -5.0, 0.0), (VIOLET, (0.15, -1.0, RADIUS), 22.0, 0.0),
-    (RED, (-0.72, 0.2, 0.1), 165.0, 76.0), (BLUE, (-0.6, 0.08, 0.1), 35.0, 78.0), (YELLOW, (-0.66, 0.3, 0.1), 80.0, 80.0),
+    (ORANGE, (-1.55, -1.05, RADIUS), 8.0, 0.0),
+    (GREEN, (-1.35, -1.4, RADIUS), -5.0, 0.0),
+    (VIOLET, (0.15, -1.0, RADIUS), 22.0, 0.0),
+    (RED, (-0.72, 0.2, 0.1), 165.0, 76.0),
+    (BLUE, (-0.6, 0.08, 0.1), 35.0, 78.0),
+    (YELLOW, (-0.66, 0.3, 0.1), 80.0, 80.0),
 )
 MUGS = (("Mug", (-0.66, 0.18, 0.0), (0.035, 0.17, 0.3), 205.0), ("Cream Mug", (0.82, 0.1, 0.0), (0.78, 0.7, 0.52), -32.0))
 # radius and height, from the inside's bottom over the lip to the foot

@@ -13,8 +13,14 @@ from ..addon.rendering.studio import build_ball_scene
 SIZE = (960, 600)
 
 
-def stage(name: str, camera: tuple[float, float, float], target: tuple[float, float, float], lens: float = 85.0,
-          samples: int = 96, paper: tuple[float, float, float] | None = None) -> bpy.types.Scene:
+def stage(
+    name: str,
+    camera: tuple[float, float, float],
+    target: tuple[float, float, float],
+    lens: float = 85.0,
+    samples: int = 96,
+    paper: tuple[float, float, float] | None = None,
+) -> bpy.types.Scene:
     """A new file with the studio's backdrop and lights, which are set for things of 2 m about the origin.
 
     `paper` is the backdrop's linear color, unless it stays the studio's dark grey.
@@ -39,8 +45,15 @@ def look(scene: bpy.types.Scene, camera: tuple[float, float, float], target: tup
     scene.camera.data.lens, scene.camera.data.sensor_fit = lens, "AUTO"
 
 
-def put(scene: bpy.types.Scene, name: str, mesh: bpy.types.Mesh, materials: bpy.types.Material | list[bpy.types.Material],
-        location=(0.0, 0.0, 0.0), turn_deg=(0.0, 0.0, 0.0), scale: float = 1.0) -> bpy.types.Object:
+def put(
+    scene: bpy.types.Scene,
+    name: str,
+    mesh: bpy.types.Mesh,
+    materials: bpy.types.Material | list[bpy.types.Material],
+    location=(0.0, 0.0, 0.0),
+    turn_deg=(0.0, 0.0, 0.0),
+    scale: float = 1.0,
+) -> bpy.types.Object:
     """New object of a mesh, which may be shared: it gets the materials of its first object, further ones hold other materials themselves."""
     item = add_object(scene, name, mesh)
     wanted = materials if isinstance(materials, list) else [materials]

@@ -16,8 +16,10 @@ def loft(name: str, rings: np.ndarray, smooth: bool = True) -> bpy.types.Mesh:
     # fans about the ends' centres, on vertices of their own so that the edge stays sharp
     first, last = n * m + np.arange(m), n * m + m + np.arange(m)
     none = np.full(m, -1)
-    fans = [np.stack([np.full(m, centre), a, b, none], axis=-1)
-            for centre, a, b in ((n * m + 2 * m, np.roll(first, -1), first), (n * m + 2 * m + 1, last, np.roll(last, -1)))]
+    fans = [
+        np.stack([np.full(m, centre), a, b, none], axis=-1)
+        for centre, a, b in ((n * m + 2 * m, np.roll(first, -1), first), (n * m + 2 * m + 1, last, np.roll(last, -1)))
+    ]
     vertices = np.concatenate([rings.reshape(-1, 3), rings[0], rings[-1], [rings[0].mean(axis=0), rings[-1].mean(axis=0)]])
     faces = np.concatenate([skin.reshape(-1, 4), *fans])
     return mesh_of(name, vertices, faces, np.zeros((len(vertices), 2)), smooth)
@@ -33,8 +35,9 @@ def tube(name: str, path: np.ndarray, radius: float, around: int = 24) -> bpy.ty
     return loft(name, path[:, None] + radius * (np.cos(phi)[:, None] * side + np.sin(phi)[:, None] * up[:, None]))
 
 
-def turned(name: str, points: list[tuple[float, float]], radius: float | list[float], segments: int = 96, steps: int = 10,
-           marks: dict[int, int] | None = None) -> bpy.types.Mesh:
+def turned(
+    name: str, points: list[tuple[float, float]], radius: float | list[float], segments: int = 96, steps: int = 10, marks: dict[int, int] | None = None
+) -> bpy.types.Mesh:
     """Solid of revolution about z through `points` (radius, height) from the top down, inner corners rounded by `radius`.
 
     `marks` maps the index of a point to the material slot of what lies below it; above the first mark it is 0.
@@ -44,7 +47,7 @@ def turned(name: str, points: list[tuple[float, float]], radius: float | list[fl
     profile = profile[np.concatenate([[True], np.linalg.norm(np.diff(profile, axis=0), axis=1) > 1e-6])]
     slots = np.zeros(len(profile) - 1, int)
     for index, slot in (marks or {}).items():
-        slots[np.argmin(np.linalg.norm(profile - points[index], axis=1)):] = slot
+        slots[np.argmin(np.linalg.norm(profile - points[index], axis=1)) :] = slot
     return lathe(name, profile, segments, slots)
 
 

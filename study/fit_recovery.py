@@ -20,8 +20,13 @@ _PAIRS, _HELD_OUT = 500, 1500
 SETTINGS = {"adding": {"nodes": 16, "modes": 24}}
 # Values in the schema's units between which random stacks lie.
 _IN_RANGE = {
-    "ior": (1.2, 2.0), "roughness": (0.2, 0.7), "tint": (0.3, 1.0), "color": (0.05, 0.95), "sigma_deg": (5.0, 40.0),
-    "reflectance": (0.3, 0.95), "edge_color": (0.3, 1.0),
+    "ior": (1.2, 2.0),
+    "roughness": (0.2, 0.7),
+    "tint": (0.3, 1.0),
+    "color": (0.05, 0.95),
+    "sigma_deg": (5.0, 40.0),
+    "reflectance": (0.3, 0.95),
+    "edge_color": (0.3, 1.0),
 }
 _KINDS = (("lambert", "ggx"), ("conductor", "ggx"), ("oren_nayar", "beckmann"), ("lambert", "beckmann"), ("conductor", "beckmann"))
 
@@ -82,5 +87,4 @@ def judged(fit: Fit, stack: Stack, clean: Measurement, model: str, noise: float)
     truth = parameters.values(parameters.coordinates(stack))
     known = [(abs(v.value / t - 1.0), v.name) for v, t in zip(certainty(fit), truth) if v.determined]
     worst, name = max(known, default=(0.0, ""))
-    return Recovery(fit.structure, noise, shape_error(f, clean.f, clean.wi[:, 2]), Metric(clean).error(f), worst, name,
-                    len(known), fit.count, fit.evaluations)
+    return Recovery(fit.structure, noise, shape_error(f, clean.f, clean.wi[:, 2]), Metric(clean).error(f), worst, name, len(known), fit.count, fit.evaluations)

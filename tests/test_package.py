@@ -32,10 +32,7 @@ def source_files() -> list[Path]:
     """Every file of the project, as paths below `ROOT`: neither built, nor hidden, except the CI script."""
     files = [path.relative_to(ROOT) for path in ROOT.rglob("*") if path.is_file()]
     return [
-        path
-        for path in files
-        if not NOT_SOURCE.intersection(path.parts)
-        and not any(part.startswith(".") or part.endswith(".egg-info") for part in path.parts)
+        path for path in files if not NOT_SOURCE.intersection(path.parts) and not any(part.startswith(".") or part.endswith(".egg-info") for part in path.parts)
     ] + [Path(".ci/run")]
 
 
@@ -57,11 +54,7 @@ def test_zip_validates_with_tags(extension_zip: Path) -> None:
 
 
 def test_zip_holds_what_runs_and_nothing_else(extension_zip: Path) -> None:
-    expected = {
-        path.as_posix()
-        for path in source_files()
-        if path.parts[0] in SHIPPED_FOLDERS or path.as_posix() in SHIPPED_FILES
-    }
+    expected = {path.as_posix() for path in source_files() if path.parts[0] in SHIPPED_FOLDERS or path.as_posix() in SHIPPED_FILES}
     assert zip_names(extension_zip) == expected
     assert SHIPPED_FILES <= expected
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Build and validate the extension with the tool that Blender itself uses, from the bpy wheel beside this Python.
 
-    extension.py build FOLDER     write FOLDER/lamina-VERSION.zip
-    extension.py validate PATH    check a zip, or a source folder
+extension.py build FOLDER     write FOLDER/lamina-VERSION.zip
+extension.py validate PATH    check a zip, or a source folder
 """
 
 import argparse

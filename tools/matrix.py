@@ -32,8 +32,16 @@ def run(blender: str, arguments: list[str]) -> tuple[tuple[str, ...], list[str]]
         why = next((line for line in said if line.startswith("lamina:")), said[-1] if said else "make failed")
         return (blender, f"not here: {why[:100]}", "", "", "", ""), []
     python = venv / "bin" / "python"
-    versions = subprocess.run([python, "-c", "import sys, numpy; from importlib.metadata import version; print('bpy', version('bpy') + ',', "
-                               "'Python', sys.version.split()[0] + ',', 'numpy', numpy.__version__)"], capture_output=True, text=True).stdout.strip()
+    versions = subprocess.run(
+        [
+            python,
+            "-c",
+            "import sys, numpy; from importlib.metadata import version; print('bpy', version('bpy') + ',', "
+            "'Python', sys.version.split()[0] + ',', 'numpy', numpy.__version__)",
+        ],
+        capture_output=True,
+        text=True,
+    ).stdout.strip()
     began = time.monotonic()
     counts = dict.fromkeys(("passed", "failed", "skipped", "error"), 0)
     failed: list[str] = []

@@ -293,8 +293,10 @@ def _frames(value, where: str, folder: Path) -> tuple[int, ...]:
             entry = str(entry) if abs(entry) <= MAX_FRAME else ""
         match = _RANGE.fullmatch(entry) if isinstance(entry, str) else None
         if match is None:
-            raise LaminaError(f'{where}: {_short(value if not isinstance(value, list) else value[i])} is no frame; '
-                              f'write numbers from -{MAX_FRAME} to {MAX_FRAME} and ranges such as 1, "1-24" or "1-24x2"')
+            raise LaminaError(
+                f"{where}: {_short(value if not isinstance(value, list) else value[i])} is no frame; "
+                f'write numbers from -{MAX_FRAME} to {MAX_FRAME} and ranges such as 1, "1-24" or "1-24x2"'
+            )
         first, last, step = int(match[1]), int(match[2] or match[1]), int(match[3] or 1)
         if step < 1 or last < first:
             raise LaminaError(f"{where}: {_short(entry)} has no frames; write FIRST-LAST or FIRST-LASTxSTEP")

@@ -82,8 +82,10 @@ def missed(outputs: Sequence[Output]) -> str:
     if not above:
         return ""
     error, item = max(above, key=lambda one: one[0])
-    return f"{len(above)} of {len(outputs)} pictures miss the tolerance of {100 * DEFAULT_TOLERANCE:g} %, the worst {item.id} ({item.look}, {item.words}) " \
-           f"by its estimated error of {100 * error:.1f} %; see {TABLE}"
+    return (
+        f"{len(above)} of {len(outputs)} pictures miss the tolerance of {100 * DEFAULT_TOLERANCE:g} %, the worst {item.id} ({item.look}, {item.words}) "
+        f"by its estimated error of {100 * error:.1f} %; see {TABLE}"
+    )
 
 
 def _seen(texts: Mapping[str, str]) -> list[str]:
@@ -118,7 +120,7 @@ def write_sheets(outputs: Sequence[Output], folder: Path, title: str, report: Ca
             frames.setdefault(output.item.id.rpartition(".")[0], []).append(output)
     shown, written, notices = list(frames.values()), [], set()
     for page, start in enumerate(range(0, len(shown), _TILES_PER_SHEET)):
-        part = shown[start:start + _TILES_PER_SHEET]
+        part = shown[start : start + _TILES_PER_SHEET]
         pictures = [_tile(group[0], folder, notices.add) for group in part]
         tiles = [Tile(group[0].item.look[:60], None, _note(group)) for group in part]
         number = f" {page + 1}" if len(shown) > _TILES_PER_SHEET else ""
@@ -145,7 +147,7 @@ def _tile(output: Output, folder: Path, report: Callable[[str], None]) -> np.nda
     height, width = picture.shape[:2]
     top, left = (_TILE - height) // 2, (_TILE - width) // 2
     cell = np.tile(np.round(255.0 * PAGE).astype(np.uint8), (_TILE, _TILE, 1))
-    cell[top:top + height, left:left + width] = picture
+    cell[top : top + height, left : left + width] = picture
     return cell
 
 

@@ -18,8 +18,7 @@ WORK = ".work"
 _POLL_SECONDS = 0.2
 
 
-def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float | None, report: Callable[[str], None],
-              replace: bool = False) -> list[Output]:
+def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float | None, report: Callable[[str], None], replace: bool = False) -> list[Output]:
     """Render what is not there yet, each within `limit` seconds; returns one output per item, failed ones with their problem.
 
     A scene that fails is tried once. Raises LaminaError when every scene does, when no worker can be started, and before anything is rendered when whole pictures of other inputs
@@ -31,8 +30,10 @@ def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float 
     left = [item for item in items if outputs[item.id].problem]
     others = [output.item.file for output in outputs.values() if output.problem == OTHER_INPUTS]
     if others and not replace:
-        raise LaminaError(f"{folder}: {len(others)} pictures of other inputs (another job, or this one as it was) have the names of this job's, "
-                          f"such as {others[0]}; choose another folder, or give --replace to render them anew")
+        raise LaminaError(
+            f"{folder}: {len(others)} pictures of other inputs (another job, or this one as it was) have the names of this job's, "
+            f"such as {others[0]}; choose another folder, or give --replace to render them anew"
+        )
     report(f"{len(items)} pictures, {len(items) - len(left)} of them are there and whole")
     if not left:
         return list(outputs.values())

@@ -63,8 +63,13 @@ def render_item(scene: bpy.types.Scene, target: bpy.types.Object, item: dict, te
 def view_of(scene) -> dict:
     """How the scene shows linear light, which an EXR does not hold: for contact sheets."""
     view = scene.view_settings
-    return {"display_device": scene.display_settings.display_device, "view_transform": view.view_transform, "look": view.look,
-            "exposure": view.exposure, "gamma": view.gamma}
+    return {
+        "display_device": scene.display_settings.display_device,
+        "view_transform": view.view_transform,
+        "look": view.look,
+        "exposure": view.exposure,
+        "gamma": view.gamma,
+    }
 
 
 def pixel_hash(channels: dict) -> str:
@@ -84,7 +89,9 @@ def _require_osl(scene) -> None:
     for material in {slot.material for thing in scene.objects for slot in thing.material_slots}:
         nodes = material.node_tree.nodes if material is not None and material.node_tree else ()
         if any(node.bl_idname == "ShaderNodeScript" and {s.name for s in node.outputs if s.is_linked} == {"BSDF"} for node in nodes):
-            raise RuntimeError(f"the material {material.name} is an OSL script alone, and this Blender was built without OSL; give the job the backend auto or nodes")
+            raise RuntimeError(
+                f"the material {material.name} is an OSL script alone, and this Blender was built without OSL; give the job the backend auto or nodes"
+            )
 
 
 def _set_up(scene, item: dict) -> None:
@@ -238,7 +245,7 @@ def problem(path: Path, inputs: str) -> tuple[str, dict[str, str]]:
 
 
 if __name__ == "__main__":
-    code = _farm(sys.argv[sys.argv.index("--") + 1:])
+    code = _farm(sys.argv[sys.argv.index("--") + 1 :])
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(code)  # some versions hang in their exit handlers

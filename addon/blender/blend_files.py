@@ -61,5 +61,5 @@ def _is_whole(path: Path) -> bool:
     table = 8 + 8 * count + 9
     if magic != 0x8F92EAB1 or table > len(data):
         return False
-    sizes = struct.unpack(f"<{2 * count}I", data[len(data) - 9 - 8 * count:-9])
+    sizes = struct.unpack(f"<{2 * count}I", data[len(data) - 9 - 8 * count : -9])
     return sum(sizes[::2]) + table == len(data)

@@ -9,10 +9,7 @@ import os
 
 import numpy as np
 
-MISSING = (
-    "Python cannot import OpenImageIO, which Blender from blender.org and the bpy wheel bring along "
-    "(Debian: apt-get install python3-openimageio)"
-)
+MISSING = "Python cannot import OpenImageIO, which Blender from blender.org and the bpy wheel bring along (Debian: apt-get install python3-openimageio)"
 # What OpenImageIO adds itself: what says when, or how a file was packed.
 _OWN = ("DateTime", "compression", "Software")
 

@@ -305,10 +305,7 @@ def _stock(material, osl_shows: bool) -> Iterator[Finding]:
 def _reaches_output(node, seen: set[str]) -> bool:
     seen.add(node.name)
     followers = [link.to_node for socket in node.outputs for link in socket.links]
-    return any(
-        n.bl_idname in ("ShaderNodeOutputMaterial", "NodeGroupOutput") or (n.name not in seen and _reaches_output(n, seen))
-        for n in followers
-    )
+    return any(n.bl_idname in ("ShaderNodeOutputMaterial", "NodeGroupOutput") or (n.name not in seen and _reaches_output(n, seen)) for n in followers)
 
 
 def _unlinked(material, shader) -> list[str]:

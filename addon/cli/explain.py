@@ -49,7 +49,9 @@ def explain(options) -> None:
         print(f"{options.object} shows views of {low:.0f} to {high:.0f} degrees on {sight.pixels:.0f} pixels")
     for patch, choice in told:
         _print(patch, choice)
-    print("cost: CPU time over a plain glossy node, estimated. albedo: worst view. soft light and shape (L1 of f): mean over the pixels. The larger of albedo and soft light counts.")
+    print(
+        "cost: CPU time over a plain glossy node, estimated. albedo: worst view. soft light and shape (L1 of f): mean over the pixels. The larger of albedo and soft light counts."
+    )
 
 
 def _choice(stack: Stack, tolerance: float, glossy: int, sight, progress) -> Choice:

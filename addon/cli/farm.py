@@ -36,8 +36,9 @@ def farm(options) -> None:
         write_text(made / "template.json", json.dumps(template(job.name, len(items), options.chunk), indent=2) + "\n")
     report(f"wrote {len(items)} pictures to render into {folder}")
     template_file, job_file = shlex.quote(str(folder.resolve() / "template.json")), shlex.quote(str(Path(options.job).resolve()))
-    report(f"here: openjd run {template_file} --step Render -p Blender=blender -p Output=/abs/FOLDER; "
-           f"then lamina batch {job_file} -o /abs/FOLDER verifies them")
+    report(
+        f"here: openjd run {template_file} --step Render -p Blender=blender -p Output=/abs/FOLDER; then lamina batch {job_file} -o /abs/FOLDER verifies them"
+    )
 
 
 @contextmanager

@@ -50,8 +50,10 @@ def fit(options) -> None:
     )  # fmt: skip
     told = outcome(measurement, selection)
     if not told["explains"]:
-        report(f"no stack that was tried explains this measurement: the best is {100.0 * told['error']:.0f} % off "
-               "(all that were tried are isotropic, and reflect no more than they receive)")
+        report(
+            f"no stack that was tried explains this measurement: the best is {100.0 * told['error']:.0f} % off "
+            "(all that were tried are isotropic, and reflect no more than they receive)"
+        )
     for warning in told["warnings"]:
         report(f"warning: {warning}")
     if options.output:
@@ -76,8 +78,10 @@ def _measurement(options, report) -> tuple[Measurement, Stack | None]:
     """The data, and the stack that they are samples of."""
     if options.sample is None:
         if Path(options.file).suffix.lower() == ".json" or options.file in presets.names():
-            raise LaminaError(f"{options.file} is a stack, not a measurement; give --sample MODEL to fit samples of a model of it, "
-                              f"or a file that ends in {', '.join(SUFFIXES)}")
+            raise LaminaError(
+                f"{options.file} is a stack, not a measurement; give --sample MODEL to fit samples of a model of it, "
+                f"or a file that ends in {', '.join(SUFFIXES)}"
+            )
         return read(options.file, options.wavelength), None
     if options.sample not in MODELS:
         raise LaminaError(f"--sample {options.sample}: unknown model; choose {', '.join(MODELS)}")
@@ -96,8 +100,9 @@ def _draw(options, measurement: Measurement, best, stack: Stack | None) -> None:
 
     truth = None
     if stack is not None and options.wavelength is None:
+
         def truth(wi, wo):
             return evaluate(options.sample, {}, stack, wo, wi, 3)
+
     with replacing(options.report) as temporary:
         picture(measurement, best, of_fit(best), truth, angles=options.theta or INCIDENT_DEG).savefig(temporary)
-

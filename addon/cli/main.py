@@ -73,8 +73,12 @@ def build_parser() -> argparse.ArgumentParser:
 
     render = _command(commands, "render", "render", "render a stack with Cycles")
     render.add_argument("stack", metavar="STACK", help=STACK_HELP)
-    render.add_argument("--scene", choices=("sphere", "ball", "furnace"), default="ball",
-                        help="a sphere in the sun, a ball in a studio, or a plane under a white world (default: %(default)s)")
+    render.add_argument(
+        "--scene",
+        choices=("sphere", "ball", "furnace"),
+        default="ball",
+        help="a sphere in the sun, a ball in a studio, or a plane under a white world (default: %(default)s)",
+    )
     render.add_argument("-o", "--output", metavar="FILE", help="picture to write: .exr (linear) or .png")
     render.add_argument("--theta", type=float, nargs="+", metavar="DEG", help="view angles of the furnace, degrees (default: 0 30 60)")
     render.add_argument("--samples", type=_samples, default=64, metavar="N", help="samples per pixel (default: %(default)s)")
@@ -86,8 +90,9 @@ def build_parser() -> argparse.ArgumentParser:
     apply.add_argument("-o", "--output", required=True, metavar="OUT.blend")
     explain = _command(commands, "explain", "explain", "say which tier the tier auto chooses for a stack, at which error and cost, and why")
     explain.add_argument("stack", metavar="STACK", help=STACK_HELP)
-    explain.add_argument("--tolerance", type=float, default=None, metavar="PERCENT",
-                         help="largest error that may be seen, in percent of the reflected light (default: 2)")
+    explain.add_argument(
+        "--tolerance", type=float, default=None, metavar="PERCENT", help="largest error that may be seen, in percent of the reflected light (default: 2)"
+    )
     explain.add_argument("--blend", metavar="FILE", help="judge by what the scene's camera sees of an object, at the render's size")
     explain.add_argument("--object", metavar="NAME", help="the object in that file")
     shader = _command(commands, "shader", "numbers", "print the OSL shader that is generated for a stack")
@@ -95,8 +100,9 @@ def build_parser() -> argparse.ArgumentParser:
     for command in (render, apply, shader):
         command.add_argument("--tier", default=None, help="how the stack is told to Cycles (default: the extension's)")
     for command in (render, apply):
-        command.add_argument("--backend", choices=BACKENDS, default=DEFAULT_BACKEND,
-                             help="stock nodes, an OSL shader, or both (default: %(default)s, both where there is OSL)")
+        command.add_argument(
+            "--backend", choices=BACKENDS, default=DEFAULT_BACKEND, help="stock nodes, an OSL shader, or both (default: %(default)s, both where there is OSL)"
+        )
     convert = _command(commands, "convert", "convert", "convert a stack to Principled or OpenPBR, or a MaterialX file to a stack, and say what was lost")
     convert.add_argument("source", metavar="STACK|FILE.mtlx", help=STACK_HELP + ", or a MaterialX file with an OpenPBR surface")
     convert.add_argument("--to", choices=("principled", "openpbr"), help="what a stack becomes")
@@ -124,11 +130,13 @@ def build_parser() -> argparse.ArgumentParser:
     demo.add_argument("--samples", type=_samples, default=48, metavar="N", help="samples per pixel (default: %(default)s)")
     demo.add_argument("--size", type=_pixels, default=288, metavar="PIXELS", help="width of a tile (default: %(default)s)")
     batch = _command(commands, "batch", "batch", "render every picture that a job file names, by several processes; run it again to go on where it stopped")
-    batch.epilog = "A job is a JSON file such as {\"stacks\": [\"clean_copper\"], \"views\": [0, 120, 240], \"size\": 128}; `--keys` lists all it can say."
+    batch.epilog = 'A job is a JSON file such as {"stacks": ["clean_copper"], "views": [0, 120, 240], "size": 128}; `--keys` lists all it can say.'
     batch.add_argument("job", metavar="JOB.json", nargs="?", help="what to render")
     batch.add_argument("-o", "--output", metavar="FOLDER", help="folder for pictures, table and contact sheets (default: named like the job)")
     batch.add_argument("--processes", type=_between(1, 256), metavar="N", help="Blenders at work at the same time (default: one for each four cores)")
-    batch.add_argument("--replace", action="store_true", help="render anew what is there of other inputs, such as of this job before it was changed (default: refuse)")
+    batch.add_argument(
+        "--replace", action="store_true", help="render anew what is there of other inputs, such as of this job before it was changed (default: refuse)"
+    )
     batch.add_argument("--no-sheet", action="store_true", help="write no contact sheets")
     batch.add_argument("--keys", action="store_true", help="list every key of a job file, and leave")
     batch.add_argument("--worker", action="store_true", help=argparse.SUPPRESS)

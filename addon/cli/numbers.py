@@ -76,9 +76,7 @@ def albedo(options) -> None:
     print_albedo(options.model, theta, value, stderr, options.json, how)
 
 
-def print_albedo(
-    model: str, theta: Sequence[float], value: np.ndarray, stderr: np.ndarray | None, as_json: bool, how: dict | None = None
-) -> None:
+def print_albedo(model: str, theta: Sequence[float], value: np.ndarray, stderr: np.ndarray | None, as_json: bool, how: dict | None = None) -> None:
     """One form for what models compute and what Cycles measures."""
     if as_json:
         result = {"model": model, **(how or {}), "theta_deg": list(theta), "albedo": value.tolist()}
@@ -103,8 +101,7 @@ def eval(options) -> None:
     else:
         value, stderr = model.f(wo_all, wi), None
     if options.json:
-        result = {"model": options.model, **how, "wo_deg": _numbers(options.wo), "wi_deg": [_numbers(w) for w in options.wi],
-                  "f": value.tolist()}
+        result = {"model": options.model, **how, "wo_deg": _numbers(options.wo), "wi_deg": [_numbers(w) for w in options.wi], "f": value.tolist()}
         print(json.dumps(result if stderr is None else {**result, "stderr": stderr.tolist()}))
         return
     print(f"{options.model}: f in 1/sr, red green blue, wo {options.wo}")

@@ -153,4 +153,3 @@ def apply(options) -> None:
     for told in notices:
         report(told)
     report(f"wrote {output}: {options.object} has {stack.name or options.stack}, tier {tier}")
-

@@ -69,10 +69,17 @@ def announce(scene=None, *_) -> None:
     """Name what a render shows wrong, with old values or provisionally. Blender 5.2 crashes when nodes change once a render has begun."""
     scene = scene if isinstance(scene, bpy.types.Scene) else bpy.context.scene
     if not shows_osl(scene, bpy.context.preferences):
-        _for_each(_is_script_alone, lambda m: print(f"Lamina: {m.name}: renders black: it is an OSL script alone, and {scene.name} shows none; {_advice(m)}"), linked=True)
+        _for_each(
+            _is_script_alone,
+            lambda m: print(f"Lamina: {m.name}: renders black: it is an OSL script alone, and {scene.name} shows none; {_advice(m)}"),
+            linked=True,
+        )
         _for_each(state.lags, lambda m: print(f"Lamina: {m.name}: {_stands_still(m) or _STOCK_BEHIND}"))
     _for_each(lambda m: m.override_library is not None and (state.is_stale(m) or state.lags(m)), _say_override, linked=True)
-    _for_each(lambda m: shader_of(m) is None, lambda m: print(f"Lamina: {m.name}: its shader node is gone: press Update in its panel, or call bpy.ops.lamina.regenerate()"))
+    _for_each(
+        lambda m: shader_of(m) is None,
+        lambda m: print(f"Lamina: {m.name}: its shader node is gone: press Update in its panel, or call bpy.ops.lamina.regenerate()"),
+    )
     _for_each(state.is_stale, lambda m: print(f"Lamina: {m.name}: {_stands_still(m) or _STALE}"))
     _for_each(
         lambda m: not state.is_stale(m) and not state.is_settled(m),

@@ -55,16 +55,17 @@ def _node_by_links(element) -> bpy.types.ShaderNodeGroup | None:
     else:
         wanted = {owner + p.osl_name for p in kind_of(element).sockets}
         nodes = [link.from_node for s in script.inputs if s.identifier in wanted for link in s.links]
-    return next((n for n in nodes if n.bl_idname == "ShaderNodeGroup" and n.node_tree is not None and n.node_tree.get(KIND_KEY) == element.kind and ID_KEY not in n), None)
+    return next(
+        (n for n in nodes if n.bl_idname == "ShaderNodeGroup" and n.node_tree is not None and n.node_tree.get(KIND_KEY) == element.kind and ID_KEY not in n),
+        None,
+    )
 
 
 def node_of(element) -> bpy.types.ShaderNodeGroup:
     """The group node that holds an element's values. Raises LaminaError when somebody deleted it."""
     node = find_node(element)
     if node is None:
-        raise LaminaError(
-            f"material {element.id_data.name}: the node of {element.name!r} was deleted; undo, remove the layer, or pick a preset anew"
-        )
+        raise LaminaError(f"material {element.id_data.name}: the node of {element.name!r} was deleted; undo, remove the layer, or pick a preset anew")
     return node
 
 
@@ -105,8 +106,7 @@ def used_features(element) -> tuple[Feature, ...]:
 
 def shown_parameters(kind: Kind, given: str) -> tuple[Parameter, ...]:
     """The parameters that every element of a kind has: those of the alternative `given` first, then the others."""
-    chosen = [kind.parameter(name) for group, choice in zip(kind.alternatives, kind.given_choices) if choice == given
-              for name in group]
+    chosen = [kind.parameter(name) for group, choice in zip(kind.alternatives, kind.given_choices) if choice == given for name in group]
     alternative = {name for group in kind.alternatives for name in group}
     return (*chosen, *(p for p in kind.parameters if p.name not in alternative))
 
@@ -125,10 +125,7 @@ def unread_parameters(element) -> tuple[Parameter, ...]:
 
 def structure_dict(element, kind: Kind) -> dict:
     """An element as JSON without values: the schema's defaults stand in, since only structure is asked for."""
-    values = {
-        p.name: getattr(element, p.name) if p.is_structural else p.default
-        for p in element_parameters(element, kind, element.given)
-    }
+    values = {p.name: getattr(element, p.name) if p.is_structural else p.default for p in element_parameters(element, kind, element.given)}
     return {"kind": element.kind, **values}
 
 

@@ -40,7 +40,10 @@ _COLUMN, _ROW = 320, 240
 
 
 def apply_stack(
-    material: bpy.types.Material, stack: Stack, tier: str = DEFAULT_TIER, backend: str | None = None,
+    material: bpy.types.Material,
+    stack: Stack,
+    tier: str = DEFAULT_TIER,
+    backend: str | None = None,
     finish: Callable[[bpy.types.Material], None] | None = None,
 ) -> None:
     """Make `material` show `stack`, in place of what it showed. Without `backend` (a key of BACKENDS) its own one stays.

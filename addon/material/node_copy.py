@@ -155,9 +155,11 @@ def _copy_animation(here: bpy.types.NodeTree, there: bpy.types.NodeTree, renamed
         if path := renamed(curve.data_path):
             copy = there.animation_data_create().drivers.from_existing(src_driver=curve)
             copy.data_path = path
-    own = [] if data.action is None or data.action_slot is None else [
-        bag for layer in data.action.layers for strip in layer.strips if (bag := strip.channelbag(data.action_slot)) is not None
-    ]
+    own = (
+        []
+        if data.action is None or data.action_slot is None
+        else [bag for layer in data.action.layers for strip in layer.strips if (bag := strip.channelbag(data.action_slot)) is not None]
+    )
     left = False
     for bag in channel_bags(data):
         found = [(curve, path) for curve in bag.fcurves if (path := renamed(curve.data_path))]

@@ -79,16 +79,10 @@ def _enum(name: str, items: list[tuple[str, str]], label: str, help_text: str, d
 def structure_annotations(schema: Schema) -> dict:
     """One enum per structural parameter of the schema, one switch per feature, and `given`, the alternative that describes a kind."""
     kinds = (*schema.layers.values(), *schema.bases.values())
-    annotations = {
-        p.name: _enum(p.name, [(c, choice_label(c)) for c in p.choices], p.label, p.help, p.default)
-        for kind in kinds
-        for p in kind.structure
-    }
+    annotations = {p.name: _enum(p.name, [(c, choice_label(c)) for c in p.choices], p.label, p.help, p.default) for kind in kinds for p in kind.structure}
     for feature in {f.name: f for kind in kinds for f in kind.features}.values():
         name = f"use_{feature.name}"
-        annotations[name] = BoolProperty(
-            name=feature.label, description=feature.help, options=_NOT_ANIMATABLE, update=_update(name)
-        )
+        annotations[name] = BoolProperty(name=feature.label, description=feature.help, options=_NOT_ANIMATABLE, update=_update(name))
     given = [(choice, kind.given_label(choice)) for kind in kinds for choice in kind.given_choices]
     if given:
         annotations["given"] = _enum("given", given, "Given By", "What describes this material", given[0][0])

@@ -16,9 +16,7 @@ def require_editable(material: bpy.types.Material) -> None:
     if material.library is not None:
         raise LaminaError(f"material {material.name} is linked from {material.library.filepath}; make it local to edit it")
     if material.override_library is not None:
-        raise LaminaError(
-            f"material {material.name} is a library override, of which Blender keeps no values of nodes; make it local to edit it"
-        )
+        raise LaminaError(f"material {material.name} is a library override, of which Blender keeps no values of nodes; make it local to edit it")
 
 
 def is_own(material: bpy.types.Material) -> bool:

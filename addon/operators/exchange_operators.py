@@ -169,4 +169,11 @@ class LAMINA_MT_exchange(bpy.types.Menu):
         layout.operator("lamina.bake_textures", text="Bake to Textures...", icon="RENDER_STILL")
 
 
-CLASSES = (LAMINA_OT_convert_principled, LAMINA_OT_principled_copy, LAMINA_OT_principled_copies, LAMINA_OT_export_mtlx, LAMINA_OT_import_mtlx, LAMINA_MT_exchange)
+CLASSES = (
+    LAMINA_OT_convert_principled,
+    LAMINA_OT_principled_copy,
+    LAMINA_OT_principled_copies,
+    LAMINA_OT_export_mtlx,
+    LAMINA_OT_import_mtlx,
+    LAMINA_MT_exchange,
+)

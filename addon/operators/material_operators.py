@@ -50,7 +50,11 @@ def what_gives_way(material: bpy.types.Material) -> str:
         return ""
     words = {"node": entry.former.label or entry.former.name, "count": entry.bodies}
     if entry.is_mixed:
-        told = rpt_("{node}, one of {count} surfaces that are mixed, gives way; the others stay") if entry.bodies > 1 else rpt_("{node} gives way; what it is mixed with stays")
+        told = (
+            rpt_("{node}, one of {count} surfaces that are mixed, gives way; the others stay")
+            if entry.bodies > 1
+            else rpt_("{node} gives way; what it is mixed with stays")
+        )
     elif entry.former.bl_idname != "ShaderNodeBsdfPrincipled":
         told = rpt_("{node} gives way as a whole; it stays in the node tree without a link")
     else:

@@ -5,8 +5,7 @@ import bpy
 import numpy as np
 
 
-def mesh_of(name: str, vertices: np.ndarray, faces: np.ndarray, uv: np.ndarray, smooth: bool,
-          slots: np.ndarray | None = None) -> bpy.types.Mesh:
+def mesh_of(name: str, vertices: np.ndarray, faces: np.ndarray, uv: np.ndarray, smooth: bool, slots: np.ndarray | None = None) -> bpy.types.Mesh:
     """Mesh from (v, 3) positions, (f, 4) quads (a last index of -1 makes a triangle), (v, 2) UVs, (f,) slots."""
     used = faces >= 0
     loops, corners = faces[used], used.sum(axis=1)
@@ -44,8 +43,7 @@ def lathe(name: str, profile: np.ndarray, segments: int, slots: np.ndarray | Non
     vertices = np.stack(np.broadcast_arrays(radius * np.cos(phi), radius * np.sin(phi), height), axis=-1)
     corner = np.arange(rows - 1)[:, None] * segments
     here, after = np.arange(segments), np.roll(np.arange(segments), -1)
-    faces = np.stack(np.broadcast_arrays(corner + here, corner + segments + here, corner + segments + after,
-                                         corner + after), axis=-1)
+    faces = np.stack(np.broadcast_arrays(corner + here, corner + segments + here, corner + segments + after, corner + after), axis=-1)
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(profile, axis=0), axis=1))])
     uv = np.stack(np.broadcast_arrays(here / segments, 1.0 - (length / length[-1])[:, None]), axis=-1)
     # a pole is one vertex: the first of its row
@@ -116,11 +114,9 @@ def ball_mesh(name: str, segments: int = 256) -> bpy.types.Mesh:
     inner = 1.0 - BAND_DEPTH
     upper = _arc(0.0, BAND_TOP, 1.0, 140)
     upper[0, 0] = 0.0
-    lip = round_corners(np.concatenate([_arc(BAND_TOP - 1.8, BAND_TOP, 1.0, 2), _arc(BAND_TOP, BAND_TOP, inner, 1)]),
-                         np.full(3, 0.028))
+    lip = round_corners(np.concatenate([_arc(BAND_TOP - 1.8, BAND_TOP, 1.0, 2), _arc(BAND_TOP, BAND_TOP, inner, 1)]), np.full(3, 0.028))
     core = _arc(BAND_TOP, BAND_BOTTOM, inner, 10)
-    low_lip = round_corners(np.concatenate([_arc(BAND_BOTTOM, BAND_BOTTOM, inner, 1),
-                                             _arc(BAND_BOTTOM, BAND_BOTTOM + 1.8, 1.0, 2)]), np.full(3, 0.028))
+    low_lip = round_corners(np.concatenate([_arc(BAND_BOTTOM, BAND_BOTTOM, inner, 1), _arc(BAND_BOTTOM, BAND_BOTTOM + 1.8, 1.0, 2)]), np.full(3, 0.028))
     lower = _arc(BAND_BOTTOM + 1.9, BALL_END, 1.0, 40)
     upper = upper[upper[:, 1] > lip[0, 1] + 0.002]
     pieces = [upper, lip, core, low_lip, lower]
@@ -131,16 +127,14 @@ def ball_mesh(name: str, segments: int = 256) -> bpy.types.Mesh:
 def stand_mesh(name: str, segments: int = 192) -> bpy.types.Mesh:
     """Low round foot that carries the ball of `ball_mesh` (centre at the origin); its underside is at STAND_FLOOR."""
     r, z = np.sin(np.radians(BALL_END)), np.cos(np.radians(BALL_END))
-    points = np.array([[r - 0.06, z - 0.02], [r + 0.015, z + 0.012], [r + 0.035, z - 0.06], [r + 0.17, z - 0.12],
-                       [r + 0.17, STAND_FLOOR], [0.0, STAND_FLOOR]])
+    points = np.array([[r - 0.06, z - 0.02], [r + 0.015, z + 0.012], [r + 0.035, z - 0.06], [r + 0.17, z - 0.12], [r + 0.17, STAND_FLOOR], [0.0, STAND_FLOOR]])
     return lathe(name, round_corners(points, np.array([0, 0.02, 0.05, 0.035, 0.01, 0])), segments)
 
 
 STAND_FLOOR = -1.04
 
 
-def backdrop_mesh(name: str, half_width: float = 14.0, front: float = -9.0, back: float = 4.5, height: float = 11.0,
-                  bend: float = 3.0) -> bpy.types.Mesh:
+def backdrop_mesh(name: str, half_width: float = 14.0, front: float = -9.0, back: float = 4.5, height: float = 11.0, bend: float = 3.0) -> bpy.types.Mesh:
     """Floor at z = 0 that bends up into a wall at y = `back`; V runs from the front edge (0) to the top (1)."""
     angle = np.linspace(0.0, 0.5 * np.pi, 48)
     curve = np.stack([back - bend + bend * np.sin(angle), bend - bend * np.cos(angle)], axis=1)

@@ -39,8 +39,9 @@ def _plain_diffuse() -> bpy.types.Material:
     return material
 
 
-def render_sun_sphere(material: bpy.types.Material, sun_theta_deg: float, size: int = 128, *,
-                      window: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> dict[str, np.ndarray]:
+def render_sun_sphere(
+    material: bpy.types.Material, sun_theta_deg: float, size: int = 128, *, window: tuple[float, float, float] = (0.0, 0.0, 1.0)
+) -> dict[str, np.ndarray]:
     """Goniometer: a sphere of `material`, seen from +z by an orthographic camera, lit by one parallel sun.
 
     sun_theta_deg: angle between sun and view, 0 to 180; the sun stands in the plane y = 0, on the side of +x.
@@ -92,14 +93,18 @@ def render_sun_sphere(material: bpy.types.Material, sun_theta_deg: float, size: 
     normal = picture.layer("Geometry.Normal", "XYZ")
     mask = np.linalg.norm(normal, axis=-1) > 0.5
     return {
-        "radiance": picture.layer("Beauty.Combined"), "normal": normal, "mask": mask,
+        "radiance": picture.layer("Beauty.Combined"),
+        "normal": normal,
+        "mask": mask,
         "position": picture.layer("Geometry.Position", "XYZ") * mask[..., None],
-        "wi": wi, "wo": np.array([0.0, 0.0, 1.0]),
+        "wi": wi,
+        "wo": np.array([0.0, 0.0, 1.0]),
     }
 
 
-def render_furnace(material: bpy.types.Material, theta_deg_list: Sequence[float], samples: int = 64, size: int = 32, *,
-                   seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+def render_furnace(
+    material: bpy.types.Material, theta_deg_list: Sequence[float], samples: int = 64, size: int = 32, *, seed: int = 0
+) -> tuple[np.ndarray, np.ndarray]:
     """White furnace: directional albedo of `material` at view angles `theta_deg_list` (degrees from the normal).
 
     A plane under a world of radiance 1, looked at along one direction, size * size pixels of `samples` samples each.

@@ -41,8 +41,7 @@ def _common(scene: bpy.types.Scene, samples: int, size: int | tuple[int, int]) -
     scene.display_settings.display_device = "sRGB"
 
 
-def measurement_settings(scene: bpy.types.Scene, samples: int, size: int | tuple[int, int], *,
-                         max_bounces: int = 0, seed: int = 0) -> None:
+def measurement_settings(scene: bpy.types.Scene, samples: int, size: int | tuple[int, int], *, max_bounces: int = 0, seed: int = 0) -> None:
     """Set up `scene` so that its pixels are plain Monte Carlo estimates in linear float32.
 
     CPU Cycles, OSL on where there is OSL, pixels that do not overlap (box filter of width .01), nothing that trades

@@ -39,9 +39,17 @@ class Line(NamedTuple):
     align: str = "CENTER"
 
 
-def render_sheet(items: Sequence[Tile], out_path: str | os.PathLike, columns: int = 5, tile_px: int = 320,
-                 samples: int = 24, progress: Callable[[float, str], None] | None = None, *, title: str = "",
-                 metadata: dict[str, str] | None = None) -> None:
+def render_sheet(
+    items: Sequence[Tile],
+    out_path: str | os.PathLike,
+    columns: int = 5,
+    tile_px: int = 320,
+    samples: int = 24,
+    progress: Callable[[float, str], None] | None = None,
+    *,
+    title: str = "",
+    metadata: dict[str, str] | None = None,
+) -> None:
     """Render `items` and write the labelled page as a PNG (with text `metadata`), whole or not at all.
 
     All tiles share camera, lights and seed, so they compare. `progress(done, text)` is called before each tile and
@@ -85,7 +93,7 @@ def compose(pictures: Sequence[np.ndarray], items: Sequence[Tile], columns: int,
     for i, (picture, item) in enumerate(zip(pictures, items)):
         x = margin + (i % columns) * (wide + gap)
         y = margin + head + (i // columns) * (high + caption + gap)
-        place = page[y:y + high, x:x + wide]
+        place = page[y : y + high, x : x + wide]
         place += mask * (picture / 255.0 - place)
         lines.append(Line(item.label, x + wide / 2, y + high + 28 * unit, 20 * unit, 0.9, 0.96 * wide))
         if item.note:

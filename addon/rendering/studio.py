@@ -30,8 +30,9 @@ class Studio(NamedTuple):
         bpy.data.batch_remove(self.owned)
 
 
-def build_ball_scene(material: bpy.types.Material | None = None, tile_px: int | tuple[int, int] = 320, samples: int = 24,
-                     *, name: str = "Lamina Studio") -> Studio:
+def build_ball_scene(
+    material: bpy.types.Material | None = None, tile_px: int | tuple[int, int] = 320, samples: int = 24, *, name: str = "Lamina Studio"
+) -> Studio:
     """New scene with one ball (radius 1 m) of `material`, camera, lights and render settings, ready to render.
 
     `tile_px` is the width and height in pixels, or both; the ball is whole in a picture of any shape. The window's scene is left
@@ -80,8 +81,9 @@ def _lights(scene: bpy.types.Scene) -> None:
     _aim(add_object(scene, "Halo", halo), (0.0, -0.6, 5.2), Vector((0.0, 4.5, 1.9)))
 
 
-def _softbox(scene: bpy.types.Scene, name: str, location: tuple[float, float, float], size: tuple[float, float],
-             power: float, *, edge: float, warmth: float) -> None:
+def _softbox(
+    scene: bpy.types.Scene, name: str, location: tuple[float, float, float], size: tuple[float, float], power: float, *, edge: float, warmth: float
+) -> None:
     """Area light of `power` W aimed at the ball, fading out over the outer `edge` of its width, as a diffuser does."""
     light = bpy.data.lights.new(name, "AREA")
     light.shape, light.energy = "RECTANGLE", power

@@ -25,9 +25,7 @@ class ShaderInput:
     parameter: Parameter
 
 
-TANGENT_INPUT = ShaderInput(
-    TANGENT, TANGENT, Parameter("tangent", VECTOR, (0.0, 0.0, 0.0), TANGENT, "Direction that anisotropic surfaces are rougher along")
-)
+TANGENT_INPUT = ShaderInput(TANGENT, TANGENT, Parameter("tangent", VECTOR, (0.0, 0.0, 0.0), TANGENT, "Direction that anisotropic surfaces are rougher along"))
 
 
 def layer_owner(index: int) -> str:
@@ -53,7 +51,5 @@ def shader_inputs(stack: Stack, schema: Schema = SCHEMA) -> tuple[ShaderInput, .
     if any(element.has(ANISOTROPY) for _, element, _ in owners):
         inputs.append(TANGENT_INPUT)
     if len(inputs) > MAX_INPUTS:
-        raise LaminaError(
-            f"{len(stack.layers)} layers need {len(inputs)} shader parameters, and Cycles takes {MAX_INPUTS}; choose fewer layers"
-        )
+        raise LaminaError(f"{len(stack.layers)} layers need {len(inputs)} shader parameters, and Cycles takes {MAX_INPUTS}; choose fewer layers")
     return tuple(inputs)

@@ -31,9 +31,7 @@ class LAMINA_UL_layers(bpy.types.UIList):
         draw_facts(context, name, element)
         buttons = row.row(align=True)
         soloed = lamina.solo == element.node
-        buttons.operator(
-            layer_ops.LAMINA_OT_layer_solo.bl_idname, text="", emboss=False, icon="SOLO_ON" if soloed else "SOLO_OFF"
-        ).index = index
+        buttons.operator(layer_ops.LAMINA_OT_layer_solo.bl_idname, text="", emboss=False, icon="SOLO_ON" if soloed else "SOLO_OFF").index = index
         draw_choice(buttons, element, "visible", text="", emboss=False, icon="HIDE_OFF" if element.visible else "HIDE_ON")
         buttons.operator(layer_ops.LAMINA_OT_layer_drag.bl_idname, text="", emboss=False, icon="GRIP").index = index
 
@@ -90,9 +88,7 @@ def _select_row(_window, index: int) -> None:
 class LaminaWindow(bpy.types.PropertyGroup):
     """What the list of layers needs outside of the material that the context shows, so that a click does not touch it."""
 
-    active_layer: bpy.props.IntProperty(
-        name="Active Layer", description="Layer shown below the list", min=0, get=_row_selected, set=_select_row, options=set()
-    )
+    active_layer: bpy.props.IntProperty(name="Active Layer", description="Layer shown below the list", min=0, get=_row_selected, set=_select_row, options=set())
 
 
 class LAMINA_MT_add_layer(bpy.types.Menu):

@@ -65,7 +65,9 @@ def _has_film(slots: Slots) -> bool:
 def _unmatched(parameter: str, color: np.ndarray, match: Match) -> list[Loss]:
     if np.max(np.abs(match.mean_error)) <= _REACHED:
         return []
-    return [Loss(parameter, color, APPROXIMATED, f"no color in range is as bright or dark as it should be; the mean albedo is off by {shown(match.mean_error)}")]
+    return [
+        Loss(parameter, color, APPROXIMATED, f"no color in range is as bright or dark as it should be; the mean albedo is off by {shown(match.mean_error)}")
+    ]
 
 
 def lost_if(losses: list[Loss], parameter: str, value, default, how: str) -> None:

@@ -59,6 +59,7 @@ def known_hand_over(stack: Stack, textured: bool) -> HandOver | None:
 
 def solved(stack: Stack, textured: bool) -> HandOver:
     """With the base color solved, and, where `textured`, with a map for textures of it. Raises LaminaError."""
+
     def make() -> HandOver:
         converted = to_principled(stack, textured)
         return HandOver(converted.values, converted.owners, converted.report.match.soft_light, converted.colors)

@@ -19,9 +19,7 @@ SUFFIX = ".mtlx"
 _VERSION = "1.39"
 _SURFACE, _MATERIAL = "open_pbr_surface", "surfacematerial"
 _MAX_DEPTH = 32
-_UNIT_RANGE = frozenset(
-    p for p in DEFAULTS if p.endswith(("weight", "color", "roughness", "metalness", "anisotropy", "opacity", "darkening"))
-)
+_UNIT_RANGE = frozenset(p for p in DEFAULTS if p.endswith(("weight", "color", "roughness", "metalness", "anisotropy", "opacity", "darkening")))
 _MOST = {"specular_ior": 10.0, "coat_ior": 10.0, "thin_film_ior": 10.0, "thin_film_thickness": 1000.0, "emission_luminance": 1e9}
 
 

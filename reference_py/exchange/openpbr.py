@@ -107,7 +107,9 @@ def _slots(values: dict, is_metal: bool, losses: list[Loss]) -> Slots:
     roughness, features = _smooth("specular", values)
     if values["specular_roughness_anisotropy"]:
         clear = values["specular_roughness_anisotropy"] <= _BLENDER_RATIO
-        losses.append(Loss("specular_roughness_anisotropy", values["specular_roughness_anisotropy"], KEPT if clear else APPROXIMATED, f"at most {_BLENDER_RATIO}"))
+        losses.append(
+            Loss("specular_roughness_anisotropy", values["specular_roughness_anisotropy"], KEPT if clear else APPROXIMATED, f"at most {_BLENDER_RATIO}")
+        )
     features |= _film(values, losses)
     if is_metal:
         edge = edge_of_f82(color, np.clip(values["specular_color"], 0.0, 1.0))
@@ -115,10 +117,19 @@ def _slots(values: dict, is_metal: bool, losses: list[Loss]) -> Slots:
         return Slots(tuple(color * values["specular_weight"]), edge=tuple(edge), roughness=roughness, features=features, **coat)
     lost_if(losses, "specular_color", values["specular_color"], _WHITE, "a dielectric's highlight has no color")
     eta = effective_ior(values["specular_ior"] / above, 0.5 * values["specular_weight"])
-    losses.append(Loss("specular_ior", values["specular_ior"], KEPT if values["specular_weight"] == 1.0 else APPROXIMATED, f"as an index of {eta:.4g} to what is above"))
+    losses.append(
+        Loss("specular_ior", values["specular_ior"], KEPT if values["specular_weight"] == 1.0 else APPROXIMATED, f"as an index of {eta:.4g} to what is above")
+    )
     sigma = sigma_of_fujii(values["base_diffuse_roughness"])
     if sigma:
-        losses.append(Loss("base_diffuse_roughness", values["base_diffuse_roughness"], APPROXIMATED if sigma == 90.0 else KEPT, f"as a slope deviation of {sigma:.4g} degrees"))
+        losses.append(
+            Loss(
+                "base_diffuse_roughness",
+                values["base_diffuse_roughness"],
+                APPROXIMATED if sigma == 90.0 else KEPT,
+                f"as a slope deviation of {sigma:.4g} degrees",
+            )
+        )
     gloss = None if abs(eta - 1.0) < 1e-9 else Surface(eta, roughness, features)
     return Slots(tuple(color), sigma_deg=sigma, gloss=gloss, **coat)
 

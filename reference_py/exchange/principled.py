@@ -91,7 +91,9 @@ def _slots(values: dict, is_metal: bool, used: frozenset[str], losses: list[Loss
     losses.append(Loss("Base Color", color, APPROXIMATED, "solved such that the mean albedo stays"))
     losses.append(Loss("Roughness", values["Roughness"], KEPT, "as roughness"))
     features = _features(values, used)
-    losses += [Loss(socket, values[socket], KEPT, "as it is") for socket, _, p in PLACES if p in features and socket in values and not socket.startswith("Coat")]
+    losses += [
+        Loss(socket, values[socket], KEPT, "as it is") for socket, _, p in PLACES if p in features and socket in values and not socket.startswith("Coat")
+    ]
     if values["Thin Film Thickness"] > features.get("film_thickness", 0.0):
         losses.append(Loss("Thin Film Thickness", values["Thin Film Thickness"], APPROXIMATED, "a film is at most 2000 nm"))
     coat = _coat(values, used, losses)

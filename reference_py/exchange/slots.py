@@ -130,8 +130,8 @@ def from_stack(stack: Stack, name: str, room: frozenset[str] = frozenset()) -> P
     tau = sum((optical_depth(e["tint"], e["thickness"]) for _, e in layers), np.zeros(3))
     is_metal = stack.base.kind == "conductor"
     tinted = bool(np.max(tau) > _WHITE)
-    as_gloss = not is_metal and len(working) == 1 and not working[0][1].has(COVERAGE) and (
-        not tinted or any(working[0][1].has(f) for f in (ANISOTROPY, THIN_FILM))
+    as_gloss = (
+        not is_metal and len(working) == 1 and not working[0][1].has(COVERAGE) and (not tinted or any(working[0][1].has(f) for f in (ANISOTROPY, THIN_FILM)))
     )
     coat = None if as_gloss or not layers else (working or layers)[0]
     rest = working[1:] if coat and working else working if as_gloss else []
@@ -141,8 +141,12 @@ def from_stack(stack: Stack, name: str, room: frozenset[str] = frozenset()) -> P
     slots = _base_slots(stack, _medium_above_base(layers), losses, name)
     if coat:
         tint = tuple(np.exp(-2.0 * tau))
-        slots = replace(slots, coat=Surface(above, coat[1]["roughness"], _features(coat[1])), coat_tint=tint,
-                        coat_weight=coat[1]["coverage"] if coat[1].has(COVERAGE) else 1.0)
+        slots = replace(
+            slots,
+            coat=Surface(above, coat[1]["roughness"], _features(coat[1])),
+            coat_tint=tint,
+            coat_weight=coat[1]["coverage"] if coat[1].has(COVERAGE) else 1.0,
+        )
     if gloss:
         slots = replace(slots, gloss=Surface(gloss[1]["ior"] / above, gloss[1]["roughness"], _features(gloss[1])))
     for index, layer in layers:
@@ -215,8 +219,10 @@ def _layer_losses(where: str, layer: Element, role: str | None, in_color: bool, 
     for feature in (ANISOTROPY, THIN_FILM):
         if layer.has(feature):
             kept = role == GLOSS or (role == COAT and feature.name in room)
-            losses += [Loss(f"{where} {p.name}", layer[p.name], KEPT if kept else LOST,
-                            "as it is" if kept else f"{name} has no place for it here") for p in feature.parameters]
+            losses += [
+                Loss(f"{where} {p.name}", layer[p.name], KEPT if kept else LOST, "as it is" if kept else f"{name} has no place for it here")
+                for p in feature.parameters
+            ]
     if layer.has(NORMAL):
         losses.append(Loss(f"{where} normal", "", KEPT if role else LOST, f"as the {role}'s" if role else "goes with its interface"))
     return losses
@@ -228,8 +234,15 @@ def to_stack(slots: Slots, name: str, source: str, losses: list[Loss]) -> tuple[
     if slots.coat:
         n = _ior(slots.coat.eta, "coat IOR", losses)
         owners[COAT] = len(rows)
-        row = {"kind": "dielectric", "name": "Coat", "ior": n, "roughness": slots.coat.roughness, "tint": list(slots.coat_tint),
-               "thickness": _ONE_WAY, **slots.coat.features}
+        row = {
+            "kind": "dielectric",
+            "name": "Coat",
+            "ior": n,
+            "roughness": slots.coat.roughness,
+            "tint": list(slots.coat_tint),
+            "thickness": _ONE_WAY,
+            **slots.coat.features,
+        }
         rows.append(row | ({"coverage": slots.coat_weight} if slots.coat_weight < 1.0 else {}))
     if slots.gloss:
         n = _ior(n * slots.gloss.eta, "IOR", losses)
@@ -237,8 +250,13 @@ def to_stack(slots: Slots, name: str, source: str, losses: list[Loss]) -> tuple[
         rows.append({"kind": "dielectric", "name": "Gloss", "ior": n, "roughness": slots.gloss.roughness, **slots.gloss.features})
     if slots.is_metal:
         reflectance, edge = artist_color(*(n * part for part in metal_index(slots.color, slots.edge)))
-        base = {"kind": "conductor", "reflectance": list(np.minimum(reflectance, MOST_REFLECTANCE)), "edge_color": list(edge),
-                "roughness": slots.roughness, **slots.features}
+        base = {
+            "kind": "conductor",
+            "reflectance": list(np.minimum(reflectance, MOST_REFLECTANCE)),
+            "edge_color": list(edge),
+            "roughness": slots.roughness,
+            **slots.features,
+        }
     elif slots.sigma_deg > 0.0:
         base = {"kind": "oren_nayar", "color": list(slots.color), "sigma_deg": slots.sigma_deg}
     else:
@@ -251,8 +269,11 @@ def _plain(value):
     """The same with Python's own floats."""
     if isinstance(value, dict):
         return {key: _plain(v) for key, v in value.items()}
-    return [float(v) for v in value] if isinstance(value, list) and value and not isinstance(value[0], dict) else (
-        [_plain(v) for v in value] if isinstance(value, list) else float(value) if isinstance(value, np.floating) else value)
+    return (
+        [float(v) for v in value]
+        if isinstance(value, list) and value and not isinstance(value[0], dict)
+        else ([_plain(v) for v in value] if isinstance(value, list) else float(value) if isinstance(value, np.floating) else value)
+    )
 
 
 def _ior(ior: float, parameter: str, losses: list[Loss]) -> float:

@@ -8,6 +8,7 @@
 A stack is fitted by bounded least squares (`solve`) of a compressed residual (`metric`). Needs numpy alone, so that it
 runs inside Blender.
 """
+
 from .fitting import Fit, fit_structure
 from .readers import read
 from .readers.measurement import Measurement

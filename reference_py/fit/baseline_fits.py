@@ -166,8 +166,7 @@ def _ward(v, wi, wo):
 def _lafortune_terms() -> tuple[Term, ...]:
     terms = [_DIFFUSE]
     for s, usual in (("_1", (-1.1, -0.8)), ("_2", (-1.1, 1.0)), ("_3", (0.3, 1.0))):
-        terms += [Term(f"c_xy{s}", "color", -1.3, 1.3, usual), Term(f"c_z{s}", "color", -1.3, 1.3, (0.0, 1.0)),
-                  Term(f"n{s}", "color", 0.5, 500.0, (1.0, 60.0))]
+        terms += [Term(f"c_xy{s}", "color", -1.3, 1.3, usual), Term(f"c_z{s}", "color", -1.3, 1.3, (0.0, 1.0)), Term(f"n{s}", "color", 0.5, 500.0, (1.0, 60.0))]
     return tuple(terms)
 
 
@@ -175,7 +174,6 @@ BASELINE_MODELS = (
     PeerModel("ggx_lambert", "GGX and Lambert", (_DIFFUSE, *_specular()), _ggx),
     PeerModel("ward", "Ward 1992", (_DIFFUSE, *_specular()), _ward),
     PeerModel("ashikhmin_shirley", "Ashikhmin and Shirley 2000", (_DIFFUSE, *_specular()), _ashikhmin_shirley),
-    PeerModel("cook_torrance", "Cook and Torrance 1982, two lobes",
-              (_DIFFUSE, *_specular("_1", 0.03, 0.2), *_specular("_2", 0.2, 0.8)), _cook_torrance),
+    PeerModel("cook_torrance", "Cook and Torrance 1982, two lobes", (_DIFFUSE, *_specular("_1", 0.03, 0.2), *_specular("_2", 0.2, 0.8)), _cook_torrance),
     PeerModel("lafortune", "Lafortune et al. 1997, three lobes", _lafortune_terms(), _lafortune),
 )

@@ -47,8 +47,11 @@ def _rest(stack: Stack) -> np.ndarray:
 
 def _interpolated(table: np.ndarray, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
     cos_phi = (wo[:, 0] * wi[:, 0] + wo[:, 1] * wi[:, 1]) / np.maximum(np.hypot(*wo[:, :2].T) * np.hypot(*wi[:, :2].T), 1e-12)
-    at = [np.arccos(np.clip(wo[:, 2], 0.0, 1.0)) * 2.0 / np.pi, np.arccos(np.clip(wi[:, 2], 0.0, 1.0)) * 2.0 / np.pi,
-          np.arccos(np.clip(cos_phi, -1.0, 1.0)) / np.pi]
+    at = [
+        np.arccos(np.clip(wo[:, 2], 0.0, 1.0)) * 2.0 / np.pi,
+        np.arccos(np.clip(wi[:, 2], 0.0, 1.0)) * 2.0 / np.pi,
+        np.arccos(np.clip(cos_phi, -1.0, 1.0)) / np.pi,
+    ]
     low, share = [], []
     for u, n in zip(at, table.shape):
         i = np.minimum((u * (n - 1)).astype(int), n - 2)

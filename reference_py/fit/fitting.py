@@ -90,7 +90,11 @@ def subsampled(measurement: Measurement, samples: int = SAMPLES, seed: int = 0) 
 
 
 def rough_fits(
-    metric: Metric, structure: Structure, model: str, starts: int, rng: np.random.Generator,
+    metric: Metric,
+    structure: Structure,
+    model: str,
+    starts: int,
+    rng: np.random.Generator,
     known: Sequence[tuple[Parameters, np.ndarray, int]] = (),
 ) -> list[Solution]:
     """Fits of the stand-in from several starts, best first; see `best_starts`."""
@@ -106,8 +110,14 @@ def _solved(forward: Forward, x: np.ndarray, pull: float, tolerance: float, step
 
 
 def refined(
-    metric: Metric, structure: Structure, model: str, x: np.ndarray, steps: int = STEPS, progress: Progress | None = None,
-    options: Mapping = MappingProxyType({}), slopes: np.ndarray | None = None,
+    metric: Metric,
+    structure: Structure,
+    model: str,
+    x: np.ndarray,
+    steps: int = STEPS,
+    progress: Progress | None = None,
+    options: Mapping = MappingProxyType({}),
+    slopes: np.ndarray | None = None,
 ) -> Fit:
     """The fit of the model itself, begun at coordinates (p,); `options` are those of a slow model, such as `QUICK`.
 
@@ -155,7 +165,10 @@ def refined(
 
 
 def settled(
-    fit: Fit, progress: Progress | None = None, options: Mapping = MappingProxyType({}), steps: int = STEPS,
+    fit: Fit,
+    progress: Progress | None = None,
+    options: Mapping = MappingProxyType({}),
+    steps: int = STEPS,
 ) -> Fit:
     """The fit continued with the model's own derivatives, which are then those of the result.
 
@@ -188,7 +201,13 @@ def settled(
 
 
 def corrected(
-    coarse: Forward, lack: np.ndarray, lacks: np.ndarray, at: np.ndarray, radius: float, target: np.ndarray, pull: float = FINE,
+    coarse: Forward,
+    lack: np.ndarray,
+    lacks: np.ndarray,
+    at: np.ndarray,
+    radius: float,
+    target: np.ndarray,
+    pull: float = FINE,
 ) -> Solution:
     """Fit of the stand-in plus `lack` (m,) at coordinates `at` (p,), which changes by `lacks` (m, p), near them."""
     return pulled(
@@ -200,8 +219,13 @@ def corrected(
 
 
 def fit_structure(
-    measurement: Measurement, structure: Structure, model: str = DEFAULT_MODEL, samples: int = SAMPLES, starts: int = STARTS,
-    seed: int = 0, progress: Progress | None = None,
+    measurement: Measurement,
+    structure: Structure,
+    model: str = DEFAULT_MODEL,
+    samples: int = SAMPLES,
+    starts: int = STARTS,
+    seed: int = 0,
+    progress: Progress | None = None,
     options: Mapping = MappingProxyType({}),
 ) -> Fit:
     """The best stack of one structure; `options` as in `refined`. Raises LaminaError for a model that cannot be fitted."""

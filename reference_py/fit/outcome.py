@@ -50,8 +50,10 @@ def _warnings(metric: Metric, f: np.ndarray) -> list[str]:
     share, factor = metric.hidden(f)
     if share <= _HIDDEN_SHARE:
         return []
-    return [f"{100.0 * share:.0f} % of the values are off by more than a factor of two ({factor:.2g} in the median) "
-            "but hardly count, as they are dim beside the highlight"]
+    return [
+        f"{100.0 * share:.0f} % of the values are off by more than a factor of two ({factor:.2g} in the median) "
+        "but hardly count, as they are dim beside the highlight"
+    ]
 
 
 def lines(told: dict) -> list[str]:
@@ -66,8 +68,9 @@ def lines(told: dict) -> list[str]:
         "by region: " + ", ".join(f"{name} {100.0 * error:.1f} %" for name, error in told["error_by_region"].items()),
     ]
     for row in told["tried"]:
-        text.append(f"  tried {row['structure']:24} {row['parameters']:3d} parameters   error {100.0 * row['error']:.2f} % "
-                    f"of the {told['fitted_pairs']} fitted pairs")
+        text.append(
+            f"  tried {row['structure']:24} {row['parameters']:3d} parameters   error {100.0 * row['error']:.2f} % of the {told['fitted_pairs']} fitted pairs"
+        )
     text.append(told["reason"])
     for value in told["parameters"]:
         note = "" if value["determined"] else "   not determined by the data"

@@ -90,8 +90,7 @@ class Parameters:
     def names(self) -> list[str]:
         """One name per coordinate."""
         color = ("red", "green", "blue") if self.channels == 3 else ("",)
-        return [f"{c} {g.name}".strip() if g.is_color else g.name for g in self.groups
-                for c in (color if g.is_color else ("",))]
+        return [f"{c} {g.name}".strip() if g.is_color else g.name for g in self.groups for c in (color if g.is_color else ("",))]
 
     def values(self, x: np.ndarray) -> np.ndarray:
         """(p,) values in the schema's units of coordinates (p,) in 0 to 1."""

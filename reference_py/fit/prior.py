@@ -15,8 +15,13 @@ from .solve import Solution, least_squares
 
 # In the schema's units; a diffuse color comes from the data, and nothing pulls at it.
 USUAL = {
-    "ior": (1.2, 2.0), "roughness": (0.1, 0.8), "tint": (0.4, 1.0), "reflectance": (0.3, 0.95), "edge_color": (0.3, 1.0),
-    "sigma_deg": (5.0, 40.0), "color": (0.5, 1.8),
+    "ior": (1.2, 2.0),
+    "roughness": (0.1, 0.8),
+    "tint": (0.4, 1.0),
+    "reflectance": (0.3, 0.95),
+    "edge_color": (0.3, 1.0),
+    "sigma_deg": (5.0, 40.0),
+    "color": (0.5, 1.8),
 }
 # Residual per unit of a coordinate, as far as what is fitted can be trusted: the stand-in errs by percents, the model by
 # half a percent, and what is settled is left alone.
@@ -24,8 +29,15 @@ ROUGH, FINE, SETTLED = 0.4, 0.1, 0.02
 
 
 def pulled(
-    parameters: Parameters, pull: float, residual: Callable, jacobian: Callable, x: np.ndarray, low: np.ndarray, high: np.ndarray,
-    steps: int, tolerance: float,
+    parameters: Parameters,
+    pull: float,
+    residual: Callable,
+    jacobian: Callable,
+    x: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    steps: int,
+    tolerance: float,
 ) -> Solution:
     """`least_squares` with the distance from usual values, times `pull`, as further residuals; the solution is without them."""
     center, rows = _center(parameters), pull * np.diag([float(p) for p in _pulls(parameters)])

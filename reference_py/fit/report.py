@@ -26,13 +26,20 @@ _LOBE_CELLS, _LOBE_PAIRS, _LOBE_CHUNK, _LOBE_NEAR = 72, 30_000, 100, 0.25
 
 
 def picture(
-    measurement: Measurement, fit: Fit, evaluator: Evaluator, truth: Evaluator | None = None, title: str = "",
-    curves: dict[str, Evaluator] | None = None, angles: Sequence[float] = INCIDENT_DEG,
+    measurement: Measurement,
+    fit: Fit,
+    evaluator: Evaluator,
+    truth: Evaluator | None = None,
+    title: str = "",
+    curves: dict[str, Evaluator] | None = None,
+    angles: Sequence[float] = INCIDENT_DEG,
 ):
     """A matplotlib figure, with a column for each angle of incidence in degrees. `truth` draws the data as a curve where it is known everywhere, as of a model; else pairs
     near each slice are drawn as dots. `curves` are more models for the slices, by name.
     """
-    figure = new_figure(max(13.0, 4.3 * len(angles)), 15.5, title or f"{measurement.source}\n{fit.structure.name}, model {fit.model}: error {100 * fit.error:.2g} %")
+    figure = new_figure(
+        max(13.0, 4.3 * len(angles)), 15.5, title or f"{measurement.source}\n{fit.structure.name}, model {fit.model}: error {100 * fit.error:.2g} %"
+    )
     grid = figure.add_gridspec(5, len(angles), height_ratios=(1.0, 0.75, 0.9, 0.9, 0.9))
     for column, angle in enumerate(angles):
         cartesian, polar = figure.add_subplot(grid[0, column]), figure.add_subplot(grid[1, column], projection="polar")
@@ -52,13 +59,13 @@ def _slice(cartesian, polar, measurement, angle, evaluator, truth, curves, legen
     for c in range(measurement.channels):
         color = "black" if single else _COLORS[c]
         for axis, x, dots in ((cartesian, _VIEW_DEG, view), (polar, np.radians(_VIEW_DEG), np.radians(view))):
-            axis.plot(x, fitted[:, c], color="tab:red" if single else color, linewidth=1.6,
-                      label="fit" if single else f"fit, {('red', 'green', 'blue')[c]}")
+            axis.plot(x, fitted[:, c], color="tab:red" if single else color, linewidth=1.6, label="fit" if single else f"fit, {('red', 'green', 'blue')[c]}")
             if exact is not None:
                 axis.plot(x, exact[:, c], color=color, linestyle="--", linewidth=1.0, label="data" if c == 0 else None)
             else:
-                axis.plot(dots, measurement.f[near, c], ".", color=color, markersize=3, alpha=0.6, zorder=1,
-                          label=f"data within {_NEAR_DEG:g}°" if c == 0 else None)
+                axis.plot(
+                    dots, measurement.f[near, c], ".", color=color, markersize=3, alpha=0.6, zorder=1, label=f"data within {_NEAR_DEG:g}°" if c == 0 else None
+                )
     for name, other in curves.items():
         cartesian.plot(_VIEW_DEG, other(wi, wo)[:, 0 if single else 1], linewidth=0.9, label=name)
     cartesian.axvline(-angle, color="tab:orange", linewidth=0.8, linestyle=":")
@@ -141,8 +148,10 @@ def _residual_maps(figure, places, measurement, fit, evaluator) -> None:
     residual = np.mean(metric.residual(f), axis=1)
     theta_h, theta_d, _ = (np.degrees(a) for a in half_angles(m.wi, m.wo))
     limit = max(float(np.quantile(np.abs(residual), 0.95)), 1e-3)
-    pairs = (("half angle", theta_h, "difference angle", theta_d),
-             ("light angle", np.degrees(np.arccos(m.wi[:, 2])), "view angle", np.degrees(np.arccos(m.wo[:, 2]))))
+    pairs = (
+        ("half angle", theta_h, "difference angle", theta_d),
+        ("light angle", np.degrees(np.arccos(m.wi[:, 2])), "view angle", np.degrees(np.arccos(m.wo[:, 2]))),
+    )
     for column, (x_name, x, y_name, y) in enumerate(pairs):
         axis = figure.add_subplot(places[column])
         edges = np.linspace(0.0, 90.0, 19)

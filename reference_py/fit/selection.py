@@ -75,8 +75,14 @@ def require_choices(layers: int | str, base: str, model: str, samples: int) -> N
 
 
 def select(
-    measurement: Measurement, layers: int | str = AUTO, base: str = AUTO, model: str = DEFAULT_MODEL, samples: int = SAMPLES,
-    seed: int = 0, progress: Progress | None = None, report: Report | None = None,
+    measurement: Measurement,
+    layers: int | str = AUTO,
+    base: str = AUTO,
+    model: str = DEFAULT_MODEL,
+    samples: int = SAMPLES,
+    seed: int = 0,
+    progress: Progress | None = None,
+    report: Report | None = None,
 ) -> Selection:
     """Fit a measurement. `layers` and `base` are chosen where they are "auto".
 
@@ -147,8 +153,7 @@ class _Search:
                 options.append((found.cost, structure, found.x))
             rough[base] = min(options, key=lambda option: option[0])
         least = min(cost for cost, _, _ in rough.values())
-        self._by_base = {base: self._quick(structure, x, _LOOK_STEPS)
-                         for base, (cost, structure, x) in rough.items() if cost <= _FAR * least}
+        self._by_base = {base: self._quick(structure, x, _LOOK_STEPS) for base, (cost, structure, x) in rough.items() if cost <= _FAR * least}
         return self._by_base
 
     def _quick(self, structure: Structure, x: np.ndarray, steps: int) -> Fit:
@@ -206,5 +211,7 @@ def _reason(best: Fit, tried: list[Fit], layers) -> str:
     if more is None:
         return f"the most layers that auto tries; choose --layers {best.structure.layers + 1} for more"
     change = criterion(more) - criterion(best, more)
-    return (f"one more layer would bring the error from {percent(best.error)} to {percent(more.error)} with "
-            f"{more.count - best.count:+d} parameters: the criterion rises by {change:.0f}")
+    return (
+        f"one more layer would bring the error from {percent(best.error)} to {percent(more.error)} with "
+        f"{more.count - best.count:+d} parameters: the criterion rises by {change:.0f}"
+    )

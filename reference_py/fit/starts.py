@@ -13,9 +13,7 @@ from .prior import USUAL
 _GUESSES, _SAME = 32, 0.06
 
 
-def best_starts(
-    forward: Forward, count: int, rng: np.random.Generator, known: Sequence[tuple[Parameters, np.ndarray, int]] = ()
-) -> list[np.ndarray]:
+def best_starts(forward: Forward, count: int, rng: np.random.Generator, known: Sequence[tuple[Parameters, np.ndarray, int]] = ()) -> list[np.ndarray]:
     """The `count` guesses (p,) of least error that are not alike, best first.
 
     `known`: parameters and coordinates of simpler fits, and the number of layers to put on top of them; what they know is

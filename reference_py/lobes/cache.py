@@ -77,7 +77,7 @@ def _write(key: str, data: dict) -> None:
         write_text(_file(key), json.dumps(data))
         # by their dates, which a clock may have set back: what was just written is not among them
         others = sorted((f for f in _folder.glob("*.json") if f != _file(key)), key=lambda file: file.stat().st_mtime)
-        for old in others[:max(len(others) + 1 - _FILES, 0)]:
+        for old in others[: max(len(others) + 1 - _FILES, 0)]:
             old.unlink(missing_ok=True)
     except (OSError, LaminaError) as error:
         _complain(f"what is baked cannot be kept in {_folder}, so the next session bakes it again ({error}); {FOLDER_VARIABLE} names another folder")

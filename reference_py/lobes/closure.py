@@ -5,7 +5,6 @@ The lobe's frame: x along the plane of incidence, z the lobe's normal, which is 
 A lobe with a `frame` has x in the surface instead, that angle from the tangent, and no tilt.
 """
 
-
 import numpy as np
 
 from ..optics.diffuse import oren_nayar
@@ -54,9 +53,7 @@ def fresnel(lobe: GlossyLobe, cos_h: np.ndarray) -> np.ndarray:
     return np.ones(np.shape(cos_h) + (1,))
 
 
-def unit_glossy(
-    kind: str, alpha_x, alpha_y, tilt, wo: np.ndarray, wi: np.ndarray, frame: float | None = None
-) -> tuple[np.ndarray, np.ndarray]:
+def unit_glossy(kind: str, alpha_x, alpha_y, tilt, wo: np.ndarray, wi: np.ndarray, frame: float | None = None) -> tuple[np.ndarray, np.ndarray]:
     """f (...) of a glossy lobe of weight 1 without its Fresnel curve, and cos(wi, half vector)."""
     (ix, iy, iz), (ox, oy, oz) = _in_lobe_frame(tilt, wo, wi) if frame is None else (_turned(wi, frame), _turned(wo, frame))
     hx, hy, hz = ix + ox, iy + oy, iz + oz

@@ -64,5 +64,3 @@ def _points(cos_o: float, alphas: list[float]) -> tuple[np.ndarray, np.ndarray]:
     jacobian = wh[:, 2] / np.maximum(4.0 * dot(wi, wh), 1e-300)
     density = wi[:, 2] / np.pi + sum(distribution(wh[:, 2], a, GGX) * jacobian for a in alphas)
     return wi, wi[:, 2] / (_COUNT * density)
-
-

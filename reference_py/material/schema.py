@@ -152,88 +152,112 @@ def _pick(kinds: Mapping[str, Kind], kind, where: str, what: str) -> Kind:
 
 
 METALS = (
-    "aluminium", "brass", "chromium", "copper", "gold", "iron", "nickel", "platinum", "silver", "titanium", "tungsten",
+    "aluminium",
+    "brass",
+    "chromium",
+    "copper",
+    "gold",
+    "iron",
+    "nickel",
+    "platinum",
+    "silver",
+    "titanium",
+    "tungsten",
 )
 
 _ROUGHNESS = Parameter(
-    "roughness", FLOAT, 0.0, "Roughness",
+    "roughness",
+    FLOAT,
+    0.0,
+    "Roughness",
     "Square root of the microfacet distribution's alpha; 0 is perfectly smooth",
 )
 _DISTRIBUTION = Parameter(
-    "distribution", CHOICE, "ggx", "Distribution",
+    "distribution",
+    CHOICE,
+    "ggx",
+    "Distribution",
     "Statistics of the microfacets: GGX has long tails, Beckmann is a Gaussian of slopes",
     choices=("ggx", "beckmann"),
 )
 ANISOTROPY = Feature(
-    "anisotropy", "Anisotropy", "Facets that are rougher along one direction of the surface, as brushing leaves them",
+    "anisotropy",
+    "Anisotropy",
+    "Facets that are rougher along one direction of the surface, as brushing leaves them",
     (
-        Parameter("anisotropy", FLOAT, 0.0, "Anisotropy",
-                  "How much rougher along the tangent than across: the alphas' ratio is 1 - 0.9 anisotropy"),
+        Parameter("anisotropy", FLOAT, 0.0, "Anisotropy", "How much rougher along the tangent than across: the alphas' ratio is 1 - 0.9 anisotropy"),
         Parameter("rotation", FLOAT, 0.0, "Rotation", "Turns the tangent about the normal; 1 is a full turn", unit="turns"),
     ),
 )
 THIN_FILM = Feature(
-    "thin_film", "Thin Film", "A film on the interface, so thin that light interferes in it",
+    "thin_film",
+    "Thin Film",
+    "A film on the interface, so thin that light interferes in it",
     (
-        Parameter("film_thickness", FLOAT, 0.0, "Film Thickness", "Thickness of the film; 0 is no film",
-                  maximum=2000.0, unit="nm"),
+        Parameter("film_thickness", FLOAT, 0.0, "Film Thickness", "Thickness of the film; 0 is no film", maximum=2000.0, unit="nm"),
         Parameter("film_ior", FLOAT, 1.33, "Film IOR", "Absolute index of refraction of the film", minimum=1.0, maximum=4.0),
     ),
 )
 COVERAGE = Feature(
-    "coverage", "Coverage", "A layer that is only on part of the surface, in patches smaller than a pixel",
-    (
-        Parameter("coverage", FLOAT, 1.0, "Coverage",
-                  "Share of the surface that has the layer: link a mask; where it is 0 the layer is gone, its medium too"),
-    ),
+    "coverage",
+    "Coverage",
+    "A layer that is only on part of the surface, in patches smaller than a pixel",
+    (Parameter("coverage", FLOAT, 1.0, "Coverage", "Share of the surface that has the layer: link a mask; where it is 0 the layer is gone, its medium too"),),
 )
 NORMAL = Feature(
-    "normal", "Normal", "A normal of its own, such as a normal map or bumps give",
+    "normal",
+    "Normal",
+    "A normal of its own, such as a normal map or bumps give",
     (
-        Parameter("normal", VECTOR, (0.0, 0.0, 0.0), "Normal",
-                  "Normal in world space to link; zero is the surface's own. The reference models ignore it",
-                  minimum=-1.0, maximum=1.0),
+        Parameter(
+            "normal",
+            VECTOR,
+            (0.0, 0.0, 0.0),
+            "Normal",
+            "Normal in world space to link; zero is the surface's own. The reference models ignore it",
+            minimum=-1.0,
+            maximum=1.0,
+        ),
     ),
 )
 
 _COLOR = Parameter("color", COLOR, (0.8, 0.8, 0.8), "Color", "Share of light that the opaque base reflects, linear RGB")
 
 DIELECTRIC = Kind(
-    "dielectric", "Dielectric", "A clear or tinted medium below a smooth or rough interface",
+    "dielectric",
+    "Dielectric",
+    "A clear or tinted medium below a smooth or rough interface",
     (
-        Parameter("ior", FLOAT, 1.5, "IOR", "Absolute index of refraction of the medium below the interface",
-                  minimum=1.0, maximum=4.0),
+        Parameter("ior", FLOAT, 1.5, "IOR", "Absolute index of refraction of the medium below the interface", minimum=1.0, maximum=4.0),
         _ROUGHNESS,
-        Parameter("tint", COLOR, (1.0, 1.0, 1.0), "Tint",
-                  "Color left of white light after one perpendicular crossing of unit thickness"),
-        Parameter("thickness", FLOAT, 1.0, "Thickness", "Thickness of the medium, in units of the tint's crossing",
-                  maximum=1000.0),
+        Parameter("tint", COLOR, (1.0, 1.0, 1.0), "Tint", "Color left of white light after one perpendicular crossing of unit thickness"),
+        Parameter("thickness", FLOAT, 1.0, "Thickness", "Thickness of the medium, in units of the tint's crossing", maximum=1000.0),
         _DISTRIBUTION,
     ),
     features=(COVERAGE, ANISOTROPY, THIN_FILM, NORMAL),
 )
 LAMBERT = Kind("lambert", "Lambert", "An ideally diffuse, opaque base", (_COLOR,), features=(NORMAL,))
 OREN_NAYAR = Kind(
-    "oren_nayar", "Oren-Nayar", "A rough diffuse, opaque base that scatters back to the light",
+    "oren_nayar",
+    "Oren-Nayar",
+    "A rough diffuse, opaque base that scatters back to the light",
     (
         _COLOR,
-        Parameter("sigma_deg", FLOAT, 20.0, "Slope Deviation",
-                  "Standard deviation of the facets' inclination (Oren and Nayar 1994)",
-                  maximum=90.0, unit="degrees"),
+        Parameter(
+            "sigma_deg", FLOAT, 20.0, "Slope Deviation", "Standard deviation of the facets' inclination (Oren and Nayar 1994)", maximum=90.0, unit="degrees"
+        ),
     ),
     features=(NORMAL,),
 )
 CONDUCTOR = Kind(
-    "conductor", "Conductor", "A metal: named, or given by its complex index, or by reflectance and edge color",
+    "conductor",
+    "Conductor",
+    "A metal: named, or given by its complex index, or by reflectance and edge color",
     (
-        Parameter("eta", VECTOR, (0.2, 0.92, 1.1), "IOR", "Real part n of the absolute complex index, per RGB channel",
-                  minimum=0.01, maximum=20.0),
-        Parameter("k", VECTOR, (3.9, 2.45, 2.14), "Extinction", "Imaginary part k of the absolute complex index, per RGB channel",
-                  maximum=20.0),
-        Parameter("reflectance", COLOR, (0.9, 0.7, 0.5), "Reflectance", "Reflectance of the metal at normal incidence in air",
-                  maximum=0.999),
-        Parameter("edge_color", COLOR, (0.95, 0.9, 0.85), "Edge Color",
-                  "Edge tint g of Gulbrandsen 2014: 1 gives the smallest n that has the reflectance"),
+        Parameter("eta", VECTOR, (0.2, 0.92, 1.1), "IOR", "Real part n of the absolute complex index, per RGB channel", minimum=0.01, maximum=20.0),
+        Parameter("k", VECTOR, (3.9, 2.45, 2.14), "Extinction", "Imaginary part k of the absolute complex index, per RGB channel", maximum=20.0),
+        Parameter("reflectance", COLOR, (0.9, 0.7, 0.5), "Reflectance", "Reflectance of the metal at normal incidence in air", maximum=0.999),
+        Parameter("edge_color", COLOR, (0.95, 0.9, 0.85), "Edge Color", "Edge tint g of Gulbrandsen 2014: 1 gives the smallest n that has the reflectance"),
         _ROUGHNESS,
         Parameter("metal", CHOICE, "aluminium", "Metal", "Metal whose measured index is used", choices=METALS),
         _DISTRIBUTION,

@@ -45,8 +45,15 @@ class Scattered:
 
 
 def scatter_dielectric(
-    w: np.ndarray, eta: float, alpha, kind: str, rng: np.random.Generator,
-    surface: str = "multiple", target: np.ndarray | None = None, film: FilmInterface | None = None, from_above: bool = True,
+    w: np.ndarray,
+    eta: float,
+    alpha,
+    kind: str,
+    rng: np.random.Generator,
+    surface: str = "multiple",
+    target: np.ndarray | None = None,
+    film: FilmInterface | None = None,
+    from_above: bool = True,
 ) -> Scattered:
     """Reflect or refract light that comes from w (n, 3), w_z > 0; see the module's docstring.
 
@@ -60,8 +67,13 @@ def scatter_dielectric(
 
 
 def scatter_conductor(
-    w: np.ndarray, fresnel: Callable[[np.ndarray], np.ndarray], alpha, kind: str, rng: np.random.Generator,
-    surface: str = "multiple", target: np.ndarray | None = None,
+    w: np.ndarray,
+    fresnel: Callable[[np.ndarray], np.ndarray],
+    alpha,
+    kind: str,
+    rng: np.random.Generator,
+    surface: str = "multiple",
+    target: np.ndarray | None = None,
 ) -> Scattered:
     """Reflect light that comes from w (n, 3), w_z > 0; `fresnel` maps cosines (n,) to reflectances (n, channels).
 

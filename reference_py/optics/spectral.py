@@ -20,7 +20,9 @@ from .colour import metal_index, rgb_weights
 
 
 def spectral_stack(
-    stack: Stack, wavelength_nm: Sequence[float], tints: Mapping[int, Sequence[float]] | None = None,
+    stack: Stack,
+    wavelength_nm: Sequence[float],
+    tints: Mapping[int, Sequence[float]] | None = None,
     color: Sequence[float] | None = None,
 ) -> Stack:
     """`stack` on increasing wavelengths (n,) in nm.
@@ -34,10 +36,7 @@ def spectral_stack(
     unknown = sorted(set(tints) - set(range(len(stack.layers))))
     if unknown:
         raise LaminaError(f"tint spectrum for layer {unknown[0]}; the stack has {len(stack.layers)} layers, numbered from 0")
-    layers = tuple(
-        layer.with_values(tint=_spectrum(layer, "tint", tints.get(i), len(wavelength_nm), f"layer {i}"))
-        for i, layer in enumerate(stack.layers)
-    )
+    layers = tuple(layer.with_values(tint=_spectrum(layer, "tint", tints.get(i), len(wavelength_nm), f"layer {i}")) for i, layer in enumerate(stack.layers))
     return replace(stack, layers=layers, base=_spectral_base(stack.base, wavelength_nm, color))
 
 

@@ -88,6 +88,8 @@ def _draw(path: Path, errors: dict, report: Report) -> None:
         axis.set_ylabel("albedo error, worst channel")
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=6, fontsize=10)
-    figure.suptitle("Albedo against the truth (adding, lossless surfaces): too bright above, too dark below; band: 1 %. A jump: another "
-                    "channel is the worst.\nThick: models of this project; marked: peers")
+    figure.suptitle(
+        "Albedo against the truth (adding, lossless surfaces): too bright above, too dark below; band: 1 %. A jump: another "
+        "channel is the worst.\nThick: models of this project; marked: peers"
+    )
     save_picture(figure, path, report)

@@ -28,8 +28,21 @@ from .output import Report, print_table, pyplot, save_picture, write_table
 
 # Layers, noise and number of random stacks.
 CASES = ((1, 0.0, 30), (2, 0.0, 30), (1, 0.05, 30), (2, 0.05, 30))
-_RECOVERY_COLUMNS = ("layers", "noise", "number", "base", "distribution", "shape_error", "rms_log", "worst_parameter_error", "worst_parameter",
-                     "determined", "parameters", "evaluations", "cpu_s")
+_RECOVERY_COLUMNS = (
+    "layers",
+    "noise",
+    "number",
+    "base",
+    "distribution",
+    "shape_error",
+    "rms_log",
+    "worst_parameter_error",
+    "worst_parameter",
+    "determined",
+    "parameters",
+    "evaluations",
+    "cpu_s",
+)
 _METRIC_STACKS = 10
 _WAVELENGTH_NM, _STEEP_DEG = 550.0, 65.0
 
@@ -45,21 +58,38 @@ def chart(folder: Path, report: Report) -> None:
 
 def _recoveries(folder: Path, report: Report, cases) -> None:
     """Cases take turns, so that a study that is stopped has as many of each; one that has not ended goes on where it stopped."""
-    heading = ("lamina chart fit", "random stacks fitted to 500 pairs of adding's own f, structure given; nodes 16 and modes 24 for both; "
-               "errors at 1500 other pairs")
+    heading = (
+        "lamina chart fit",
+        "random stacks fitted to 500 pairs of adding's own f, structure given; nodes 16 and modes 24 for both; errors at 1500 other pairs",
+    )
     path = folder / "fit_recovery.csv"
     order = sorted((i, case) for case, (_, _, stacks) in enumerate(cases) for i in range(stacks))
     rows = _begun(path, heading, len(order))
     if rows:
         report(f"going on after {len(rows)} of {len(order)} stacks of {path}; delete it to begin anew")
-    for i, case in order[len(rows):]:
+    for i, case in order[len(rows) :]:
         layers, noise, stacks = cases[case]
         structure = random_structure(layers, i)
         stack = random_stack(structure, np.random.default_rng(100 * layers + i))
         start = time.process_time()
         r, _ = recovery(stack, structure, "adding", noise, i)
-        rows.append((str(layers), f"{noise:g}", str(i), structure.base, structure.distributions[0], f"{r.shape:.5f}", f"{r.error:.5f}",
-                     f"{r.worst:.5f}", r.worst_name, str(r.determined), str(r.count), str(r.evaluations), f"{time.process_time() - start:.1f}"))
+        rows.append(
+            (
+                str(layers),
+                f"{noise:g}",
+                str(i),
+                structure.base,
+                structure.distributions[0],
+                f"{r.shape:.5f}",
+                f"{r.error:.5f}",
+                f"{r.worst:.5f}",
+                r.worst_name,
+                str(r.determined),
+                str(r.count),
+                str(r.evaluations),
+                f"{time.process_time() - start:.1f}",
+            )
+        )
         report(f"{layers} layers, noise {noise:g}, {i + 1} of {stacks}: {100 * r.shape:.3f} %")
         write_table(path, heading, _RECOVERY_COLUMNS, rows, lambda sentence: None)
     report(f"wrote {path}")
@@ -84,11 +114,19 @@ def _begun(path: Path, heading: tuple[str, str], whole: int) -> list[tuple[str, 
 def _summary(name: str, rows: list[tuple[str, ...]]) -> tuple[str, ...]:
     if not rows:
         return (name, "0", *["-"] * 7)
-    shape, worst, determined, count, seconds = (np.array([float(row[_RECOVERY_COLUMNS.index(c)]) for row in rows])
-                                                for c in ("shape_error", "worst_parameter_error", "determined", "parameters", "cpu_s"))
+    shape, worst, determined, count, seconds = (
+        np.array([float(row[_RECOVERY_COLUMNS.index(c)]) for row in rows])
+        for c in ("shape_error", "worst_parameter_error", "determined", "parameters", "cpu_s")
+    )
     shares = [np.mean(shape <= 0.01), np.mean(shape <= 0.03), np.mean(worst <= 0.03), determined.sum() / count.sum()]
-    return (name, str(len(rows)), *(f"{100 * share:.0f} %" for share in shares), f"{100 * np.median(shape):.3f} %",
-            f"{100 * shape.max():.3f} %", f"{np.median(seconds):.0f}")
+    return (
+        name,
+        str(len(rows)),
+        *(f"{100 * share:.0f} %" for share in shares),
+        f"{100 * np.median(shape):.3f} %",
+        f"{100 * shape.max():.3f} %",
+        f"{np.median(seconds):.0f}",
+    )
 
 
 def _metrics(folder: Path, report: Report) -> None:
@@ -142,8 +180,10 @@ def _blue_paint(folder: Path, report: Report) -> None:
     rows.append(("any sum of lobes of stacks", "-", f"{least_error(metric):.4f}", "-"))
     rows += _where_it_is_hard(metric)
     columns = ("model", "parameters", "rms_log", "shape_error")
-    heading = ("lamina chart fit", "Lafortune's blue paint at 550 nm (green channel), 3000 pairs of directions to 85 degrees; fitted to 500 of them, "
-               "sums of lobes to all")
+    heading = (
+        "lamina chart fit",
+        "Lafortune's blue paint at 550 nm (green channel), 3000 pairs of directions to 85 degrees; fitted to 500 of them, sums of lobes to all",
+    )
     write_table(folder / "fit_blue_paint.csv", heading, columns, rows, report)
     print_table(columns, rows)
     if pyplot(report) is None:

@@ -70,8 +70,14 @@ FILLING: dict[str, tuple[str, str]] = {
 CORNER: dict[str, tuple[str, str]] = {
     "diffuse + 1 ggx": FILLING["diffuse + 1 ggx"],
     "diffuse + 3 ggx": FILLING["diffuse + 3 ggx"],
-    "diffuse + 3 ggx, but 1 after a diffuse bounce": (f'closure color C; if (raytype("diffuse")) C = {_DIFFUSE} + {_lobes(1)}; else C = {_DIFFUSE} + {_lobes(3)};', "C"),
-    "diffuse + 3 ggx, but 1 after any bounce": (f'closure color C; if (raytype("camera")) C = {_DIFFUSE} + {_lobes(3)}; else C = {_DIFFUSE} + {_lobes(1)};', "C"),
+    "diffuse + 3 ggx, but 1 after a diffuse bounce": (
+        f'closure color C; if (raytype("diffuse")) C = {_DIFFUSE} + {_lobes(1)}; else C = {_DIFFUSE} + {_lobes(3)};',
+        "C",
+    ),
+    "diffuse + 3 ggx, but 1 after any bounce": (
+        f'closure color C; if (raytype("camera")) C = {_DIFFUSE} + {_lobes(3)}; else C = {_DIFFUSE} + {_lobes(1)};',
+        "C",
+    ),
 }
 
 

@@ -28,7 +28,10 @@ POINTS = {
     "samples": (1, 4, 16, 64, 256),
     "pictures": (1, 4, 16, 64),
 }
-_HEADING = ("lamina chart scale", "CPU seconds and megabytes, each point a process of its own, whose start without materials is taken off; make_clock_s by the clock")
+_HEADING = (
+    "lamina chart scale",
+    "CPU seconds and megabytes, each point a process of its own, whose start without materials is taken off; make_clock_s by the clock",
+)
 _COLUMNS = ("study", "n", "make_s", "make_clock_s", "make_mb", "render_s", "render_mb", "shader_bytes", "texts")
 
 

@@ -12,24 +12,30 @@ def add_commands(commands) -> None:
     """Add the arguments of the commands to argparse's subparsers."""
     chart = commands.add_parser("chart", help="measure a chart's numbers, print the table and draw it")
     chart.set_defaults(module=f"{__name__}.chart")
-    chart.add_argument("chart", choices=tuple(CHARTS), help=(
-        "lobes: what Cycles is told against the exact model; presets: what Cycles renders of every preset against the truth; "
-        "tiers: the same in every tier, for the presets of the paper and a suite of stacks; "
-        "error: every model against the truth, by angle; "
-        "stress: every model in every hard case; suite: the two truths against each other; "
-        "pareto: error against cost of every way to render a surface in Cycles; "
-        "levers: what lobes and closures cost in Cycles; "
-        "scale: time and memory over the number of materials, layers, samples and pictures; "
-        "fit: how well stacks are found from measurements, and a blue paint by other models; "
-        "viewport: how EEVEE shows every preset; LAMINA_BLENDER names a Blender that has it; "
-        "pair: one car paint by Cycles' layer(), by Lamina and as explicit geometry"))
+    chart.add_argument(
+        "chart",
+        choices=tuple(CHARTS),
+        help=(
+            "lobes: what Cycles is told against the exact model; presets: what Cycles renders of every preset against the truth; "
+            "tiers: the same in every tier, for the presets of the paper and a suite of stacks; "
+            "error: every model against the truth, by angle; "
+            "stress: every model in every hard case; suite: the two truths against each other; "
+            "pareto: error against cost of every way to render a surface in Cycles; "
+            "levers: what lobes and closures cost in Cycles; "
+            "scale: time and memory over the number of materials, layers, samples and pictures; "
+            "fit: how well stacks are found from measurements, and a blue paint by other models; "
+            "viewport: how EEVEE shows every preset; LAMINA_BLENDER names a Blender that has it; "
+            "pair: one car paint by Cycles' layer(), by Lamina and as explicit geometry"
+        ),
+    )
     chart.add_argument("-o", "--output", default=".", metavar="FOLDER", help="folder for table and picture (default: %(default)s)")
-    chart.add_argument("--surface", nargs="+", metavar="NAME", help="pareto, viewport: presets or stacks of the suite (default: six surface types; all presets)")
+    chart.add_argument(
+        "--surface", nargs="+", metavar="NAME", help="pareto, viewport: presets or stacks of the suite (default: six surface types; all presets)"
+    )
     chart.add_argument("--rounds", type=int, metavar="N", help="pareto: rounds of timing (default: 5)")
 
     figures = commands.add_parser("figures", help="compute the paper's figures and check its sentences about them")
     figures.set_defaults(module=f"{__name__}.figures")
-    figures.add_argument("-o", "--out", dest="output", default="figures", metavar="FOLDER",
-                         help="folder for tables and pictures (default: %(default)s)")
+    figures.add_argument("-o", "--out", dest="output", default="figures", metavar="FOLDER", help="folder for tables and pictures (default: %(default)s)")
     figures.add_argument("--only", nargs="+", metavar="FIGURE", help="some of figure3, figure5 ... figure9, spectral (default: all)")
     figures.add_argument("--size", type=int, default=112, metavar="PIXELS", help="width of a sphere (default: %(default)s)")

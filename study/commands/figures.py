@@ -50,9 +50,6 @@ def _write_numbers(folder: Path, data: FigureData) -> None:
     for row in data.rows:
         writer.writerow([value if isinstance(value, str) else f"{value:.5g}" for value in row])
     write_text(folder / f"{data.name}.csv", text.getvalue())
-    statements = [
-        {**asdict(s), "holds": bool(s.holds), "numbers": {k: float(f"{v:.5g}") for k, v in s.numbers.items()}}
-        for s in data.statements
-    ]
+    statements = [{**asdict(s), "holds": bool(s.holds), "numbers": {k: float(f"{v:.5g}") for k, v in s.numbers.items()}} for s in data.statements]
     record = {"figure": data.title, "statements": statements}
     write_text(folder / f"{data.name}.json", json.dumps(record, indent=1, ensure_ascii=False) + "\n")

@@ -19,7 +19,7 @@ class Statement:
 
     def text(self) -> str:
         numbers = ", ".join(f"{name} {value:.3g}" for name, value in self.numbers.items())
-        return f"{'holds' if self.holds else 'FAILS'}: \"{self.sentence}\" ({self.where}); {self.criterion}: {numbers}"
+        return f'{"holds" if self.holds else "FAILS"}: "{self.sentence}" ({self.where}); {self.criterion}: {numbers}'
 
 
 @dataclass(frozen=True)

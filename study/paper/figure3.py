@@ -42,8 +42,7 @@ def compute(size: int = 128) -> FigureData:
                 means[varnish, reading, name] = bands
     statements = tuple(s for reading in READINGS for s in _statements(means, reading))
     absorbing, painted, _ = pictures["yellow"]
-    arrays = {"with": absorbing[0], "without": painted[0], "theta_deg": absorbing[1].theta_deg,
-              **_differences(absorbing[0], painted[0])}
+    arrays = {"with": absorbing[0], "without": painted[0], "theta_deg": absorbing[1].theta_deg, **_differences(absorbing[0], painted[0])}
     columns = ("varnish", "reading", "mean", *band_names(), "sphere")
     return FigureData("figure3", "Figure 3: tinted glaze with and without absorption", statements, columns, rows, arrays)
 
@@ -54,21 +53,34 @@ def _statements(means, reading: str) -> tuple[Statement, ...]:
 
     def considerable(name: str, values) -> Statement:
         return Statement(
-            f"chroma and lightness change considerably: {name}", where,
+            f"chroma and lightness change considerably: {name}",
+            where,
             f"mean |Delta| over the sphere above {JUST_NOTICEABLE}, just noticeable, and above that of hue",
-            all(values[v][-1] > max(JUST_NOTICEABLE, hue[v][-1]) for v in BANDS), {v: values[v][-1] for v in BANDS})
+            all(values[v][-1] > max(JUST_NOTICEABLE, hue[v][-1]) for v in BANDS),
+            {v: values[v][-1] for v in BANDS},
+        )
 
     def grazing(name: str, values) -> Statement:
         return Statement(
-            f"mainly at grazing angles: {name}", where, "mean |Delta| larger at 50-70 than at 0-30 degrees; the ratio",
-            all(values[v][2] > values[v][0] for v in BANDS), {v: values[v][2] / values[v][0] for v in BANDS})
+            f"mainly at grazing angles: {name}",
+            where,
+            "mean |Delta| larger at 50-70 than at 0-30 degrees; the ratio",
+            all(values[v][2] > values[v][0] for v in BANDS),
+            {v: values[v][2] / values[v][0] for v in BANDS},
+        )
 
     return (
-        Statement("there are practically no hue differences", where,
-                  f"mean |Delta H*| over the sphere below {JUST_NOTICEABLE}, just noticeable",
-                  all(hue[v][-1] < JUST_NOTICEABLE for v in BANDS), {v: hue[v][-1] for v in BANDS}),
-        considerable("chroma", chroma), considerable("lightness", lightness),
-        grazing("chroma", chroma), grazing("lightness", lightness),
+        Statement(
+            "there are practically no hue differences",
+            where,
+            f"mean |Delta H*| over the sphere below {JUST_NOTICEABLE}, just noticeable",
+            all(hue[v][-1] < JUST_NOTICEABLE for v in BANDS),
+            {v: hue[v][-1] for v in BANDS},
+        ),
+        considerable("chroma", chroma),
+        considerable("lightness", lightness),
+        grazing("chroma", chroma),
+        grazing("lightness", lightness),
     )
 
 

@@ -18,17 +18,34 @@ def compute(size: int = 128) -> FigureData:
     saturated = saturation(mean)
     step = np.diff(hue[1:])
     statements = (
-        Statement("the colour decreases", "section 3.2.1", "L* of the mean light falls with every step of thickness",
-                  is_increasing(-lightness), {f"L* {t:g}": v for t, v in zip(THICKNESS, lightness)}),
-        Statement("and the saturation increases", "section 3.2.1", "s_uv of the mean light rises with every step",
-                  is_increasing(saturated), {f"s_uv {t:g}": v for t, v in zip(THICKNESS, saturated)}),
-        Statement("additionally it can change the hue", "section 3.2.1",
-                  "h_ab from the thinnest to the thickest varnish changes by more than 5 degrees",
-                  abs(hue[-1] - hue[1]) > 5.0, {"h_ab 0.4": hue[1], "h_ab 15": hue[-1]}),
-        Statement("progressive changes in colour, saturation and hue", "caption of figure 5",
-                  "L*, s_uv and h_ab change in one direction over the whole series of varnished spheres",
-                  is_increasing(-lightness) and is_increasing(saturated) and bool(np.all(step < 0) or np.all(step > 0)),
-                  {f"h_ab {t:g}": v for t, v in zip(THICKNESS[1:], hue[1:])}),
+        Statement(
+            "the colour decreases",
+            "section 3.2.1",
+            "L* of the mean light falls with every step of thickness",
+            is_increasing(-lightness),
+            {f"L* {t:g}": v for t, v in zip(THICKNESS, lightness)},
+        ),
+        Statement(
+            "and the saturation increases",
+            "section 3.2.1",
+            "s_uv of the mean light rises with every step",
+            is_increasing(saturated),
+            {f"s_uv {t:g}": v for t, v in zip(THICKNESS, saturated)},
+        ),
+        Statement(
+            "additionally it can change the hue",
+            "section 3.2.1",
+            "h_ab from the thinnest to the thickest varnish changes by more than 5 degrees",
+            abs(hue[-1] - hue[1]) > 5.0,
+            {"h_ab 0.4": hue[1], "h_ab 15": hue[-1]},
+        ),
+        Statement(
+            "progressive changes in colour, saturation and hue",
+            "caption of figure 5",
+            "L*, s_uv and h_ab change in one direction over the whole series of varnished spheres",
+            is_increasing(-lightness) and is_increasing(saturated) and bool(np.all(step < 0) or np.all(step > 0)),
+            {f"h_ab {t:g}": v for t, v in zip(THICKNESS[1:], hue[1:])},
+        ),
     )
     rows = [(t, *values) for t, *values in zip(THICKNESS, lightness, chroma, hue, saturated)]
     arrays = {"spheres": np.array([xyz for xyz, _ in pictures]), "theta_deg": pictures[0][1].theta_deg}

@@ -11,8 +11,14 @@ from .show import show_sphere
 from .spheres import BaseOnly, preset_sphere, stack_sphere
 
 TYPES = {
-    "a": "glazed_mug", "b": "tinted_glaze", "c": "frosted_paint", "d": "metal_foil",
-    "e": "metallic_car_paint", "f": "frosted_metal", "g": "patina_copper", "h": "blue_wall_paint",
+    "a": "glazed_mug",
+    "b": "tinted_glaze",
+    "c": "frosted_paint",
+    "d": "metal_foil",
+    "e": "metallic_car_paint",
+    "f": "frosted_metal",
+    "g": "patina_copper",
+    "h": "blue_wall_paint",
 }
 
 
@@ -32,15 +38,27 @@ def compute(size: int = 128) -> FigureData:
     total = {row[0]: np.array(row[4:]) for row in rows if row[2:4] == ("all light", "s_uv")}
     spread_a, spread_b = (float(np.ptp(through[letter]) / np.mean(through[letter])) for letter in "ab")
     statements = (
-        Statement("the colour usually increases in saturation towards grazing angles", "section 6.1, type b",
-                  "s_uv of the light through the varnish rises from band to band",
-                  is_increasing(through["b"]), dict(zip(band_names(), through["b"]))),
-        Statement("the colour usually increases in saturation towards grazing angles", "section 6.1, type b",
-                  "s_uv of all light, with the white reflection of the surroundings, rises from band to band",
-                  is_increasing(total["b"]), dict(zip(band_names(), total["b"]))),
-        Statement("in case a the colour largely stays the same everywhere on the object regardless of curvature",
-                  "section 6.1, type b", "spread of s_uv over the bands, through the varnish, below 5 % and below that of b",
-                  spread_a < min(0.05, spread_b), {"spread a": spread_a, "spread b": spread_b}),
+        Statement(
+            "the colour usually increases in saturation towards grazing angles",
+            "section 6.1, type b",
+            "s_uv of the light through the varnish rises from band to band",
+            is_increasing(through["b"]),
+            dict(zip(band_names(), through["b"])),
+        ),
+        Statement(
+            "the colour usually increases in saturation towards grazing angles",
+            "section 6.1, type b",
+            "s_uv of all light, with the white reflection of the surroundings, rises from band to band",
+            is_increasing(total["b"]),
+            dict(zip(band_names(), total["b"])),
+        ),
+        Statement(
+            "in case a the colour largely stays the same everywhere on the object regardless of curvature",
+            "section 6.1, type b",
+            "spread of s_uv over the bands, through the varnish, below 5 % and below that of b",
+            spread_a < min(0.05, spread_b),
+            {"spread a": spread_a, "spread b": spread_b},
+        ),
     )
     arrays = {"spheres": np.array(spheres), "theta_deg": theta}
     columns = ("type", "preset", "light", "mean", *band_names())

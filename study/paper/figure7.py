@@ -24,12 +24,20 @@ def compute(size: int = 128) -> FigureData:
     on_sphere = spheres["frosted_paint"][1].on_sphere
     chroma, clear_chroma = (_mean_chroma(xyz, on_sphere) for xyz in (spheres["metallic_car_paint"][0], clear))
     statements = (
-        Statement("a gloss-reducing finish", "section 6.1, type c",
-                  "the brightest spot of the frosted sphere is less than half that of the same varnish with .1 degree",
-                  frosted_peak < 0.5 * glossy_peak, {"frosted Y": frosted_peak, "glossy Y": glossy_peak}),
-        Statement("The colour of the paint is only due to absorption in the tinted varnish", "section 6.1, type e",
-                  "mean C* with a clear varnish is below a tenth of that with the tinted one",
-                  clear_chroma < 0.1 * chroma, {"C* tinted": chroma, "C* clear": clear_chroma}),
+        Statement(
+            "a gloss-reducing finish",
+            "section 6.1, type c",
+            "the brightest spot of the frosted sphere is less than half that of the same varnish with .1 degree",
+            frosted_peak < 0.5 * glossy_peak,
+            {"frosted Y": frosted_peak, "glossy Y": glossy_peak},
+        ),
+        Statement(
+            "The colour of the paint is only due to absorption in the tinted varnish",
+            "section 6.1, type e",
+            "mean C* with a clear varnish is below a tenth of that with the tinted one",
+            clear_chroma < 0.1 * chroma,
+            {"C* tinted": chroma, "C* clear": clear_chroma},
+        ),
     )
     rows = []
     for name, (xyz, picture) in spheres.items():

@@ -30,16 +30,27 @@ def compute(size: int = 128) -> FigureData:
     crayon, mug = (float(make_model("weidlich_wilkie", presets.load(name)).specular_albedo(up)[0, 0]) for name in PAIRS[0])
     clean, patina = (means[name] for name in PAIRS[2])
     statements = (
-        Statement("ceramic glazing has brighter specular reflections than paintwork", "section 6.1, type a",
-                  "mirror reflectance of mug (n 1.6) above that of crayon (n 1.3) at normal incidence",
-                  mug > crayon, {"crayon": crayon, "mug": mug}),
-        Statement("matte christmas orbs", "section 6.1, type f, against the metal foil of type d",
-                  "the brightest spot of the frosted metal is less than a third of the foil's",
-                  peak["frosted_metal"] < peak["metal_foil"] / 3.0, {"frosted Y": peak["frosted_metal"], "foil Y": peak["metal_foil"]}),
-        Statement("clean copper has a bright colour; the patina is a strongly absorptive layer", "section 6.1, type g",
-                  "L* of the mean light falls by more than 10 and its hue turns towards green by more than 20 degrees",
-                  clean[0] - patina[0] > 10.0 and patina[2] - clean[2] > 20.0,
-                  {"L* clean": clean[0], "L* patina": patina[0], "h_ab clean": clean[2], "h_ab patina": patina[2]}),
+        Statement(
+            "ceramic glazing has brighter specular reflections than paintwork",
+            "section 6.1, type a",
+            "mirror reflectance of mug (n 1.6) above that of crayon (n 1.3) at normal incidence",
+            mug > crayon,
+            {"crayon": crayon, "mug": mug},
+        ),
+        Statement(
+            "matte christmas orbs",
+            "section 6.1, type f, against the metal foil of type d",
+            "the brightest spot of the frosted metal is less than a third of the foil's",
+            peak["frosted_metal"] < peak["metal_foil"] / 3.0,
+            {"frosted Y": peak["frosted_metal"], "foil Y": peak["metal_foil"]},
+        ),
+        Statement(
+            "clean copper has a bright colour; the patina is a strongly absorptive layer",
+            "section 6.1, type g",
+            "L* of the mean light falls by more than 10 and its hue turns towards green by more than 20 degrees",
+            clean[0] - patina[0] > 10.0 and patina[2] - clean[2] > 20.0,
+            {"L* clean": clean[0], "L* patina": patina[0], "h_ab clean": clean[2], "h_ab patina": patina[2]},
+        ),
     )
     arrays = {**{name: xyz for name, (xyz, _) in spheres.items()}, "theta_deg": picture.theta_deg}
     columns = ("preset", "mean_L*", "mean_C*ab", "mean_h_ab_deg", "largest_Y")

@@ -83,25 +83,41 @@ def _statements(models) -> tuple[Statement, ...]:
     kept = absolute.components(*ends)[-1][:, 0] / np.maximum(WeidlichWilkie(clear).components(*ends)[-1][:, 0], 1e-300)
     reflects = float(np.max(absolute.components(wo, wi)[1]))
     return (
-        Statement("[The topmost] layer is responsible for the rather strong off-specular reflection", "section 6.2",
-                  "at 65 degrees its lobe peaks beyond the mirror direction and is more than half of all there",
-                  bool(VIEW_DEG[peak] > 65.0 and top[peak] > 0.5 * total[peak]),
-                  {"peak deg": float(VIEW_DEG[peak]), "share": float(top[peak] / total[peak])}),
-        Statement("this second layer does not produce a strong off-specular reflection", "section 6.2; index read as relative",
-                  "at 65 degrees its largest value is below a tenth of the top layer's",
-                  bool(np.max(lower) < 0.1 * np.max(top)),
-                  {"lower": float(np.max(lower)), "top": float(np.max(top)), "lower at 35 deg": float(np.max(lower_35))}),
-        Statement("The underlying layer is another Torrance-Sparrow layer with a refractive index of 1.3",
-                  "section 6.2; index read as absolute, like that of the layer above",
-                  "the lower interface reflects anything at all", reflects > 0.0, {"largest f": reflects}),
-        Statement("To reproduce the retro-reflective properties we used an Oren-Nayar surface", "section 6.2",
-                  "the base's part is larger towards the light than towards the mirror direction at 35 degrees",
-                  bool(base_35[0] > base_35[1]), {"towards light": base_35[0], "mirror": base_35[1]}),
-        Statement("the clear varnish turns successively opaque at very shallow grazing angles", "section 6.2",
-                  "what absorption (tint .97 is ours) leaves of the base's part under perpendicular light falls from 0 over 80 to 88 degrees, "
-                  "to below a half",
-                  bool(kept[0] > kept[1] > kept[2] and kept[2] < 0.5),
-                  {"0 deg": kept[0], "80 deg": kept[1], "88 deg": kept[2]}),
+        Statement(
+            "[The topmost] layer is responsible for the rather strong off-specular reflection",
+            "section 6.2",
+            "at 65 degrees its lobe peaks beyond the mirror direction and is more than half of all there",
+            bool(VIEW_DEG[peak] > 65.0 and top[peak] > 0.5 * total[peak]),
+            {"peak deg": float(VIEW_DEG[peak]), "share": float(top[peak] / total[peak])},
+        ),
+        Statement(
+            "this second layer does not produce a strong off-specular reflection",
+            "section 6.2; index read as relative",
+            "at 65 degrees its largest value is below a tenth of the top layer's",
+            bool(np.max(lower) < 0.1 * np.max(top)),
+            {"lower": float(np.max(lower)), "top": float(np.max(top)), "lower at 35 deg": float(np.max(lower_35))},
+        ),
+        Statement(
+            "The underlying layer is another Torrance-Sparrow layer with a refractive index of 1.3",
+            "section 6.2; index read as absolute, like that of the layer above",
+            "the lower interface reflects anything at all",
+            reflects > 0.0,
+            {"largest f": reflects},
+        ),
+        Statement(
+            "To reproduce the retro-reflective properties we used an Oren-Nayar surface",
+            "section 6.2",
+            "the base's part is larger towards the light than towards the mirror direction at 35 degrees",
+            bool(base_35[0] > base_35[1]),
+            {"towards light": base_35[0], "mirror": base_35[1]},
+        ),
+        Statement(
+            "the clear varnish turns successively opaque at very shallow grazing angles",
+            "section 6.2",
+            "what absorption (tint .97 is ours) leaves of the base's part under perpendicular light falls from 0 over 80 to 88 degrees, to below a half",
+            bool(kept[0] > kept[1] > kept[2] and kept[2] < 0.5),
+            {"0 deg": kept[0], "80 deg": kept[1], "88 deg": kept[2]},
+        ),
     )
 
 

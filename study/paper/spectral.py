@@ -27,9 +27,13 @@ def compute(size: int = 128) -> FigureData:
         rows.append((thickness, *band_means(error, theta), float(np.mean(error[picture.on_sphere]))))
     per_wavelength, per_channel = _bouguer_errors()
     statements = (
-        Statement("I = I0 exp(-alpha l), where alpha is the wavelength dependent absorption coefficient", "section 3.2.1, eq. 5",
-                  "doubling the thickness squares the transmittance: largest relative error per wavelength below 1e-9",
-                  per_wavelength < 1e-9, {"per wavelength": per_wavelength, "green channel of the same light": per_channel}),
+        Statement(
+            "I = I0 exp(-alpha l), where alpha is the wavelength dependent absorption coefficient",
+            "section 3.2.1, eq. 5",
+            "doubling the thickness squares the transmittance: largest relative error per wavelength below 1e-9",
+            per_wavelength < 1e-9,
+            {"per wavelength": per_wavelength, "green channel of the same light": per_channel},
+        ),
     )
     arrays = {"spectral": np.array([xyz for xyz, _ in spectral]), "rgb": np.array(rgb), "theta_deg": theta}
     columns = ("thickness", *(f"deltaE2000_{name}" for name in band_names()), "deltaE2000_sphere")
@@ -55,8 +59,14 @@ def draw(data: FigureData):
     axis = below.subplots()
     table = np.array(data.rows, float)
     for column, name in enumerate((*band_names(), "whole sphere"), 1):
-        axis.plot(table[:, 0], table[:, column], marker="o", markersize=3, label=name.replace("deg", "°"),
-                  **({"color": "black", "linewidth": 2} if column == 5 else {}))
+        axis.plot(
+            table[:, 0],
+            table[:, column],
+            marker="o",
+            markersize=3,
+            label=name.replace("deg", "°"),
+            **({"color": "black", "linewidth": 2} if column == 5 else {}),
+        )
     axis.set_xscale("symlog", linthresh=0.4)
     axis.set_xticks(THICKNESS, [f"{t:g}" for t in THICKNESS])
     style(axis, "error of RGB absorption by view angle", "thickness", "mean CIEDE2000")

@@ -53,7 +53,7 @@ def radiance(model, normals: np.ndarray, environment: Environment = STUDIO, coun
     """Radiance (m, channels) towards the viewer of surfaces with unit normals (m, 3) in the world."""
     lobes = sorted({lobe for lobe in model.lobes if lobe and not is_specular(lobe[0])})
     rows = max(1, _CHUNK // (count * (1 + len(lobes) + len(environment.discs))))
-    parts = [_radiance(model, normals[i:i + rows], environment, lobes, count) for i in range(0, len(normals), rows)]
+    parts = [_radiance(model, normals[i : i + rows], environment, lobes, count) for i in range(0, len(normals), rows)]
     return np.concatenate(parts)
 
 

@@ -69,10 +69,16 @@ def test_anisotropy_0_renders_as_none(blender, tier):
     assert np.allclose(*pictures, rtol=1e-4, atol=1e-6)
 
 
-@pytest.mark.parametrize("tier, name", [
-    ("weidlich_wilkie", "coat over metal"), ("weidlich_wilkie", "half covered"), ("analytic", "bare metal"), ("analytic", "coat"),
-    ("analytic", "half covered"),
-])
+@pytest.mark.parametrize(
+    "tier, name",
+    [
+        ("weidlich_wilkie", "coat over metal"),
+        ("weidlich_wilkie", "half covered"),
+        ("analytic", "bare metal"),
+        ("analytic", "coat"),
+        ("analytic", "half covered"),
+    ],
+)
 def test_stock_nodes_equal_mirror(blender, tier, name):
     new = shown(*STACKS[name], tier, "nodes")
     lobe_set = stock_tables(make_lobe_set(material.stack_of(new), tier))

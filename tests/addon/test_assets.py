@@ -257,11 +257,21 @@ STACK = Stack.from_dict({"base": {"kind": "lambert"}})
 WRITTEN = (lambda path: path.write_bytes(b"picture"), lambda path: path.write_bytes(b"asset"))
 
 
-@pytest.mark.parametrize("label, told", [
-    ("", "a preset needs a name"), ("../out", "'.' cannot be"), ("a/b", "'/' cannot be"), ("C:\\x", "':' cannot be"), (".hidden", "'.' cannot be"),
-    ("x" * 61, "at most 60"), ("CON", "a device's"), ("Clean Copper", "one of Lamina's own"), ("taken", "taken by a preset of yours"),
-    ("TAKEN ", "taken by a preset of yours"),
-])
+@pytest.mark.parametrize(
+    "label, told",
+    [
+        ("", "a preset needs a name"),
+        ("../out", "'.' cannot be"),
+        ("a/b", "'/' cannot be"),
+        ("C:\\x", "':' cannot be"),
+        (".hidden", "'.' cannot be"),
+        ("x" * 61, "at most 60"),
+        ("CON", "a device's"),
+        ("Clean Copper", "one of Lamina's own"),
+        ("taken", "taken by a preset of yours"),
+        ("TAKEN ", "taken by a preset of yours"),
+    ],
+)
 def test_names_that_climb_or_clash_are_refused(own, label, told):
     own.save("taken", STACK, *WRITTEN)
     before = sorted(path.name for path in user_folders.presets_folder().parent.rglob("*"))

@@ -198,11 +198,16 @@ def test_what_fails_is_named_and_the_rest_is_done(tmp_path, blender):
     scenes = [{"blend": b, "object": o} for b, o in (("broken.blend", "Ball"), ("good one.blend", "Cup"), ("huge.blend", "Ball"), ("good one.blend", "Ball"))]
     job = write_job(tmp_path, scenes=scenes, frames="1", size=None, samples=None)
     limit = 2_500_000_000
-    _, said = lamina("batch", job, "-o", tmp_path / "out", "--processes", 1, "--no-sheet", code=1,
-                     preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
+    _, said = lamina(
+        "batch", job, "-o", tmp_path / "out", "--processes", 1, "--no-sheet", code=1, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+    )
     rows = {row["scene"]: row for row in table(tmp_path / "out")}
     assert {scene: row["state"] for scene, row in rows.items()} == {
-        "broken_Ball": "failed", "good one_Cup": "failed", "huge_Ball": "failed", "good one_Ball": "done"}
+        "broken_Ball": "failed",
+        "good one_Cup": "failed",
+        "huge_Ball": "failed",
+        "good one_Ball": "done",
+    }
     assert "broken.blend: Blender cannot open it" in rows["broken_Ball"]["problem"]
     assert "no object 'Cup' that takes a surface material; choose Backdrop, Ball" in rows["good one_Cup"]["problem"]
     assert rows["huge_Ball"]["problem"]
@@ -330,7 +335,7 @@ def test_cells_hold_whole_pictures_of_any_shape():
     picture[:, 15:] = 0.5
     for side, high in ((6, 2), (60, 20), (90, 30)):
         cell = fitted(picture, side)
-        assert cell.shape == (high, side, 3) and np.all(cell[:, :side // 2] == 0.0) and np.allclose(cell[:, side // 2:], 0.5)
+        assert cell.shape == (high, side, 3) and np.all(cell[:, : side // 2] == 0.0) and np.allclose(cell[:, side // 2 :], 0.5)
     assert np.all(fitted(np.full((4, 4, 3), np.nan), 8) == 0) and fitted(np.ones((2, 16_000, 3)), 192).shape == (1, 192, 3)
 
 

@@ -23,8 +23,16 @@ def job(folder, **keys) -> Job:
 
 def test_everything_is_combined(tmp_path):
     sweeps = [{"parameter": "base.roughness", "values": [0.1, 0.2, 0.3]}, {"parameter": "base.metal", "values": ["gold", "silver"]}]
-    made = expand(job(tmp_path, stacks=[{"name": "metal", "stack": {"base": {"kind": "conductor"}}}], sweeps=sweeps, tiers=["auto", "analytic"],
-                      views=[0, 90], frames="1-5x2"))
+    made = expand(
+        job(
+            tmp_path,
+            stacks=[{"name": "metal", "stack": {"base": {"kind": "conductor"}}}],
+            sweeps=sweeps,
+            tiers=["auto", "analytic"],
+            views=[0, 90],
+            frames="1-5x2",
+        )
+    )
     assert len(made) == 3 * 2 * 2 * 2 * 3 == len({item.id for item in made}) == len({item.inputs for item in made})
     assert {item.stack.base["metal"] for item in made} == {"gold", "silver"}
     assert sorted({item.frame for item in made}) == [1, 3, 5] and {item.seed for item in made} == {1, 3, 5}

@@ -17,10 +17,12 @@ from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 
-STACK = Stack.from_dict({
-    "layers": [{"kind": "dielectric", "name": "Coat", "roughness": 0.1}, {"kind": "dielectric", "name": "Paint", "roughness": 0.5}],
-    "base": {"kind": "conductor", "metal": "gold", "roughness": 0.3},
-})
+STACK = Stack.from_dict(
+    {
+        "layers": [{"kind": "dielectric", "name": "Coat", "roughness": 0.1}, {"kind": "dielectric", "name": "Paint", "roughness": 0.5}],
+        "base": {"kind": "conductor", "metal": "gold", "roughness": 0.3},
+    }
+)
 
 
 @pytest.fixture
@@ -337,7 +339,21 @@ def test_a_linked_material_is_looked_at_and_not_touched(owner, tmp_path):
 
 
 def test_every_code_is_tested_and_every_button_works():
-    tested = {*FAULTS, "backend_missing", "node_lost", "normal_ignored", "osl_missing", "stock_behind", "texture_ignored", "shader_stale", "not_baked", "not_editable", "out_of_gamut", "usd_misled", "value_rests"}
+    tested = {
+        *FAULTS,
+        "backend_missing",
+        "node_lost",
+        "normal_ignored",
+        "osl_missing",
+        "stock_behind",
+        "texture_ignored",
+        "shader_stale",
+        "not_baked",
+        "not_editable",
+        "out_of_gamut",
+        "usd_misled",
+        "value_rests",
+    }
     assert set(check.CODES) == tested
     assert set(check_mends.MENDS) == {code for code, (_, _, mending) in check.CODES.items() if mending}
 

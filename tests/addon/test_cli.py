@@ -109,6 +109,7 @@ def test_shader_is_printed_without_bpy():
 
 def test_commands_without_blender_start_within_half_a_second():
     """CPU time, best of three: the machine's other work does not count."""
+
     def seconds():
         before = os.times()
         lamina("albedo", "--help")
@@ -217,7 +218,8 @@ def test_render_writes_both_formats_and_furnace_prints_json(tmp_path, blender):
 def test_cancel_is_code_130_and_leaves_nothing(tmp_path, blender):
     process = subprocess.Popen(
         [*RUN, "render", "crayon_paint", "-o", str(tmp_path / "x.png"), "--samples", "100000", "--size", "48"],
-        stderr=subprocess.PIPE, text=True,
+        stderr=subprocess.PIPE,
+        text=True,
     )
     for line in process.stderr:
         if "Sample" in line:

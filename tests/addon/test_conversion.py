@@ -34,11 +34,13 @@ from lamina.reference_py.registry import make_model
 
 pytestmark = pytest.mark.blender
 
-COATED = Stack.from_dict({
-    "name": "Coated",
-    "layers": [{"kind": "dielectric", "tint": [0.9, 0.8, 0.7]}],
-    "base": {"kind": "lambert", "color": [0.7, 0.4, 0.2]},
-})
+COATED = Stack.from_dict(
+    {
+        "name": "Coated",
+        "layers": [{"kind": "dielectric", "tint": [0.9, 0.8, 0.7]}],
+        "base": {"kind": "lambert", "color": [0.7, 0.4, 0.2]},
+    }
+)
 SIZE = 32
 
 
@@ -148,7 +150,12 @@ def test_a_copys_textures_are_those_of_the_stack(plane):
     material = layered(plane)
     layer, base = node_of(material.lamina.layers[0]), node_of(material.lamina.base)
     color, value = ramp(material, color=True), ramp(material)
-    for source, target in ((color, base.inputs["Color"]), (value, layer.inputs["Roughness"]), (color, layer.inputs["Tint"]), (value, layer.inputs["Thickness"])):
+    for source, target in (
+        (color, base.inputs["Color"]),
+        (value, layer.inputs["Roughness"]),
+        (color, layer.inputs["Tint"]),
+        (value, layer.inputs["Thickness"]),
+    ):
         material.node_tree.links.new(source, target)
     names, before = (color.node.name, value.node.name), sorted(n.name for n in material.node_tree.nodes)
     copy, _, told = conversion.principled_copy(material)

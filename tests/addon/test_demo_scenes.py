@@ -112,7 +112,7 @@ def test_more_varnish_is_darker_and_redder(blender, tmp_path):
     assert [item["thickness"] for item in row] == list(THICKNESS)
     picture = linear_picture(scene, tmp_path, 120, 2)
     middle = len(picture) // 2
-    columns = [picture[middle - 6:middle + 6, x - 3:x + 3].mean(axis=(0, 1)) for x in ball_columns(scene, row, 120)]
+    columns = [picture[middle - 6 : middle + 6, x - 3 : x + 3].mean(axis=(0, 1)) for x in ball_columns(scene, row, 120)]
     assert all(np.diff([c.sum() for c in columns]) < 0.0) and all(np.diff([c[0] / c[1] for c in columns]) > 0.0)
 
 

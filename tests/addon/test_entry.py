@@ -210,7 +210,9 @@ def test_outputs_for_one_renderer_alone_stay_and_lamina_gets_its_own(owner):
     for finding in found:
         check.mend(owner, bpy.context.scene, bpy.context.preferences, finding.key)
     outputs = [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial"]
-    assert {"CYCLES", "EEVEE"} & {output.target for output in outputs} == set() and tree.get_output_node("CYCLES").inputs["Surface"].links[0].from_socket == surface_of(owner)
+    assert {"CYCLES", "EEVEE"} & {output.target for output in outputs} == set() and tree.get_output_node("CYCLES").inputs["Surface"].links[
+        0
+    ].from_socket == surface_of(owner)
     assert tree.get_output_node("EEVEE") == tree.get_output_node("CYCLES")
 
 

@@ -96,7 +96,9 @@ def test_flamenco_compiles_the_job_type_into_tasks(bundle, tmp_path):
     node = shutil.which("node")
     if not node:
         pytest.skip("node is not installed")
-    script = (bundle / "bundle" / "lamina_flamenco.js").read_text() + """
+    script = (
+        (bundle / "bundle" / "lamina_flamenco.js").read_text()
+        + """
 const tasks = [];
 const author = {
   Task: (name, type) => ({ name, type, commands: [], addCommand(c) { this.commands.push(c); } }),
@@ -106,6 +108,7 @@ const settings = Object.fromEntries(JOB_TYPE.settings.map((s) => [s.key, s.defau
 compileJob({ settings: { ...settings, files: "/f", output: "/o", pictures: 5 }, addTask: (t) => tasks.push(t) });
 console.log(JSON.stringify({ label: JOB_TYPE.label, own: settings, tasks }));
 """
+    )
     told = json.loads(subprocess.run([node, "-e", script], capture_output=True, text=True, check=True).stdout)
     assert told["label"] == "Lamina: job" and told["own"] == {"pictures": 2, "pictures_per_task": 2}
     assert [t["name"] for t in told["tasks"]] == ["render-0-1", "render-2-3", "render-4-4"] and {t["type"] for t in told["tasks"]} == {"blender"}

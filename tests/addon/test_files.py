@@ -21,10 +21,12 @@ from lamina.reference_py.material.stack import Stack
 pytestmark = pytest.mark.blender
 
 DATA = Path(__file__).parent.parent / "data"
-STACK = Stack.from_dict({
-    "layers": [{"kind": "dielectric", "name": "Coat", "roughness": 0.1}, {"kind": "dielectric", "name": "Paint", "roughness": 0.5}],
-    "base": {"kind": "lambert"},
-})
+STACK = Stack.from_dict(
+    {
+        "layers": [{"kind": "dielectric", "name": "Coat", "roughness": 0.1}, {"kind": "dielectric", "name": "Paint", "roughness": 0.5}],
+        "base": {"kind": "lambert"},
+    }
+)
 
 
 def layered() -> list:

@@ -48,8 +48,22 @@ def test_a_fit_writes_a_stack_and_says_how_good_it_is(matte):
 
 
 def test_samples_of_a_model_are_fitted_and_compared():
-    out, err = lamina("fit", "blue_wall_paint", "--sample", "lafortune", "--wavelength", 550, "--model", "weidlich_wilkie", "--layers", 0,
-                      "--base", "lambert", "--samples", 60)
+    out, err = lamina(
+        "fit",
+        "blue_wall_paint",
+        "--sample",
+        "lafortune",
+        "--wavelength",
+        550,
+        "--model",
+        "weidlich_wilkie",
+        "--layers",
+        0,
+        "--base",
+        "lambert",
+        "--samples",
+        60,
+    )
     assert "the green channel stands for 550 nm" in err and "0 layers over lambert" in out
 
 
@@ -85,10 +99,13 @@ def test_bad_input_is_one_line_and_writes_nothing(matte, arguments, words, monke
 
 @pytest.mark.skipif(os.name != "posix", reason="sends a signal")
 def test_ctrl_c_cancels_and_leaves_nothing(tmp_path):
-    process = subprocess.Popen([*RUN, "fit", "metal_foil", "--sample", "weidlich_wilkie", "-o", str(tmp_path / "x.json")],
-                               stderr=subprocess.PIPE, text=True,
-                               # a shell's background jobs, as which tests may run, are born deaf to it
-                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+    process = subprocess.Popen(
+        [*RUN, "fit", "metal_foil", "--sample", "weidlich_wilkie", "-o", str(tmp_path / "x.json")],
+        stderr=subprocess.PIPE,
+        text=True,
+        # a shell's background jobs, as which tests may run, are born deaf to it
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
     for line in process.stderr:
         if "pairs of directions" in line:
             break

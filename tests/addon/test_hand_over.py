@@ -321,9 +321,14 @@ def test_the_command_writes_a_file_of_principled_materials(blender, tmp_path, ca
     bpy.ops.wm.open_mainfile(filepath=str(out))
     material = bpy.data.objects["lacquered_brass"].data.materials[0]
     assert material.name == "lacquered_brass" and not material.lamina.is_layered and principled_in(material)
-    for arguments in (["principled"], ["principled", str(file)], ["principled", str(file), "-o", str(tmp_path / "a.txt")],
-                      ["principled", str(tmp_path / "no.blend"), "-o", str(out)], ["principled", str(out), "-o", str(tmp_path / "again.blend")],
-                      ["principled", "--presets", "-o", str(out)]):
+    for arguments in (
+        ["principled"],
+        ["principled", str(file)],
+        ["principled", str(file), "-o", str(tmp_path / "a.txt")],
+        ["principled", str(tmp_path / "no.blend"), "-o", str(out)],
+        ["principled", str(out), "-o", str(tmp_path / "again.blend")],
+        ["principled", "--presets", "-o", str(out)],
+    ):
         capsys.readouterr()
         assert run(arguments) == 2, arguments
         lines = [line for line in capsys.readouterr().err.splitlines() if line.startswith("lamina: ")]

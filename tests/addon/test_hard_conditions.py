@@ -150,7 +150,7 @@ def test_a_write_that_is_killed_leaves_the_former_file_or_the_new_one(tmp_path, 
         process.wait()
         assert problem(tmp_path / "a.exr", "x")[0] == ""
         text = (tmp_path / "b.json").read_text()
-        assert text == text[:len(text) // 100_000] * 100_000
+        assert text == text[: len(text) // 100_000] * 100_000
         caught = len(list(tmp_path.iterdir())) - 2  # a half-made file beside them: a kill came within a write
 
 
@@ -212,7 +212,9 @@ def test_a_file_whose_shader_was_edited_by_hand_opens_and_keeps_the_edit(tmp_pat
     assert blender.data.texts[name].as_string() == edited  # nothing of the user's is lost
 
 
-@pytest.mark.parametrize("text", ["", "{", "null", "[1]", '{"chosen": 99}', '{"chosen": 0, "lobe_set": {"a": []}, "tried": [{}], "reason": 1}', "[" * 100_000, "\x00"])
+@pytest.mark.parametrize(
+    "text", ["", "{", "null", "[1]", '{"chosen": 99}', '{"chosen": 0, "lobe_set": {"a": []}, "tried": [{}], "reason": 1}', "[" * 100_000, "\x00"]
+)
 def test_a_broken_cache_counts_as_none(tmp_path, monkeypatch, text):
     from lamina.reference_py.lobes.methods import AutoLobes
 

@@ -17,10 +17,12 @@ from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 
-STACK = Stack.from_dict({
-    "layers": [{"kind": "dielectric", "name": "Coat", "roughness": 0.1}, {"kind": "dielectric", "name": "Paint", "roughness": 0.5}],
-    "base": {"kind": "lambert"},
-})
+STACK = Stack.from_dict(
+    {
+        "layers": [{"kind": "dielectric", "name": "Coat", "roughness": 0.1}, {"kind": "dielectric", "name": "Paint", "roughness": 0.5}],
+        "base": {"kind": "lambert"},
+    }
+)
 
 
 def made(name: str, stack: Stack = STACK):
@@ -83,8 +85,7 @@ def test_pasting_into_another_material_copies_the_textures(blender):
     noise = copy.inputs[0].links[0].from_node
     assert noise.inputs["Scale"].default_value == 7.0 and noise.noise_dimensions == "2D"
     assert at(6, other, 1) == pytest.approx((1.06, 0.5))
-    paths = {curve.data_path for strip in other.node_tree.animation_data.action.layers[0].strips
-             for bag in strip.channelbags for curve in bag.fcurves}
+    paths = {curve.data_path for strip in other.node_tree.animation_data.action.layers[0].strips for bag in strip.channelbags for curve in bag.fcurves}
     assert noise.inputs["Scale"].path_from_id("default_value") in paths
     owner.node_tree.nodes.remove(ramp)
     assert other.node_tree.nodes[copy.name].inputs[0].is_linked
@@ -103,8 +104,18 @@ def test_a_copy_from_another_file_brings_values(blender):
     assert "from" not in material.stack_of(other).layers[0].unknown
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", "not json", '{"lamina_layers": 3}', '{"lamina_layers": [{"kind": "no"}]}',
-                                  '{"schema_version": 99, "lamina_layers": [{"kind": "dielectric"}]}'])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[]",
+        "{}",
+        "not json",
+        '{"lamina_layers": 3}',
+        '{"lamina_layers": [{"kind": "no"}]}',
+        '{"schema_version": 99, "lamina_layers": [{"kind": "dielectric"}]}',
+    ],
+)
 def test_pasting_what_is_no_layer_changes_nothing(blender, text):
     owner = made("owner")
     before = [n.name for n in owner.node_tree.nodes], material.stack_of(owner)

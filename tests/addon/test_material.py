@@ -37,8 +37,10 @@ pytestmark = pytest.mark.blender
 
 TWO_LAYERS = {
     "name": "Two",
-    "layers": [{"kind": "dielectric", "name": "Coat", "roughness": 0.1},
-               {"kind": "dielectric", "name": "Paint", "roughness": 0.6, "distribution": "beckmann", "tint": [0.9, 0.2, 0.1]}],
+    "layers": [
+        {"kind": "dielectric", "name": "Coat", "roughness": 0.1},
+        {"kind": "dielectric", "name": "Paint", "roughness": 0.6, "distribution": "beckmann", "tint": [0.9, 0.2, 0.1]},
+    ],
     "base": {"kind": "conductor", "metal": "gold", "roughness": 0.3},
 }
 
@@ -94,12 +96,15 @@ def test_preset_reads_back_as_written(blender, name):
     assert {s.name for s in script(new).inputs if not s.is_linked} == set(PRIMARIES)
 
 
-@pytest.mark.parametrize("base", [
-    {"kind": "lambert", "color": [0.1, 0.2, 0.3]},
-    {"kind": "oren_nayar", "sigma_deg": 33.0},
-    {"kind": "conductor", "eta": [0.2, 0.9, 1.1], "k": [3.0, 2.0, 1.0], "distribution": "beckmann"},
-    {"kind": "conductor", "reflectance": [0.9, 0.5, 0.25], "edge_color": [1.0, 0.5, 0.0], "note": {"of": ["tomorrow"]}},
-])
+@pytest.mark.parametrize(
+    "base",
+    [
+        {"kind": "lambert", "color": [0.1, 0.2, 0.3]},
+        {"kind": "oren_nayar", "sigma_deg": 33.0},
+        {"kind": "conductor", "eta": [0.2, 0.9, 1.1], "k": [3.0, 2.0, 1.0], "distribution": "beckmann"},
+        {"kind": "conductor", "reflectance": [0.9, 0.5, 0.25], "edge_color": [1.0, 0.5, 0.0], "note": {"of": ["tomorrow"]}},
+    ],
+)
 def test_every_base_and_unknown_keys_read_back(blender, base):
     stack = Stack.from_dict({"base": base, "author": {"a": [1, None]}, "layers": [{"kind": "dielectric", "name": 5, "x": True}]})
     new = blender.data.materials.new("new")
@@ -163,8 +168,7 @@ def test_keyframes_and_drivers_stay_with_their_layer(layered, blender):
     assert [layer["ior"] for layer in stack.layers] == pytest.approx([1.5, 1.5, 1.06])
     # what animates a removed layer goes with it, and nothing else
     layers.remove_layer(layered, 0)
-    assert [d.data_path for d in layered.node_tree.animation_data.drivers] == [
-        socket(layered, layered.lamina.layers[1], "IOR").path_from_id("default_value")]
+    assert [d.data_path for d in layered.node_tree.animation_data.drivers] == [socket(layered, layered.lamina.layers[1], "IOR").path_from_id("default_value")]
 
 
 def test_structure_cannot_be_animated(layered):

@@ -84,8 +84,7 @@ def test_each_layer_renders_in_its_frame(blender, tier, base):
 def test_an_unlinked_normal_is_the_surfaces(blender, tier):
     base = BASES["metal"]
     pictures = [
-        render_sun_sphere(shown(Stack.from_dict({"layers": [{**COAT, **own}], "base": {**base, **own}}), tier), 45.0, 48)["radiance"]
-        for own in ({}, OWN)
+        render_sun_sphere(shown(Stack.from_dict({"layers": [{**COAT, **own}], "base": {**base, **own}}), tier), 45.0, 48)["radiance"] for own in ({}, OWN)
     ]
     assert np.array_equal(*pictures)
 

@@ -26,16 +26,18 @@ pytestmark = pytest.mark.blender
 _SEQUENCE = 25
 _COUNT = int(os.environ.get("LAMINA_OPERATIONS", "250"))
 _MOST_LAYERS = 6
-START = Stack.from_dict({
-    "name": "Start",
-    "layers": [{"kind": "dielectric", "name": "Coat", "roughness": 0.1}, {"kind": "dielectric"}],
-    "base": {"kind": "conductor", "metal": "gold", "roughness": 0.3},
-})
+START = Stack.from_dict(
+    {
+        "name": "Start",
+        "layers": [{"kind": "dielectric", "name": "Coat", "roughness": 0.1}, {"kind": "dielectric"}],
+        "base": {"kind": "conductor", "metal": "gold", "roughness": 0.3},
+    }
+)
 
 OPERATIONS = st.one_of(
     st.tuples(st.just("add"), st.sampled_from(["dielectric", "rust", "glazed_pigment"])),
     st.tuples(st.just("move"), st.sampled_from(["UP", "DOWN"])),
-    st.tuples(st.just("rename"), st.sampled_from(["Paint", "Coat", "\N{LATIN SMALL LETTER O WITH DIAERESIS}l \"1\""])),
+    st.tuples(st.just("rename"), st.sampled_from(["Paint", "Coat", '\N{LATIN SMALL LETTER O WITH DIAERESIS}l "1"'])),
     st.tuples(st.just("value"), st.sampled_from([0.0, 0.25, 0.75])),
     st.tuples(st.just("select"), st.integers(0, _MOST_LAYERS)),
     st.tuples(st.just("solo"), st.integers(0, _MOST_LAYERS)),

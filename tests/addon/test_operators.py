@@ -24,11 +24,13 @@ from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 
-STACK = Stack.from_dict({
-    "name": "Two",
-    "layers": [{"kind": "dielectric", "name": "Coat"}, {"kind": "dielectric", "name": "Paint", "tint": [0.9, 0.2, 0.1]}],
-    "base": {"kind": "conductor", "metal": "gold", "roughness": 0.3},
-})
+STACK = Stack.from_dict(
+    {
+        "name": "Two",
+        "layers": [{"kind": "dielectric", "name": "Coat"}, {"kind": "dielectric", "name": "Paint", "tint": [0.9, 0.2, 0.1]}],
+        "base": {"kind": "conductor", "metal": "gold", "roughness": 0.3},
+    }
+)
 MISSING = (False, "this Blender was built without OSL")
 
 
@@ -62,8 +64,7 @@ def state() -> dict:
             "solo": lamina.solo,
             "active": lamina.active_layer,
             "nodes": sorted((n.name, n.mute) for n in tree.nodes) if tree else [],
-            "links": sorted((k.from_node.name, k.from_socket.name, k.to_node.name, k.to_socket.identifier)
-                            for k in tree.links) if tree else [],
+            "links": sorted((k.from_node.name, k.from_socket.name, k.to_node.name, k.to_socket.identifier) for k in tree.links) if tree else [],
             "shader": (script.script.name, script.bytecode_hash) if script else None,
         }
     return found
@@ -330,8 +331,9 @@ WINDOW = SimpleNamespace(region=SimpleNamespace(width=2000), preferences=SimpleN
 def drawn(what: str) -> list[str]:
     """What the panel draws for the active object, of one sort."""
     preferences = SimpleNamespace(system=WINDOW.preferences.system, addons=bpy.context.preferences.addons)
-    window = SimpleNamespace(scene=bpy.context.scene, object=bpy.context.object, region=WINDOW.region, preferences=preferences,
-                             window_manager=bpy.context.window_manager)
+    window = SimpleNamespace(
+        scene=bpy.context.scene, object=bpy.context.object, region=WINDOW.region, preferences=preferences, window_manager=bpy.context.window_manager
+    )
     assert panel.LAMINA_PT_material.poll(window)
     noted = []
     panel.LAMINA_PT_material.draw(SimpleNamespace(layout=Layout(noted), bl_label="Lamina"), window)

@@ -22,10 +22,13 @@ from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 
-STACK = Stack.from_dict({
-    "name": "Mine", "layers": [{"kind": "dielectric", "roughness": 0.1}, {"kind": "dielectric", "name": "Hidden", "roughness": 0.5}],
-    "base": {"kind": "lambert", "color": [0.5, 0.2, 0.1]},
-})
+STACK = Stack.from_dict(
+    {
+        "name": "Mine",
+        "layers": [{"kind": "dielectric", "roughness": 0.1}, {"kind": "dielectric", "name": "Hidden", "roughness": 0.5}],
+        "base": {"kind": "lambert", "color": [0.5, 0.2, 0.1]},
+    }
+)
 CHECKER = (np.indices((8, 8)).sum(axis=0) % 2 * 255).astype(np.uint8)[..., None].repeat(3, axis=-1)
 
 
@@ -73,8 +76,12 @@ def contents() -> dict:
     """Everything in the file that saving a preset could leave or change."""
     kinds = ("materials", "node_groups", "images", "texts", "actions", "objects", "scenes", "meshes")
     found = {kind: sorted(item.name for item in getattr(bpy.data, kind) if item.name != "Render Result") for kind in kinds}
-    return found | {"packed": [image.name for image in bpy.data.images if image.packed_file is not None], "nodes": [
-        (m.name, sorted(n.name for n in m.node_tree.nodes), sorted(k.to_socket.path_from_id() for k in m.node_tree.links)) for m in bpy.data.materials]}
+    return found | {
+        "packed": [image.name for image in bpy.data.images if image.packed_file is not None],
+        "nodes": [
+            (m.name, sorted(n.name for n in m.node_tree.nodes), sorted(k.to_socket.path_from_id() for k in m.node_tree.links)) for m in bpy.data.materials
+        ],
+    }
 
 
 def test_a_texture_is_there_in_another_file(folder, tmp_path):
@@ -172,10 +179,15 @@ def test_a_picture_that_fails_is_said_and_the_preset_is_there(folder, tmp_path, 
     assert user_presets.asset_of("mine").is_file() and not user_presets.picture_of("mine").exists()
 
 
-@pytest.mark.parametrize("fault, told", [
-    ("taken", "taken by a preset of yours"), ("painted", "image checker.png has changes that are not saved"), ("gone", "there is no file"),
-    ("blocked", "cannot make this folder"),
-])
+@pytest.mark.parametrize(
+    "fault, told",
+    [
+        ("taken", "taken by a preset of yours"),
+        ("painted", "image checker.png has changes that are not saved"),
+        ("gone", "there is no file"),
+        ("blocked", "cannot make this folder"),
+    ],
+)
 def test_what_cannot_be_saved_is_refused_before_a_picture_is_rendered(folder, tmp_path, monkeypatch, fault, told):
     owner = textured(tmp_path)
     image = bpy.data.images["checker.png"]
@@ -219,8 +231,11 @@ def test_the_dialog_names_what_stays_behind(folder, tmp_path):
             drawn.append(text)
 
     preset_operators.LAMINA_OT_save_preset.draw(type("Operator", (), {"layout": Layout()})(), bpy.context)
-    assert drawn == ["Drivers and keyframes stay behind; values are those of now", "The object of Texture Coordinate stays behind",
-                     "checker.png stays a file of its own, which the preset points to"]
+    assert drawn == [
+        "Drivers and keyframes stay behind; values are those of now",
+        "The object of Texture Coordinate stays behind",
+        "checker.png stays a file of its own, which the preset points to",
+    ]
     before = contents()
     assert bpy.ops.lamina.save_preset(name="Mine") == {"FINISHED"}
     assert contents() == before and place.object is not None and len(owner.node_tree.animation_data.drivers) == 1

@@ -23,7 +23,10 @@ STACKS = {
     "eight layers": ([coat(1.2 + 0.1 * i, 0.3 + 0.05 * i, tint=[0.9, 0.8, 0.95]) for i in range(7)], {"kind": "conductor", "metal": "gold", "roughness": 0.5}),
     "equal indices": ([coat(1.0, 0.3), coat(1.0, 0.6)], {"kind": "lambert"}),
     "black medium": ([coat(1.5, 0.4, tint=[0, 0.5, 1], thickness=1000)], {"kind": "conductor", "metal": "silver", "roughness": 0.6}),
-    "as rough as can be": ([coat(1.5, 1.0), coat(1.3, 1.0, distribution="beckmann")], {"kind": "conductor", "eta": [0.2, 1, 2], "k": [3, 2, 1], "roughness": 1.0, "distribution": "beckmann"}),
+    "as rough as can be": (
+        [coat(1.5, 1.0), coat(1.3, 1.0, distribution="beckmann")],
+        {"kind": "conductor", "eta": [0.2, 1, 2], "k": [3, 2, 1], "roughness": 1.0, "distribution": "beckmann"},
+    ),
 }
 
 

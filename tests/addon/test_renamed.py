@@ -93,7 +93,10 @@ def test_a_deleted_tinted_glaze_comes_back_with_its_tint(owner, backend, tmp_pat
     owner.node_tree.nodes.remove(glaze)
     mend(owner, "node_gone")
     assert tuple(node_of(owner.lamina.layers[0]).inputs["Tint"].default_value) == tint and findings(owner) == []
-    for rest, tint in ((lambda: bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "one.blend")), (0.9, 0.5, 0.1, 1.0)), (lambda: (bakes.tick(), bakes.tick()), (0.1, 0.5, 0.9, 1.0))):
+    for rest, tint in (
+        (lambda: bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "one.blend")), (0.9, 0.5, 0.1, 1.0)),
+        (lambda: (bakes.tick(), bakes.tick()), (0.1, 0.5, 0.9, 1.0)),
+    ):
         node_of(owner.lamina.layers[0]).inputs["Tint"].default_value = tint
         rest()
         owner.node_tree.nodes.remove(node_of(owner.lamina.layers[0]))

@@ -45,6 +45,7 @@ def glossy(distribution: str, alpha: float) -> tuple[bpy.types.Material, float]:
 def microfacet_f_cos(distribution: str, alpha: float, n, wi, wo):
     """f * cos_theta_i of a lossless microfacet lobe: D and height-correlated G2 (Heitz 2014); Beckmann's Lambda is the
     rational fit of Walter et al. 2007, as in Cycles. sin^2 of the half angle comes from a cross product."""
+
     def tan2(c):
         return np.maximum(1.0 / c**2 - 1.0, 0.0)
 
@@ -63,6 +64,7 @@ def microfacet_f_cos(distribution: str, alpha: float, n, wi, wo):
             a = 1.0 / (alpha * np.sqrt(np.maximum(tan2(c), 1e-30)))
             fit = (1.0 - 1.259 * a + 0.396 * a**2) / (3.535 * a + 2.181 * a**2)
             return np.where(alpha**2 * tan2(c) < 0.39, 0.0, fit)
+
     return D / ((1.0 + Lambda(cos_i) + Lambda(cos_o)) * 4.0 * cos_o)
 
 
@@ -117,8 +119,7 @@ def test_narrow_lobes_are_as_exact_as_float32_allows(distribution, alpha):
 
 def test_furnace_of_white_lossless_materials_is_one():
     angles = [0.0, 60.0, 89.0]
-    for material, tolerance in ((stock("ShaderNodeBsdfDiffuse"), 1e-6), (glossy("GGX", 0.0)[0], 1e-6),
-                                (glossy("MULTI_GGX", 0.5)[0], 8e-3)):
+    for material, tolerance in ((stock("ShaderNodeBsdfDiffuse"), 1e-6), (glossy("GGX", 0.0)[0], 1e-6), (glossy("MULTI_GGX", 0.5)[0], 8e-3)):
         albedo, stderr = measure.render_furnace(material, angles, 32, 24)
         np.testing.assert_allclose(albedo, 1.0, atol=tolerance)
         assert albedo.shape == stderr.shape == (3, 3) and stderr.max() < 2e-3
@@ -131,8 +132,7 @@ def test_furnace_equals_the_integral_of_the_formula():
     # Gauss-Legendre over the polar angle of the light, midpoints over its azimuth
     node, weight = np.polynomial.legendre.leggauss(400)
     theta, phi = (node + 1.0) * np.pi / 4.0, (np.arange(400) + 0.5) * 2.0 * np.pi / 400
-    wi = np.stack(np.broadcast_arrays(np.sin(theta)[:, None] * np.cos(phi), np.sin(theta)[:, None] * np.sin(phi),
-                                      np.cos(theta)[:, None]), axis=-1)
+    wi = np.stack(np.broadcast_arrays(np.sin(theta)[:, None] * np.cos(phi), np.sin(theta)[:, None] * np.sin(phi), np.cos(theta)[:, None]), axis=-1)
     for view, measured, error in zip(np.radians([0.0, 60.0]), albedo[:, 0], stderr[:, 0]):
         wo = np.array([np.sin(view), 0.0, np.cos(view)])
         h = wi + wo
@@ -184,21 +184,25 @@ def test_the_ball_is_whole_and_as_large_in_pictures_of_any_shape(size):
     assert 0.6 < extent.min() and extent.max() < 0.95
 
 
-@pytest.mark.parametrize("call, words", [
-    (lambda m: measure.render_sun_sphere(m, 200.0), "sun_theta_deg 200"),
-    (lambda m: measure.render_sun_sphere(m, 0.0, window=(3.0, 0.0, 0.1)), "window"),
-    (lambda m: measure.render_furnace(m, [90.0]), "theta_deg_list"),
-    (lambda m: measure.render_furnace(m, [0.0], 0), "0 samples"),
-    (lambda m: sheet.render_sheet([], "sheet.png"), "0 materials"),
-    (lambda m: sheet.render_sheet([sheet.Tile("a", m)], "/nowhere/at/all/sheet.png"), "does not exist"),
-])
+@pytest.mark.parametrize(
+    "call, words",
+    [
+        (lambda m: measure.render_sun_sphere(m, 200.0), "sun_theta_deg 200"),
+        (lambda m: measure.render_sun_sphere(m, 0.0, window=(3.0, 0.0, 0.1)), "window"),
+        (lambda m: measure.render_furnace(m, [90.0]), "theta_deg_list"),
+        (lambda m: measure.render_furnace(m, [0.0], 0), "0 samples"),
+        (lambda m: sheet.render_sheet([], "sheet.png"), "0 materials"),
+        (lambda m: sheet.render_sheet([sheet.Tile("a", m)], "/nowhere/at/all/sheet.png"), "does not exist"),
+    ],
+)
 def test_bad_requests_are_refused_by_name(call, words):
     with pytest.raises(LaminaError, match=words):
         call(stock("ShaderNodeBsdfDiffuse"))
 
 
-@pytest.mark.parametrize("make", [geometry.sphere_mesh, geometry.ball_mesh, geometry.stand_mesh,
-                                  geometry.backdrop_mesh, lambda name: geometry.plane_mesh(name, 1.0)])
+@pytest.mark.parametrize(
+    "make", [geometry.sphere_mesh, geometry.ball_mesh, geometry.stand_mesh, geometry.backdrop_mesh, lambda name: geometry.plane_mesh(name, 1.0)]
+)
 def test_meshes_are_valid_and_face_outward(make):
     mesh = make("Mesh")
     assert not mesh.validate()  # True would mean that Blender had to repair it
@@ -295,12 +299,11 @@ def test_sheet_shows_each_material_over_its_label(tmp_path):
 
     seen = []
     items = [sheet.Tile("Red", principled((0.6, 0.01, 0.01))), sheet.Tile("Blue", principled((0.01, 0.01, 0.6)))]
-    sheet.render_sheet(items, tmp_path / "sheet.png", 2, 64, 2, lambda done, text: seen.append((done, text)),
-                       metadata={"Source": "test"})
+    sheet.render_sheet(items, tmp_path / "sheet.png", 2, 64, 2, lambda done, text: seen.append((done, text)), metadata={"Source": "test"})
     pixels, metadata = images.read_png(tmp_path / "sheet.png")
     half = pixels.shape[1] // 2
     ball = pixels[30:45].astype(int)  # across both balls, below their highlights
-    red, blue = ball[:, 25:half - 25].mean(axis=(0, 1)), ball[:, half + 25:-25].mean(axis=(0, 1))
+    red, blue = ball[:, 25 : half - 25].mean(axis=(0, 1)), ball[:, half + 25 : -25].mean(axis=(0, 1))
     assert red[0] > 1.5 * red[2] and blue[2] > 1.5 * blue[0]
     assert pixels[70:].max() > 120 and pixels[:4].max() < 40  # labels below the tiles, nothing in the margin
     assert seen[0] == (0.0, "Red") and seen[-1][0] == 1.0 and metadata["Source"] == "test"

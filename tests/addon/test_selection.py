@@ -91,7 +91,7 @@ def test_the_panels_list_is_of_that_property(blender):
     preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))
     context = SimpleNamespace(window_manager=bpy.context.window_manager, region=SimpleNamespace(width=400), preferences=preferences)
     panel_layers.draw_layers(Layout(), context, owner.lamina)
-    (_, _, data, name, owner_of_row, row), = [arguments for called, arguments in drawn if called == "template_list"]
+    ((_, _, data, name, owner_of_row, row),) = [arguments for called, arguments in drawn if called == "template_list"]
     assert (data, name) == (owner.lamina, "layers") and owner_of_row.id_data == bpy.context.window_manager
     assert type(owner_of_row).bl_rna.properties[row].type == "INT"
 

@@ -16,10 +16,12 @@ from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
 
-TEN = Stack.from_dict({
-    "layers": [{"kind": "dielectric", "roughness": 0.05 * i, "tint": [0.9, 0.8, 0.7]} for i in range(10)],
-    "base": {"kind": "conductor", "metal": "gold"},
-})
+TEN = Stack.from_dict(
+    {
+        "layers": [{"kind": "dielectric", "roughness": 0.05 * i, "tint": [0.9, 0.8, 0.7]} for i in range(10)],
+        "base": {"kind": "conductor", "metal": "gold"},
+    }
+)
 
 
 @pytest.fixture

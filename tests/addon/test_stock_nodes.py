@@ -70,15 +70,18 @@ def check(bpy, lobe_set: TableLobes, tolerance: float, windows=((0.0, 0.0, 1.0),
             assert result.percentile_99 <= tolerance
 
 
-@pytest.mark.parametrize("tier, name, tolerance", [
-    ("weidlich_wilkie", "blue_wall_paint", TOLERANCE),
-    ("weidlich_wilkie", "patina_copper", TOLERANCE),
-    ("weidlich_wilkie", "metallic_car_paint", NARROW_TOLERANCE),
-    ("baked", "frosted_paint", TOLERANCE),
-    ("baked", "frosted_metal", TOLERANCE),
-    ("baked", "glazed_mug", TOLERANCE),
-    ("baked", "metallic_car_paint", NARROW_TOLERANCE),
-])
+@pytest.mark.parametrize(
+    "tier, name, tolerance",
+    [
+        ("weidlich_wilkie", "blue_wall_paint", TOLERANCE),
+        ("weidlich_wilkie", "patina_copper", TOLERANCE),
+        ("weidlich_wilkie", "metallic_car_paint", NARROW_TOLERANCE),
+        ("baked", "frosted_paint", TOLERANCE),
+        ("baked", "frosted_metal", TOLERANCE),
+        ("baked", "glazed_mug", TOLERANCE),
+        ("baked", "metallic_car_paint", NARROW_TOLERANCE),
+    ],
+)
 def test_render_equals_mirror(no_osl, tier, name, tolerance):
     stack = presets.load(name)
     lobe_set = make_lobe_set(stack, tier)
@@ -161,10 +164,12 @@ def test_equal_lobe_sets_share_a_group_and_an_edited_one_is_left_alone(no_osl):
     assert group.name in no_osl.data.node_groups
 
 
-STACK = Stack.from_dict({
-    "layers": [{"kind": "dielectric", "name": "Coat", "roughness": 0.3}, {"kind": "dielectric", "name": "Paint", "ior": 1.7, "tint": [0.9, 0.2, 0.1]}],
-    "base": {"kind": "conductor", "metal": "gold", "roughness": 0.5},
-})
+STACK = Stack.from_dict(
+    {
+        "layers": [{"kind": "dielectric", "name": "Coat", "roughness": 0.3}, {"kind": "dielectric", "name": "Paint", "ior": 1.7, "tint": [0.9, 0.2, 0.1]}],
+        "base": {"kind": "conductor", "metal": "gold", "roughness": 0.5},
+    }
+)
 
 
 @pytest.fixture

@@ -56,8 +56,7 @@ def test_no_thickness_renders_as_no_film(blender):
     tier = "weidlich_wilkie"
     none = {"film_thickness": 0.0}
     pictures = [
-        render_sun_sphere(shown([{**COAT, **film}, {**COAT, "ior": 1.8, **film}], {**STEEL, **film}, tier), 45.0, 48)["radiance"]
-        for film in ({}, none)
+        render_sun_sphere(shown([{**COAT, **film}, {**COAT, "ior": 1.8, **film}], {**STEEL, **film}, tier), 45.0, 48)["radiance"] for film in ({}, none)
     ]
     assert np.allclose(*pictures, rtol=1e-4, atol=1e-6)
 

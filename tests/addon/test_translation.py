@@ -34,5 +34,14 @@ def _fields(text: str) -> list[str]:
 def test_the_collector_sees_all_sources(blender):
     """One string of each sort: schema, choice, operator, its property, its choice, panel, check, ready layer."""
     found = translatable.strings()
-    assert {"Absolute index of refraction of the film", "Oren-Nayar", "Add Layer", "Kind", "Toward the viewer", "Pick a Preset",
-            "The shader node was deleted", "Clear Varnish", "Mean slope {degrees}\N{DEGREE SIGN}"} <= found
+    assert {
+        "Absolute index of refraction of the film",
+        "Oren-Nayar",
+        "Add Layer",
+        "Kind",
+        "Toward the viewer",
+        "Pick a Preset",
+        "The shader node was deleted",
+        "Clear Varnish",
+        "Mean slope {degrees}\N{DEGREE SIGN}",
+    } <= found

@@ -64,7 +64,7 @@ class Scene:
         for plane, material in zip(self.planes, copies):
             plane.data.materials[0] = material
             plane.hide_render = False
-        for plane in self.planes[len(copies):]:
+        for plane in self.planes[len(copies) :]:
             plane.hide_render = True
         return cpu(lambda: render_to(self.scene, self.file))
 
@@ -98,8 +98,17 @@ def rows(folder: str):
             tier, backend = "analytic", "osl" if osl else "nodes"
             make = paired(lambda: making(name, tier, "auto"), lambda: making(name, tier, backend), ROUNDS)
             each = [1000.0 * (seconds - none) / COPIES for seconds in start[1:]]
-            yield (name, "on" if osl else "off", f"{full[0]:.3f}", f"{each[0] / max(each[1], 1e-6):.2f}", f"{each[0]:.1f}", f"{each[1]:.1f}",
-                   f"{make[0]:.2f}", f"{1000.0 * make[1]:.0f}", f"{1000.0 * make[2]:.0f}")
+            yield (
+                name,
+                "on" if osl else "off",
+                f"{full[0]:.3f}",
+                f"{each[0] / max(each[1], 1e-6):.2f}",
+                f"{each[0]:.1f}",
+                f"{each[1]:.1f}",
+                f"{make[0]:.2f}",
+                f"{1000.0 * make[1]:.0f}",
+                f"{1000.0 * make[2]:.0f}",
+            )
 
 
 def main() -> int:

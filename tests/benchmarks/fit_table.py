@@ -20,10 +20,12 @@ from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.registry import make_model
 
 SIZES = (90, 90, 180)
-VARNISH = Stack.from_dict({
-    "layers": [{"kind": "dielectric", "ior": 1.5, "roughness": 0.35, "tint": [0.9, 0.7, 0.5]}],
-    "base": {"kind": "conductor", "metal": "aluminium", "roughness": 0.6},
-})
+VARNISH = Stack.from_dict(
+    {
+        "layers": [{"kind": "dielectric", "ior": 1.5, "roughness": 0.35, "tint": [0.9, 0.7, 0.5]}],
+        "base": {"kind": "conductor", "metal": "aluminium", "roughness": 0.6},
+    }
+)
 TABLES = {"blue paint": ("lafortune", presets.load("blue_wall_paint"), 0.0), "varnished metal": ("weidlich_wilkie", VARNISH, 0.05)}
 
 
@@ -50,8 +52,11 @@ def main() -> None:
             fitted = time.process_time()
             told = outcome(measurement, selection)
             end = time.process_time()
-        print(f"  {name:16} {end - start:5.1f} s: reading {loaded - start:.1f}, fitting {fitted - loaded:.1f}, error on all "
-              f"{told['pairs']} pairs {end - fitted:.1f}; {selection.best.structure.name}, error {100.0 * told['error']:.2f} %", flush=True)
+        print(
+            f"  {name:16} {end - start:5.1f} s: reading {loaded - start:.1f}, fitting {fitted - loaded:.1f}, error on all "
+            f"{told['pairs']} pairs {end - fitted:.1f}; {selection.best.structure.name}, error {100.0 * told['error']:.2f} %",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

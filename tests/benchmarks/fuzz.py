@@ -105,9 +105,35 @@ def measurements() -> dict[str, list[bytes]]:
 def keys() -> list[str]:
     kinds = [*SCHEMA.layers.values(), *SCHEMA.bases.values()]
     names = {p.name for kind in kinds for p in kind.all_parameters} | {c for kind in kinds for p in kind.all_parameters for c in p.choices}
-    return sorted(names | {k.name for k in KEYS} | {k.name for k in kinds} | {
-        "layers", "base", "kind", "schema_version", "name", "stack", "blend", "object", "parameter", "values", "from", "to", "steps", "chosen",
-        "lobe_set", "tried", "reason", "layers[0].roughness", "base.color", "ball", "1-24", *presets.names()})
+    return sorted(
+        names
+        | {k.name for k in KEYS}
+        | {k.name for k in kinds}
+        | {
+            "layers",
+            "base",
+            "kind",
+            "schema_version",
+            "name",
+            "stack",
+            "blend",
+            "object",
+            "parameter",
+            "values",
+            "from",
+            "to",
+            "steps",
+            "chosen",
+            "lobe_set",
+            "tried",
+            "reason",
+            "layers[0].roughness",
+            "base.color",
+            "ball",
+            "1-24",
+            *presets.names(),
+        }
+    )
 
 
 def values():
@@ -131,13 +157,13 @@ def bent(data: bytes, rng: random.Random) -> bytes:
         if what == 0 and at < len(data):
             data[at] = rng.randrange(256)
         elif what == 1:
-            del data[at:at + length]
+            del data[at : at + length]
         elif what == 2:
-            data[at:at] = data[at:at + length]
+            data[at:at] = data[at : at + length]
         elif what == 3:
             data[at:at] = rng.randbytes(length)
         elif what == 4:
-            data[at:at + length] = rng.choice((b"\xff", b"\0", b"9", b"[", b'"', b"-", b"e", b"{")) * length
+            data[at : at + length] = rng.choice((b"\xff", b"\0", b"9", b"[", b'"', b"-", b"e", b"{")) * length
         elif rng.random() < 0.2:
             del data[at:]
     return bytes(data)
@@ -205,8 +231,17 @@ def main() -> int:
     part = -(-total // 20)
     cache.keep_in(HOME)
     stacks = [presets.load(name).to_json().encode() for name in presets.names()[:8]]
-    job = {"stacks": ["clean_copper", {"name": "a", "stack": presets.load("frosted_metal").to_dict()}], "views": [0, 20], "frames": "1-5x2", "size": [20, 10],
-           "sweeps": [{"parameter": "base.roughness", "values": [0.1, 0.2]}], "tiers": ["auto"], "scenes": ["ball"], "seed": 3, "samples": 4}
+    job = {
+        "stacks": ["clean_copper", {"name": "a", "stack": presets.load("frosted_metal").to_dict()}],
+        "views": [0, 20],
+        "frames": "1-5x2",
+        "size": [20, 10],
+        "sweeps": [{"parameter": "base.roughness", "values": [0.1, 0.2]}],
+        "tiers": ["auto"],
+        "scenes": ["ball"],
+        "seed": 3,
+        "samples": 4,
+    }
     AutoLobes(presets.load("clean_copper"))
     BakedLobes(presets.load("clean_copper"))
     caches = [file.read_bytes() for file in HOME.glob("*.json")]

@@ -34,7 +34,10 @@ COATS = {"smooth": layer(), "ggx .4": layer(alpha=0.4), "beckmann .4": layer(alp
 THREE_LAYERS = {
     "three smooth layers over lambert": [LAMBERT, layer(1.5), layer(1.3), layer(1.6)],
     "three rough, tinted layers over gold": [
-        GOLD, layer(1.5, 0.1, tint=TINT), layer(1.3, 0.3, "beckmann", tint=TINT), layer(1.6, 0.2, tint=TINT),
+        GOLD,
+        layer(1.5, 0.1, tint=TINT),
+        layer(1.3, 0.3, "beckmann", tint=TINT),
+        layer(1.6, 0.2, tint=TINT),
     ],
 }
 

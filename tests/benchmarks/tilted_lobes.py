@@ -24,9 +24,13 @@ sys.path.append(str(Path(__file__).parents[1]))
 from support.goniometer import parity
 
 THETA_DEG = (0.0, 30.0, 60.0, 75.0, 85.0)
-WHITE = Stack.from_dict({
-    "name": "white under a rough coat", "layers": [{"kind": "dielectric", "roughness": 0.3}], "base": {"kind": "lambert", "color": [1.0, 1.0, 1.0]},
-})
+WHITE = Stack.from_dict(
+    {
+        "name": "white under a rough coat",
+        "layers": [{"kind": "dielectric", "roughness": 0.3}],
+        "base": {"kind": "lambert", "color": [1.0, 1.0, 1.0]},
+    }
+)
 
 
 def main() -> None:

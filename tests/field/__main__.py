@@ -54,7 +54,7 @@ def _group(names: list[str]) -> list[dict]:
     rows: list[dict] = []
     with tempfile.TemporaryDirectory() as folder:
         told = Path(folder, "rows")
-        while left := names[len(rows):]:
+        while left := names[len(rows) :]:
             told.write_text("")
             child = subprocess.run([sys.executable, __file__, ROWS, str(told), *left], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
             lines = [json.loads(line) for line in told.read_text(encoding="utf-8").splitlines()]

@@ -33,7 +33,9 @@ def read_back(material: bpy.types.Material | None) -> dict[str, tuple | float]:
     return {"Base Color": tuple(node.inputs["Base Color"].default_value)[:3]} | {n: node.inputs[n].default_value for n in ("Metallic", "Roughness")}
 
 
-def round_trip(trial: Trial, surface: Surface, write: Callable[[str], None], read: Callable[[str], None], suffix: str, names=("Base Color", "Metallic", "Roughness")):
+def round_trip(
+    trial: Trial, surface: Surface, write: Callable[[str], None], read: Callable[[str], None], suffix: str, names=("Base Color", "Metallic", "Roughness")
+):
     """Export a plane of `surface`, read it into an empty file, and compare what came back."""
     material = trial.material(surface)
     expected = expected_of(trial, material, surface)

@@ -94,7 +94,9 @@ def mix_in_group(trial):
     group = bpy.data.node_groups.new("Glow", "ShaderNodeTree")
     group.interface.new_socket("In", in_out="INPUT", socket_type="NodeSocketShader")
     group.interface.new_socket("Out", in_out="OUTPUT", socket_type="NodeSocketShader")
-    enter, leave, mix, glow = (group.nodes.new(f"ShaderNode{n}" if "Group" not in n else n) for n in ("NodeGroupInput", "NodeGroupOutput", "MixShader", "Emission"))
+    enter, leave, mix, glow = (
+        group.nodes.new(f"ShaderNode{n}" if "Group" not in n else n) for n in ("NodeGroupInput", "NodeGroupOutput", "MixShader", "Emission")
+    )
     glow.inputs["Color"].default_value = (*GLOW, 1.0)
     for a, b in ((enter.outputs[0], mix.inputs[1]), (glow.outputs[0], mix.inputs[2]), (mix.outputs[0], leave.inputs[0])):
         group.links.new(a, b)

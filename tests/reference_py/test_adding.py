@@ -143,9 +143,7 @@ def test_thickness_zero_and_huge():
 def _parts():
     grid, resolution = Grid((1.0, 1.3, 1.5, 1.8), 24), Resolution(2, 12, 24)
     return [
-        interface_operators(above, below, alpha, "ggx", "multiple", grid, resolution).over_medium(
-            operators.transmittance(grid, below, 0.1)
-        )
+        interface_operators(above, below, alpha, "ggx", "multiple", grid, resolution).over_medium(operators.transmittance(grid, below, 0.1))
         for above, below, alpha in ((1.0, 1.5, 0.2), (1.5, 1.3, 0.0), (1.3, 1.8, 0.5))
     ]
 

@@ -181,8 +181,12 @@ def test_the_command_converts_there_and_back(tmp_path, capsys):
     np.testing.assert_allclose(Stack.load(again).base["color"], presets.load("glazed_mug").base["color"], atol=1e-3)
     file.write_text("<materialx")
     capsys.readouterr()
-    for arguments in (["convert", str(file), "-o", str(tmp_path / "no.json")], ["convert", "glazed_mug"], ["convert", str(file)],
-                      ["convert", "glazed_mug", "--to", "openpbr", "-o", str(tmp_path / "no.txt")]):
+    for arguments in (
+        ["convert", str(file), "-o", str(tmp_path / "no.json")],
+        ["convert", "glazed_mug"],
+        ["convert", str(file)],
+        ["convert", "glazed_mug", "--to", "openpbr", "-o", str(tmp_path / "no.txt")],
+    ):
         assert run(arguments) == 2
         assert capsys.readouterr().err.count("\n") == 1
     assert sorted(p.name for p in tmp_path.iterdir()) == ["mug.json", "mug.mtlx"]

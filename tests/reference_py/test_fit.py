@@ -26,10 +26,12 @@ from lamina.reference_py.registry import make_model
 from lamina.study.fit_bound import least_error
 from lamina.study.fit_recovery import SETTINGS, data_of, random_stack, random_structure, recovery
 
-COATED = Stack.from_dict({
-    "layers": [{"kind": "dielectric", "ior": 1.6, "roughness": 0.45, "tint": [0.9, 0.6, 0.5]}],
-    "base": {"kind": "lambert", "color": [0.3, 0.5, 0.7]},
-})
+COATED = Stack.from_dict(
+    {
+        "layers": [{"kind": "dielectric", "ior": 1.6, "roughness": 0.45, "tint": [0.9, 0.6, 0.5]}],
+        "base": {"kind": "lambert", "color": [0.3, 0.5, 0.7]},
+    }
+)
 
 
 def differences(residual):
@@ -121,8 +123,12 @@ def test_what_data_do_not_determine_is_named():
 
 
 def test_what_data_say_nothing_of_stays_usual():
-    hidden = Stack.from_dict({"layers": [{"kind": "dielectric", "roughness": 0.4, "tint": [1e-4] * 3}],
-                              "base": {"kind": "conductor", "reflectance": [0.99] * 3, "edge_color": [0.01] * 3}})
+    hidden = Stack.from_dict(
+        {
+            "layers": [{"kind": "dielectric", "roughness": 0.4, "tint": [1e-4] * 3}],
+            "base": {"kind": "conductor", "reflectance": [0.99] * 3, "edge_color": [0.01] * 3},
+        }
+    )
     fit = fit_structure(sample_model("weidlich_wilkie", hidden, pairs=300), Structure.of(1, "conductor"), "weidlich_wilkie")
     assert fit.error < 1e-3
     assert fit.stack.base["edge_color"] == pytest.approx((0.65,) * 3, abs=0.1)

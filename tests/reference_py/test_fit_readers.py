@@ -194,7 +194,11 @@ def test_subsamples_are_even_seeded_and_whole_when_there_are_few():
     assert len(few.f) == 300 and np.array_equal(few.f, again.f)
     assert subsample(m, 5000, np.random.default_rng(5)) is m
     # data that crowd at one place do not outvote the rest
-    crowded = checked(np.concatenate([wi, np.repeat(wi[:1], 9000, 0)]), np.concatenate([wo, np.repeat(wo[:1], 9000, 0)]),
-                      measured.paint(wi[:1], wo[:1]) * np.ones((13000, 3)), "x")
+    crowded = checked(
+        np.concatenate([wi, np.repeat(wi[:1], 9000, 0)]),
+        np.concatenate([wo, np.repeat(wo[:1], 9000, 0)]),
+        measured.paint(wi[:1], wo[:1]) * np.ones((13000, 3)),
+        "x",
+    )
     chosen = subsample(crowded, 300, np.random.default_rng(5))
     assert np.mean(np.all(chosen.wi == wi[0], axis=1)) < 0.1

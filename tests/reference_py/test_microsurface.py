@@ -94,9 +94,7 @@ def test_single_scattering_follows_its_density(kind, eta, side):
     reflected = rng.random(n) < reflectance
     o = microsurface._bend(w, wm, cos, cos_t, eta, reflected)
     o = o[((o[:, 2] > 0.0) == reflected) & (np.sign(o[:, 2]) == side)]
-    p = chi_square_p_value(
-        o, lambda x: scattering_density(rows(40.0, len(x)), x, eta, alpha, kind), hemisphere=side, drawn=n
-    )
+    p = chi_square_p_value(o, lambda x: scattering_density(rows(40.0, len(x)), x, eta, alpha, kind), hemisphere=side, drawn=n)
     assert p > SIGNIFICANCE
 
 

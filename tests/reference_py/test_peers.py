@@ -76,8 +76,15 @@ def stressed(name, case):
 
 def test_all_peers_are_registered_under_their_names():
     assert NAMES == [
-        "torrance_sparrow", "cycles_layer", "principled_coat", "belcour", "openpbr_coat", "kelemen", "ashikhmin_shirley",
-        "schlick", "lafortune",
+        "torrance_sparrow",
+        "cycles_layer",
+        "principled_coat",
+        "belcour",
+        "openpbr_coat",
+        "kelemen",
+        "ashikhmin_shirley",
+        "schlick",
+        "lafortune",
     ]
     assert all(MODELS[name].name == name and MODELS[name].stochastic is False for name in NAMES)
 
@@ -140,10 +147,19 @@ def test_albedo_is_the_integral_of_f(name):
     np.testing.assert_allclose(model.albedo(wo), total, rtol=1e-3)
 
 
-@pytest.mark.parametrize("name, expected", [
-    ("torrance_sparrow", 0.52), ("cycles_layer", 0.52), ("principled_coat", 0.52), ("kelemen", 0.52),
-    ("belcour", 0.3161), ("openpbr_coat", 0.3161), ("ashikhmin_shirley", 0.5050), ("schlick", 0.5200),
-])
+@pytest.mark.parametrize(
+    "name, expected",
+    [
+        ("torrance_sparrow", 0.52),
+        ("cycles_layer", 0.52),
+        ("principled_coat", 0.52),
+        ("kelemen", 0.52),
+        ("belcour", 0.3161),
+        ("openpbr_coat", 0.3161),
+        ("ashikhmin_shirley", 0.5050),
+        ("schlick", 0.5200),
+    ],
+)
 def test_smooth_coat_over_grey_at_normal_view(name, expected):
     """Without internal reflection it is F0 + (1 - F0) / 2 = .52; the truth is .316."""
     model = make_model(name, stack(lambert(0.5), layer()))
@@ -198,20 +214,24 @@ def test_belcour_scales_variance_by_the_refraction():
     assert 1.5 <= ratio < 1.6  # the rest comes from further bounces
 
 
-@pytest.mark.parametrize("top, base, theta_deg, weights, albedo, peak, truth, true_peak", [
-    (0.3, 0.05, 60.0, 0.836, 0.642, 1.55, 0.729, 2.21),
-    (0.6, 0.1, 0.0, 0.842, 0.690, 0.511, 0.789, 0.687),
-])
-def test_belcour_below_a_rough_interface_is_off_by_what_its_docstring_says(
-    top, base, theta_deg, weights, albedo, peak, truth, true_peak
-):
+@pytest.mark.parametrize(
+    "top, base, theta_deg, weights, albedo, peak, truth, true_peak",
+    [
+        (0.3, 0.05, 60.0, 0.836, 0.642, 1.55, 0.729, 2.21),
+        (0.6, 0.1, 0.0, 0.842, 0.690, 0.511, 0.789, 0.687),
+    ],
+)
+def test_belcour_below_a_rough_interface_is_off_by_what_its_docstring_says(top, base, theta_deg, weights, albedo, peak, truth, true_peak):
     """The weights hold more than the truth, f gives less than it, and at the mirror direction it is too low."""
     case = stack({"kind": "conductor", "metal": "aluminium", "roughness": base**0.5}, layer(1.5, top))
     belcour, adding = make_model("belcour", case), make_model("adding", case)
     wo, wi = spherical(np.radians(theta_deg), 0.0), spherical(np.radians(theta_deg), np.pi)
     green = (
-        sum(weight[1] for weight, _ in belcour.lobes(wo[2])), belcour.albedo(wo)[1], belcour.f(wo, wi)[1],
-        adding.albedo(wo)[1], adding.f(wo, wi)[1],
+        sum(weight[1] for weight, _ in belcour.lobes(wo[2])),
+        belcour.albedo(wo)[1],
+        belcour.f(wo, wi)[1],
+        adding.albedo(wo)[1],
+        adding.f(wo, wi)[1],
     )
     np.testing.assert_allclose(green, (weights, albedo, peak, truth, true_peak), rtol=0.01)
 
@@ -264,9 +284,7 @@ def test_absorption_of_coats_grows_with_the_path_inside():
     paths = {"principled_coat": 2.0 * path_o, "openpbr_coat": path_o + path_i, "belcour": None}
     wo, wi = spherical(0.7, 0.0), spherical(0.4, 2.0)
     for name, path in paths.items():
-        values = [
-            make_model(name, stack(lambert(0.5), layer(1.5, 0.0, tint=list(t)))).f(wo, wi) for t in (np.ones(3), tint)
-        ]
+        values = [make_model(name, stack(lambert(0.5), layer(1.5, 0.0, tint=list(t)))).f(wo, wi) for t in (np.ones(3), tint)]
         if path is None:  # its internal reflections pass the medium again: darker than the direct path
             assert np.all(values[1] < values[0] * tint ** (path_o + path_i))
         else:

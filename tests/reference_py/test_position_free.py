@@ -26,9 +26,7 @@ LOSSLESS = conductor(0.01, 20.0, 0.1)
 MIXED = {
     "smooth on lambert": stack(coat(0.0, tint=[0.6, 0.8, 1.0]), base=lambert(0.8)),
     "rough on lambert": stack(coat(0.4, tint=[0.6, 0.8, 1.0]), base=lambert(0.8)),
-    "beckmann on oren-nayar": stack(
-        coat(0.3, distribution="beckmann"), base={"kind": "oren_nayar", "color": [0.9, 0.5, 0.1], "sigma_deg": 30.0}
-    ),
+    "beckmann on oren-nayar": stack(coat(0.3, distribution="beckmann"), base={"kind": "oren_nayar", "color": [0.9, 0.5, 0.1], "sigma_deg": 30.0}),
     "rough on rough metal": stack(coat(0.3), base=conductor(0.2, 3.9, 0.3)),
     "rough on mirror": stack(coat(0.4), base=conductor(0.2, 3.9, 0.0)),
     "rough, rough, metal": stack(coat(0.3), coat(0.4, ior=1.9), base=conductor(1.1, 2.6, 0.4)),
@@ -81,9 +79,7 @@ def test_smooth_coat_on_lambert_is_the_closed_form():
     within(albedo, stderr, fresnel_dielectric(wo[2], n) + crossing(wo[2]) * rho * t_d / (1.0 - rho * r_d))
 
 
-@pytest.mark.parametrize(
-    "surface, alpha, rho, expected", (("single", 0.0, 0.5, 0.316), ("multiple", 0.0, 0.5, 0.316), ("single", 0.4, 0.8, 0.450))
-)
+@pytest.mark.parametrize("surface, alpha, rho, expected", (("single", 0.0, 0.5, 0.316), ("multiple", 0.0, 0.5, 0.316), ("single", 0.4, 0.8, 0.450)))
 def test_known_albedo_at_normal_incidence(surface, alpha, rho, expected):
     albedo, stderr = PositionFree(stack(coat(alpha), base=lambert(rho)), surface=surface).albedo_stderr(view(0.0))
     within(albedo, stderr, expected, floor=5e-4)

@@ -29,9 +29,7 @@ def values(parameter):
 def elements(kinds):
     def of(kind):
         unused = {name for group in kind.alternatives[1:] for name in group}
-        return st.fixed_dictionaries(
-            {"kind": st.just(kind.name)}, optional={p.name: values(p) for p in kind.parameters if p.name not in unused}
-        )
+        return st.fixed_dictionaries({"kind": st.just(kind.name)}, optional={p.name: values(p) for p in kind.parameters if p.name not in unused})
 
     return st.one_of([of(kind) for kind in kinds.values()])
 

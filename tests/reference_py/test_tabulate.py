@@ -33,12 +33,15 @@ def test_oren_nayar_albedo_is_the_integral(sigma_deg):
     assert oren_nayar_albedo(wo[:, 2], color, sigma_deg) == pytest.approx(directional_albedo(f, wo, []), rel=1e-3)
 
 
-@pytest.mark.parametrize("curve", [
-    DielectricCurve(1.5),
-    DielectricCurve(0.7),
-    SchlickCurve(np.array([0.04, 0.5, 0.9]), np.ones(3)),
-    SchlickCurve(COSINES[:, None] * np.array([0.1, 0.5, 0.9]), np.ones((len(COSINES), 3))),
-])
+@pytest.mark.parametrize(
+    "curve",
+    [
+        DielectricCurve(1.5),
+        DielectricCurve(0.7),
+        SchlickCurve(np.array([0.04, 0.5, 0.9]), np.ones(3)),
+        SchlickCurve(COSINES[:, None] * np.array([0.1, 0.5, 0.9]), np.ones((len(COSINES), 3))),
+    ],
+)
 @pytest.mark.parametrize("distribution, alpha", [("ggx", 0.1), ("beckmann", 0.5), ("ggx", 0.0)])
 def test_a_fresnel_curve_is_folded_with_its_energy(curve, distribution, alpha):
     lobe = GlossyLobe(distribution, np.array([1.0, 0.5, 0.2]), np.float64(alpha), np.float64(alpha), fresnel=curve)
@@ -54,8 +57,10 @@ def test_a_fresnel_curve_is_folded_with_its_energy(curve, distribution, alpha):
 
 def test_a_dielectric_curve_stays_where_it_may():
     curve = DielectricCurve(1.5)
-    lobes = {weight: GlossyLobe("ggx", np.array(weight), np.float64(0.3), np.float64(0.3), fresnel=curve)
-             for weight in ((1.0, 1.0, 1.0), (1.9, 1.9, 1.9), (1.0, 0.9, 1.0), (2.1, 2.1, 2.1))}
+    lobes = {
+        weight: GlossyLobe("ggx", np.array(weight), np.float64(0.3), np.float64(0.3), fresnel=curve)
+        for weight in ((1.0, 1.0, 1.0), (1.9, 1.9, 1.9), (1.0, 0.9, 1.0), (2.1, 2.1, 2.1))
+    }
     kept = [table.fresnel is not None for table in tabulate(lobe_set_of(*lobes.values()), keep_dielectrics=True).tables]
     assert kept == [True, True, False, False]
     tilted = GlossyLobe("ggx", np.ones(3), np.float64(0.3), np.float64(0.3), np.float64(0.1), curve)

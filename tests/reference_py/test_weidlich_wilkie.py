@@ -53,9 +53,7 @@ def test_energy_of_base_lobe_under_smooth_coat(model, options, expected):
     assert energy[:, 0] == pytest.approx(np.array(expected), abs=5e-3 if expected[0] > 1.0 else 1.5e-3)
 
 
-@pytest.mark.parametrize("model, options, expected", (
-    (WeidlichWilkie, {"refraction": "macro_normal"}, 0.476), (WeidlichWilkieRepaired, {}, 0.234)
-))
+@pytest.mark.parametrize("model, options, expected", ((WeidlichWilkie, {"refraction": "macro_normal"}, 0.476), (WeidlichWilkieRepaired, {}, 0.234)))
 def test_albedo_of_coated_grey_at_normal_incidence(model, options, expected):
     """Known figures for n = 1.5 over Lambert .5; with all orders of bounces it would be .316."""
     albedo = model(stack(coat(0.0), base=lambert(0.5)), **options).albedo(view(0.0))
@@ -148,8 +146,8 @@ def test_bad_options_name_the_choices(name, options, message):
 
 
 @pytest.mark.parametrize(
-    "model, options", ((WeidlichWilkie, {}), (WeidlichWilkie, {"refraction": "macro_normal", "compensation": "none"}),
-                       (WeidlichWilkieRepaired, {})),
+    "model, options",
+    ((WeidlichWilkie, {}), (WeidlichWilkie, {"refraction": "macro_normal", "compensation": "none"}), (WeidlichWilkieRepaired, {})),
 )
 def test_reciprocity(model, options):
     wo, wi = directions(100, 9), directions(100, 10)
@@ -171,8 +169,13 @@ def test_compensation_breaks_reciprocity_about_the_surface_normal():
 def test_any_number_of_layers(model, count):
     rng = np.random.default_rng(count)
     layers = [
-        coat(rng.choice([0.0, 0.05, 0.4, 1.0]), rng.uniform(1.0, 2.5), rng.choice(["ggx", "beckmann"]).item(),
-             tint=rng.random(3).tolist(), thickness=float(rng.exponential(0.1)))
+        coat(
+            rng.choice([0.0, 0.05, 0.4, 1.0]),
+            rng.uniform(1.0, 2.5),
+            rng.choice(["ggx", "beckmann"]).item(),
+            tint=rng.random(3).tolist(),
+            thickness=float(rng.exponential(0.1)),
+        )
         for _ in range(count)
     ]
     reflector = model(stack(*layers, base=conductor(0.2, 3.9, 0.2)))

@@ -28,9 +28,7 @@ STACKS = {
     "bare metal": stack(base=metal(0.3)),
     "smooth on lambert": stack(coat(0.0), base=lambert(0.8)),
     "rough on lambert": stack(coat(0.3), base=lambert(0.8)),
-    "beckmann on oren-nayar": stack(
-        coat(0.2, distribution="beckmann"), base={"kind": "oren_nayar", "color": [0.9, 0.5, 0.1], "sigma_deg": 30.0}
-    ),
+    "beckmann on oren-nayar": stack(coat(0.2, distribution="beckmann"), base={"kind": "oren_nayar", "color": [0.9, 0.5, 0.1], "sigma_deg": 30.0}),
     "smooth on metal": stack(coat(0.0), base=metal(0.3)),
     "rough on mirror": stack(coat(0.3), base=metal(0.0)),
     "dense on metal": stack(coat(0.2, ior=2.5, tint=[0.7, 0.5, 0.3]), base=metal(0.2, "beckmann")),

@@ -53,12 +53,15 @@ def test_bouguer_holds_for_each_wavelength_but_not_for_channels():
     assert np.min(two * none / one**2) > 1.05
 
 
-@pytest.mark.parametrize("kwargs, message", (
-    ({}, "coloured"),
-    ({"tints": {0: [0.5, 0.5]}}, "needs one value for each of 3"),
-    ({"tints": {0: [0.5, 0.5, 1.5]}}, "within 0 to 1"),
-    ({"tints": {1: [0.5] * 3}}, "has 1 layers"),
-))
+@pytest.mark.parametrize(
+    "kwargs, message",
+    (
+        ({}, "coloured"),
+        ({"tints": {0: [0.5, 0.5]}}, "needs one value for each of 3"),
+        ({"tints": {0: [0.5, 0.5, 1.5]}}, "within 0 to 1"),
+        ({"tints": {1: [0.5] * 3}}, "has 1 layers"),
+    ),
+)
 def test_what_a_spectral_stack_lacks_is_named(kwargs, message):
     with pytest.raises(LaminaError, match=message):
         spectral_stack(presets.load("tinted_glaze"), [450.0, 550.0, 650.0], **kwargs)

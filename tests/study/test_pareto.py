@@ -74,9 +74,7 @@ def test_belcour_in_tables_keeps_his_albedo():
     stack = load_surface("frosted_paint")
     model = make_model("belcour", stack)
     cosines = np.array([0.3, 0.7, 1.0])
-    np.testing.assert_allclose(
-        LobeReflectance(belcour_lobes(model)).albedo(cosines), ModelReflectance(model).albedo(cosines), rtol=0.02
-    )
+    np.testing.assert_allclose(LobeReflectance(belcour_lobes(model)).albedo(cosines), ModelReflectance(model).albedo(cosines), rtol=0.02)
 
 
 def test_frontier():

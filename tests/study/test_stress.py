@@ -21,8 +21,19 @@ DRIFT = 3.0
 # Cases that take long in models that cost much: the chart alone measures these.
 COSTLY = {"mirror:weidlich_wilkie", "adding", "position_free", "mirror:baked", "mirror:analytic", "belcour", "openpbr_coat", "kelemen"}
 QUICK_CASES = {
-    "grazing, rough over metal", "equal indices", "denser above thinner, smooth", "air gap", "alpha 0", "alpha 1", "thickness 0",
-    "absorption 0 and huge", "smooth over rough", "white, smooth", "white, rough", "below the horizon", "view on the horizon",
+    "grazing, rough over metal",
+    "equal indices",
+    "denser above thinner, smooth",
+    "air gap",
+    "alpha 0",
+    "alpha 1",
+    "thickness 0",
+    "absorption 0 and huge",
+    "smooth over rough",
+    "white, smooth",
+    "white, rough",
+    "below the horizon",
+    "view on the horizon",
     "no half vector",
 }
 # Each case is a bake.

@@ -77,8 +77,13 @@ def rgl_fields(f=paint, thetas=9, cells=33, wavelength_nm=None, phis=(0.0,)):
                 value = value[:, :1] * np.ones(channels)
             values[a, b] = np.where(wo[:, 2:] > 1e-3, value, 0.0).T.reshape(channels, cells, cells)
     fields = {
-        "description": np.frombuffer(b"synthetic", "u1"), "jacobian": np.zeros(1, "u1"), "phi_i": np.array(phis, "f4"),
-        "theta_i": theta_i.astype("f4"), "ndf": np.ones((2, 8), "f4"), "sigma": np.ones((2, 8), "f4"), "vndf": vndf,
+        "description": np.frombuffer(b"synthetic", "u1"),
+        "jacobian": np.zeros(1, "u1"),
+        "phi_i": np.array(phis, "f4"),
+        "theta_i": theta_i.astype("f4"),
+        "ndf": np.ones((2, 8), "f4"),
+        "sigma": np.ones((2, 8), "f4"),
+        "vndf": vndf,
     }
     if wavelength_nm is None:
         return {**fields, "rgb": values.astype("f4")}

@@ -99,9 +99,7 @@ def _content(tree) -> str:
         stops = [ramp.interpolation, [(e.position, *e.color) for e in ramp.elements]] if ramp else []
         nodes.append([node.bl_idname, node.mute, settings, values, stops])
     order = {node.name: index for index, node in enumerate(tree.nodes)}
-    links = sorted(
-        [order[k.from_node.name], k.from_socket.identifier, order[k.to_node.name], k.to_socket.identifier] for k in tree.links
-    )
+    links = sorted([order[k.from_node.name], k.from_socket.identifier, order[k.to_node.name], k.to_socket.identifier] for k in tree.links)
     return hashlib.sha256(json.dumps([nodes, links]).encode()).hexdigest()[:12]
 
 

@@ -289,7 +289,7 @@ def _numbers(build: Builder, place: bpy.types.NodeSocket, places: Sequence[int],
     keys = [tuple(column) for column in table.T]
     varying = [i for i, key in enumerate(keys) if len(set(key)) > 1 and keys.index(key) == i]
     sockets: dict[int, bpy.types.NodeSocket] = {}
-    for first, *second in (varying[i:i + 2] for i in range(0, len(varying), 2)):
+    for first, *second in (varying[i : i + 2] for i in range(0, len(varying), 2)):
         alpha = table[:, second[0]] - offset[second[0]] if second else np.ones(len(table))
         node = _ramp(build, place, places, np.column_stack([np.repeat((table[:, first] - offset[first])[:, None], 3, axis=1), alpha]))
         split = build.node("ShaderNodeSeparateColor")

@@ -70,8 +70,7 @@ def _functions(stack: Stack) -> list[str]:
         fresnel = "fresnel_conductor(inner_h, eta / n[depth], k / n[depth])"
         if stack.base.has(THIN_FILM):
             fresnel = (
-                f"(film_nm[depth] <= {THINNEST_NM:g} ? {fresnel} : "
-                "film_reflectance(sensitivity, film_nm[depth], film_ior[depth], inner_h, n[depth], eta, k))"
+                f"(film_nm[depth] <= {THINNEST_NM:g} ? {fresnel} : film_reflectance(sensitivity, film_nm[depth], film_ior[depth], inner_h, n[depth], eta, k))"
             )
         texts.append(_weight_glossy(film, ", color eta, color k", fresnel))
         if "reflectance" in stack.base:
@@ -102,10 +101,7 @@ def _interface_closure(stack: Stack, index: int, surface: Surface, owner: str) -
     layer = stack.layers[index]
     if index == 0:  # the closure has the exact Fresnel curve: nothing is folded
         return Closure("", top_closure(surface, layer, owner))
-    weight = (
-        f"weight_glossy({index}, alpha[{index}], {beckmann(layer)}, n, alpha, beckmann, tau, "
-        f"{film_arguments(stack)}{surface.view})"
-    )
+    weight = f"weight_glossy({index}, alpha[{index}], {beckmann(layer)}, n, alpha, beckmann, tau, {film_arguments(stack)}{surface.view})"
     return Closure(weight, surface.microfacet(layer["distribution"]))
 
 

@@ -41,9 +41,7 @@ def generate(lobe_set, schema: Schema = SCHEMA) -> Shader:
         parts = [(tuple(range(len(stack.layers))), (), told)]
     is_live = any(not isinstance(part, TableLobes | LiveLobes) for _, _, part in parts)
     followed = {(owner, axis.parameter) for layers, _, part in parts if isinstance(part, LiveLobes) for owner, axis in _axes(part, layers)}
-    inputs = tuple(
-        i for i in shader_inputs(stack, schema) if is_live or i.parameter.name in ALWAYS_LIVE or (i.owner, i.parameter.name) in followed
-    )
+    inputs = tuple(i for i in shader_inputs(stack, schema) if is_live or i.parameter.name in ALWAYS_LIVE or (i.owner, i.parameter.name) in followed)
     blocks = []
     for number, (layers, covered, part) in enumerate(parts):
         share = Share(tuple((layer_owner(i), there) for i, there in covered))
@@ -71,7 +69,15 @@ def _block(lobe_set, owners: list[str], prefix: str) -> Block:
 def _note(parts) -> str:
     notes = []
     for *_, part in parts:
-        module = emit_tables if isinstance(part, TableLobes) else emit_live_grid if isinstance(part, LiveLobes) else emit_analytic if isinstance(part, AnalyticLobes) else emit_paper
+        module = (
+            emit_tables
+            if isinstance(part, TableLobes)
+            else emit_live_grid
+            if isinstance(part, LiveLobes)
+            else emit_analytic
+            if isinstance(part, AnalyticLobes)
+            else emit_paper
+        )
         notes.append(module.NOTE)
     return " ".join(dict.fromkeys(notes))
 

@@ -12,7 +12,10 @@ from . import merl, rgl, text_table
 from .measurement import Measurement
 
 _BY_SUFFIX: dict[str, Callable[[Path, float | None], Measurement]] = {
-    ".binary": merl.read, ".bsdf": rgl.read, ".csv": text_table.read, ".txt": text_table.read,
+    ".binary": merl.read,
+    ".bsdf": rgl.read,
+    ".csv": text_table.read,
+    ".txt": text_table.read,
 }
 SUFFIXES = tuple(_BY_SUFFIX)
 

@@ -58,8 +58,10 @@ def checked(wi, wo, f, where: str, found: tuple[str, ...] = (), wavelength_nm=No
         if bad.any():
             notes.append(f"{int(bad.sum())} of {count} values above the horizon are {what} and left out")
     if good.sum() <= 0.5 * count:
-        raise LaminaError(f"{where}: {count - int(good.sum())} of {count} values above the horizon are negative or not finite; "
-                          "choose a file with mostly valid data (are its axes in order, and its numbers of the right byte order?)")
+        raise LaminaError(
+            f"{where}: {count - int(good.sum())} of {count} values above the horizon are negative or not finite; "
+            "choose a file with mostly valid data (are its axes in order, and its numbers of the right byte order?)"
+        )
     if (~above).any():
         notes.append(f"below the horizon and left out: {int((~above).sum())}")
     f, wi, wo = f[good], wi[good], wo[good]

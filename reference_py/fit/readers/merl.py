@@ -29,8 +29,10 @@ def read(path: Path, wavelength_nm: float | None = None) -> Measurement:
         data = np.fromfile(file, dtype="<f8")
     expected = 3 * int(np.prod(sizes))
     if len(data) != expected:
-        raise LaminaError(f"{path}: {'truncated' if len(data) < expected else 'too long'}, {len(data)} values where "
-                          f"{' x '.join(map(str, sizes))} directions of three colors need {expected}")
+        raise LaminaError(
+            f"{path}: {'truncated' if len(data) < expected else 'too long'}, {len(data)} values where "
+            f"{' x '.join(map(str, sizes))} directions of three colors need {expected}"
+        )
     table = data.reshape(3, -1)
     if np.all(np.abs(table[np.isfinite(table)]) < 1e-30) and np.isfinite(table).any():
         raise LaminaError(f"{path}: all {expected} values are 0: a black measurement tells nothing")
@@ -70,8 +72,9 @@ def _require_plausible(path: Path, table: np.ndarray) -> None:
     sample = table[:, :: max(1, table.shape[1] // 4000)]
     magnitude = np.abs(sample[np.isfinite(sample) & (sample != 0.0)])
     if len(magnitude) and np.mean((magnitude < 1e-30) | (magnitude > 1e30)) > 0.2:
-        raise LaminaError(f"{path}: values are not plausible (such as {magnitude[0]:.3g}): written with the other byte order? "
-                          "MERL files hold little-endian doubles")
+        raise LaminaError(
+            f"{path}: values are not plausible (such as {magnitude[0]:.3g}): written with the other byte order? MERL files hold little-endian doubles"
+        )
 
 
 def _require_order(path: Path, sizes, table: np.ndarray, above: np.ndarray) -> None:
@@ -85,8 +88,9 @@ def _require_order(path: Path, sizes, table: np.ndarray, above: np.ndarray) -> N
         agree[order] = np.mean(restored == above)
     best = max(agree, key=agree.get)
     if agree[0, 1, 2] < _ALIKE and agree[best] > agree[0, 1, 2] + _CLEARLY:
-        raise LaminaError(f"{path}: axes are swapped: its invalid cells lie below the horizon only if the file's order is "
-                          f"{_named(best)}; MERL's is theta_h, theta_d, phi_d")
+        raise LaminaError(
+            f"{path}: axes are swapped: its invalid cells lie below the horizon only if the file's order is {_named(best)}; MERL's is theta_h, theta_d, phi_d"
+        )
 
 
 def _named(order) -> str:

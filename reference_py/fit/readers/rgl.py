@@ -58,8 +58,10 @@ class Material:
         for name, dimensions in _NEEDED.items():
             if name not in fields or fields[name].ndim != dimensions:
                 have = f"{fields[name].ndim} dimensions" if name in fields else "none"
-                raise LaminaError(f"{path}: field {name!r} must have {dimensions} dimension{'s' * (dimensions > 1)}, it has {have}; "
-                                  f"the file holds {', '.join(fields) or 'nothing'}")
+                raise LaminaError(
+                    f"{path}: field {name!r} must have {dimensions} dimension{'s' * (dimensions > 1)}, it has {have}; "
+                    f"the file holds {', '.join(fields) or 'nothing'}"
+                )
         for name in _NEEDED:
             if not np.isfinite(np.asarray(fields[name], float)).all():
                 raise LaminaError(f"{path}: field {name!r} holds values that are not finite")
@@ -71,8 +73,10 @@ class Material:
         phi_i, theta_i, values, vndf = fields["phi_i"], fields["theta_i"], fields[name], fields["vndf"]
         grid = (len(phi_i), len(theta_i))
         if values.ndim != 5 or values.shape[:3] != (*grid, channels) or vndf.shape[:2] != grid:
-            raise LaminaError(f"{path}: axes do not match: {name} {values.shape} and vndf {vndf.shape} must begin with "
-                              f"{len(phi_i)} azimuths and {len(theta_i)} angles, {name} then with {channels} channels")
+            raise LaminaError(
+                f"{path}: axes do not match: {name} {values.shape} and vndf {vndf.shape} must begin with "
+                f"{len(phi_i)} azimuths and {len(theta_i)} angles, {name} then with {channels} channels"
+            )
         for axis in ("phi_i", "theta_i"):
             if np.any(np.diff(fields[axis]) <= 0.0):
                 raise LaminaError(f"{path}: {axis} does not increase")
@@ -83,9 +87,13 @@ class Material:
         if min(vndf.shape[2:], default=0) < 2 or np.any(np.asarray(vndf).max(axis=(2, 3)) <= 0.0):
             raise LaminaError(f"{path}: vndf {vndf.shape} is empty or black for some angle of incidence")
         as_float = {key: np.asarray(fields[key], float) for key in ("phi_i", "theta_i", "ndf", "sigma", "vndf")}
-        return cls(**as_float, values=np.asarray(values, float), has_jacobian=bool(fields["jacobian"][0]),
-                   wavelength_nm=None if wavelength is None else np.asarray(wavelength, float),
-                   description=fields.get("description", np.zeros(0, np.uint8)))
+        return cls(
+            **as_float,
+            values=np.asarray(values, float),
+            has_jacobian=bool(fields["jacobian"][0]),
+            wavelength_nm=None if wavelength is None else np.asarray(wavelength, float),
+            description=fields.get("description", np.zeros(0, np.uint8)),
+        )
 
     @property
     def is_isotropic(self) -> bool:
@@ -125,8 +133,12 @@ class Material:
         a, share_a = _between(self.phi_i, phi)
         b, share_b = _between(self.theta_i, theta)
         a_next, b_next = np.minimum(a + 1, len(self.phi_i) - 1), np.minimum(b + 1, len(self.theta_i) - 1)
-        return [(a, b, (1 - share_a) * (1 - share_b)), (a_next, b, share_a * (1 - share_b)),
-                (a, b_next, (1 - share_a) * share_b), (a_next, b_next, share_a * share_b)]
+        return [
+            (a, b, (1 - share_a) * (1 - share_b)),
+            (a_next, b, share_a * (1 - share_b)),
+            (a, b_next, (1 - share_a) * share_b),
+            (a_next, b_next, share_a * share_b),
+        ]
 
     @cached_property
     def _cumulative(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -38,15 +38,13 @@ def read_tensors(path: Path) -> dict[str, np.ndarray]:
         dimensions, kind, offset = _unpack(path, data, "<HBQ", at)
         at += 11
         if kind not in TYPES or dimensions > _MOST_DIMENSIONS:
-            raise LaminaError(f"{path}: field {name.decode(errors='replace')!r} has type {kind} and {dimensions} dimensions; "
-                              "choose types 1 to 11")
+            raise LaminaError(f"{path}: field {name.decode(errors='replace')!r} has type {kind} and {dimensions} dimensions; choose types 1 to 11")
         shape = _unpack(path, data, f"<{dimensions}Q", at)
         at += 8 * dimensions
         size = int(np.prod(shape, dtype=object)) if dimensions else 1
         item = np.dtype(TYPES[kind])
         if offset + size * item.itemsize > len(data):
-            raise LaminaError(f"{path}: truncated, field {name.decode(errors='replace')!r} ends at byte "
-                              f"{offset + size * item.itemsize} of {len(data)}")
+            raise LaminaError(f"{path}: truncated, field {name.decode(errors='replace')!r} ends at byte {offset + size * item.itemsize} of {len(data)}")
         fields[name.decode(errors="replace")] = np.frombuffer(data, item, size, offset).reshape(shape)
     return fields
 

@@ -28,8 +28,7 @@ def read(path: Path, wavelength_nm: float | None = None) -> Measurement:
     if path.stat().st_size > _MOST_BYTES:
         raise LaminaError(f"{path}: {path.stat().st_size} bytes are too large for a table; at most {_MOST_BYTES}")
     try:
-        lines = [(i, line) for i, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1)
-                 if line.strip() and not line.lstrip().startswith("#")]
+        lines = [(i, line) for i, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")]
     except UnicodeDecodeError as error:
         raise LaminaError(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from None
     if len(lines) < 2:
@@ -48,8 +47,10 @@ def read(path: Path, wavelength_nm: float | None = None) -> Measurement:
 def _columns(path: Path, names: list[str]) -> tuple[list[int], np.ndarray | None]:
     missing = [name for name in ANGLES if name not in names]
     if missing:
-        raise LaminaError(f"{path}: missing column{'s' * (len(missing) > 1)} {', '.join(missing)}; it has {', '.join(names)}; "
-                          f"choose {', '.join(ANGLES)}, then r, g, b or wavelengths in nm")
+        raise LaminaError(
+            f"{path}: missing column{'s' * (len(missing) > 1)} {', '.join(missing)}; it has {', '.join(names)}; "
+            f"choose {', '.join(ANGLES)}, then r, g, b or wavelengths in nm"
+        )
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         raise LaminaError(f"{path}: column {twice[0]} is there twice")
@@ -77,8 +78,9 @@ def _numbers(path: Path, lines, names: list[str], delimiter: str) -> np.ndarray:
     for number, line in lines:
         cells = (line if delimiter == "," else line.replace(",", ".")).split(delimiter)
         if len(cells) != len(names):
-            raise LaminaError(f"{path}: line {number} has {len(cells)} cells where {len(names)} are named"
-                              + ("; truncated?" if len(cells) < len(names) else ""))
+            raise LaminaError(
+                f"{path}: line {number} has {len(cells)} cells where {len(names)} are named" + ("; truncated?" if len(cells) < len(names) else "")
+            )
         try:
             rows.append([float(cell) for cell in cells])
         except ValueError:
@@ -111,5 +113,4 @@ def _check_angles(path: Path, angles: np.ndarray, line_numbers: list[int]) -> No
     if same.any():
         at = int(np.argmax(same))
         first, second = sorted(line_numbers[k] for k in (order[at], order[at + 1]))
-        raise LaminaError(f"{path}: lines {first} and {second} have the same angles; give each pair of directions once "
-                          f"({int(same.sum())} such)")
+        raise LaminaError(f"{path}: lines {first} and {second} have the same angles; give each pair of directions once ({int(same.sum())} such)")

@@ -52,10 +52,7 @@ def tables() -> dict[str, dict[str, np.ndarray]]:
         "gain": (*surfaces, len(T)), "closure": (CLOSURE_CELLS + 1, CLOSURE_CELLS + 1),
         "brushed": (len(BRUSHED_AZIMUTHS), BRUSHED_ALPHAS + 1, BRUSHED_RATIOS + 1, BRUSHED_COSINES + 1),
     }  # fmt: skip
-    return {
-        kind: {name: UNIT * np.array(data[kind][name], float).reshape(shape) for name, shape in shapes.items()}
-        for kind in data["distributions"]
-    }
+    return {kind: {name: UNIT * np.array(data[kind][name], float).reshape(shape) for name, shape in shapes.items()} for kind in data["distributions"]}
 
 
 def reflectance(cos_theta, alpha, eta: float, kind: str) -> np.ndarray:

@@ -154,8 +154,6 @@ def _symmetric(fit: ViewFit, kinds: tuple[str, ...], shape: np.ndarray, neighbou
 
 def _half_way(fit: ViewFit, kinds: tuple[str, ...], left: Mixture, right: Mixture) -> float:
     """Error of what a table makes of two neighbouring mixtures between them; a wrong energy counts `_ENERGY_COUNTS` times."""
-    shape = np.concatenate(
-        [np.log(0.5 * (np.exp(left.shape[:, :2]) + np.exp(right.shape[:, :2]))), 0.5 * (left.shape[:, 2:] + right.shape[:, 2:])], axis=1
-    )
+    shape = np.concatenate([np.log(0.5 * (np.exp(left.shape[:, :2]) + np.exp(right.shape[:, :2]))), 0.5 * (left.shape[:, 2:] + right.shape[:, 2:])], axis=1)
     distance, energy = fit.errors(fit.columns(kinds, shape), 0.5 * (left.weight + right.weight))
     return distance + _ENERGY_COUNTS * energy

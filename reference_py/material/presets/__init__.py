@@ -11,8 +11,16 @@ FOLDER = Path(__file__).parent
 
 # The surface types of Weidlich and Wilkie 2007, sections 6.1 and 6.2, which the measured charts are about.
 PAPER = (
-    "blue_wall_paint", "clean_copper", "crayon_paint", "frosted_metal", "frosted_paint", "glazed_mug", "metal_foil",
-    "metallic_car_paint", "patina_copper", "tinted_glaze",
+    "blue_wall_paint",
+    "clean_copper",
+    "crayon_paint",
+    "frosted_metal",
+    "frosted_paint",
+    "glazed_mug",
+    "metal_foil",
+    "metallic_car_paint",
+    "patina_copper",
+    "tinted_glaze",
 )
 
 

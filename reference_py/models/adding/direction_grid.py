@@ -44,23 +44,17 @@ class Grid:
     @cached_property
     def s(self) -> np.ndarray:
         """(N,) nodes."""
-        return np.concatenate(
-            [np.sqrt(a * a + (b * b - a * a) * np.square(np.sin(_psi(x)))) for a, b, x, _ in self._panels]
-        )
+        return np.concatenate([np.sqrt(a * a + (b * b - a * a) * np.square(np.sin(_psi(x)))) for a, b, x, _ in self._panels])
 
     @cached_property
     def weights(self) -> np.ndarray:
         """(N,) integral of each node's basis function over d2p = 2 pi s ds; the first ones sum to pi n^2."""
-        return np.concatenate(
-            [0.25 * np.pi**2 * (b * b - a * a) * np.sin(2.0 * _psi(x)) * w for a, b, x, w in self._panels]
-        )
+        return np.concatenate([0.25 * np.pi**2 * (b * b - a * a) * np.sin(2.0 * _psi(x)) * w for a, b, x, w in self._panels])
 
     def cosines(self, n: float) -> np.ndarray:
         """(count(n),) cos(theta) of the nodes in a medium of index n, precise at grazing angles."""
         inside = self._panels[: self.breaks.index(n) + 1]
-        return np.concatenate(
-            [np.sqrt((n * n - b * b) + (b * b - a * a) * np.square(np.cos(_psi(x)))) / n for a, b, x, _ in inside]
-        )
+        return np.concatenate([np.sqrt((n * n - b * b) + (b * b - a * a) * np.square(np.cos(_psi(x)))) / n for a, b, x, _ in inside])
 
     def project(self, n: float, directions: np.ndarray, modes: int) -> "Projector":
         """Prepare rows of operators for end directions (I, Q, 3) in a medium of index n, sign of z ignored."""

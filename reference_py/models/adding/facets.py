@@ -71,9 +71,7 @@ class Facets:
         return np.exp(log_gamma(2.0 + lambda_o) + log_gamma(1.0 + lambda_t) - log_gamma(2.0 + lambda_o + lambda_t))
 
 
-def visible_facets(
-    cos_theta: np.ndarray, alpha: float, kind: str, surface: str, across: int, along: int, eta: float = 1.0
-) -> Facets:
+def visible_facets(cos_theta: np.ndarray, alpha: float, kind: str, surface: str, across: int, along: int, eta: float = 1.0) -> Facets:
     """Quadrature over the normals seen at cosines (I,), below the horizon too.
 
     `across` and `along` points of the plane of incidence. Where eta = n_t / n_i < 1 the strip of facets that

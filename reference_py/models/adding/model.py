@@ -132,9 +132,7 @@ class Adding:
         if not recipe.interfaces:
             return lambda c: sum(recipe.base.rows(c, cos_o, self.surface, grid, _ENERGY))[0] @ outside[c], None
         top = recipe.interfaces[0]
-        once, more, crossed = dielectric_rows(
-            top.n_above, top.n_below, cos_o, top.alpha, top.distribution, self.surface, grid, _ENERGY
-        )
+        once, more, crossed = dielectric_rows(top.n_above, top.n_below, cos_o, top.alpha, top.distribution, self.surface, grid, _ENERGY)
         return lambda c: (once + more)[0] @ outside[c], crossed[0]
 
     @cached_property
@@ -157,8 +155,7 @@ class Adding:
         """Energies of all layers without the base."""
         recipe, grid = self._recipe, self._grid
         n_below = recipe.base.n
-        nodal = {key: np.zeros((grid.count(n), 3)) for key, n in
-                 (("r_up", 1.0), ("t_down", 1.0), ("r_down", n_below), ("t_up", n_below))}
+        nodal = {key: np.zeros((grid.count(n), 3)) for key, n in (("r_up", 1.0), ("t_down", 1.0), ("r_down", n_below), ("t_up", n_below))}
         for channel, members in recipe.channels():
             whole = self._layers(channel)
             for key, values in nodal.items():

@@ -66,9 +66,7 @@ def _mirror_operators(n_above, n_below, grid, modes) -> InterfaceOperators:
     every = np.ones((modes, 1, 1))
     r_up, r_down = every * np.diag(f_above), every * np.diag(f_below)
     t_down, t_up = every * np.eye(above, below), every * np.eye(below, above)
-    return InterfaceOperators(
-        r_up, t_down * (1.0 - f_above)[:, None], r_down, t_up * (1.0 - f_below)[:, None], np.zeros_like(r_up)
-    )
+    return InterfaceOperators(r_up, t_down * (1.0 - f_above)[:, None], r_down, t_up * (1.0 - f_below)[:, None], np.zeros_like(r_up))
 
 
 def dielectric_rows(n_own, n_other, cos_theta, alpha, kind, surface, grid: Grid, resolution: Resolution):
@@ -76,10 +74,7 @@ def dielectric_rows(n_own, n_other, cos_theta, alpha, kind, surface, grid: Grid,
 
     A mirror reflects "otherwise": its part has no finite f.
     """
-    parts = [
-        _dielectric_chunk(n_own, n_other, cos_theta[i : i + _CHUNK], alpha, kind, surface, grid, resolution)
-        for i in range(0, len(cos_theta), _CHUNK)
-    ]
+    parts = [_dielectric_chunk(n_own, n_other, cos_theta[i : i + _CHUNK], alpha, kind, surface, grid, resolution) for i in range(0, len(cos_theta), _CHUNK)]
     return tuple(np.concatenate(rows, axis=1) for rows in zip(*parts))
 
 
@@ -94,9 +89,7 @@ def _dielectric_chunk(n_own, n_other, cos_theta, alpha, kind, surface, grid, res
     facets = visible_facets(cos_theta, alpha, kind, surface, resolution.across, resolution.along, eta)
     (wi, w_reflected), (wt, w_refracted) = dielectric_events(facets, eta)
     if _is_resolved(alpha, grid):
-        once = _resolved_lobe(
-            lambda cos: fresnel_dielectric(cos, eta), cos_theta, n_own, alpha, kind, surface, grid, modes
-        )
+        once = _resolved_lobe(lambda cos: fresnel_dielectric(cos, eta), cos_theta, n_own, alpha, kind, surface, grid, modes)
     else:
         once = grid.project(n_own, wi, modes)(w_reflected)
     more = np.zeros_like(once)
@@ -148,10 +141,7 @@ def oren_nayar_rows(color: float, sigma_deg: float, n: float, cos_theta, grid: G
 
 def conductor_rows(index, channel, n, cos_theta, alpha, kind, surface, grid: Grid, resolution: Resolution):
     """Rows (modes, I, N) of a conductor of relative (eta, k) per channel: (reflected once, reflected otherwise)."""
-    parts = [
-        _conductor_chunk(index, channel, n, cos_theta[i : i + _CHUNK], alpha, kind, surface, grid, resolution)
-        for i in range(0, len(cos_theta), _CHUNK)
-    ]
+    parts = [_conductor_chunk(index, channel, n, cos_theta[i : i + _CHUNK], alpha, kind, surface, grid, resolution) for i in range(0, len(cos_theta), _CHUNK)]
     return tuple(np.concatenate(rows, axis=1) for rows in zip(*parts))
 
 

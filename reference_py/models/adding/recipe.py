@@ -36,9 +36,7 @@ class Base:
     def rows(self, channel: int, cos_theta: np.ndarray, surface: str, grid: Grid, resolution: Resolution):
         """(reflected once, reflected otherwise), each (modes, I, N), for walkers at cosines (I,)."""
         if self.kind == "conductor":
-            return conductor_rows(
-                self.index, channel, self.n, cos_theta, self.alpha, self.distribution, surface, grid, resolution
-            )
+            return conductor_rows(self.index, channel, self.n, cos_theta, self.alpha, self.distribution, surface, grid, resolution)
         color, modes = self.color[channel], resolution.modes
         if self.kind == "lambert":
             rows = lambert_rows(color, self.n, len(cos_theta), grid, modes)
@@ -108,6 +106,4 @@ def _base(stack: Stack) -> Base:
         return Base(base.kind, n, color=base["color"], sigma_deg=base["sigma_deg"])
     eta, k = conductor_index(base)
     index = tuple((float(a) / n, float(b) / n) for a, b in zip(eta, k))
-    return Base(
-        base.kind, n, alpha=float(alpha_from_roughness(base["roughness"])), distribution=base["distribution"], index=index
-    )
+    return Base(base.kind, n, alpha=float(alpha_from_roughness(base["roughness"])), distribution=base["distribution"], index=index)

@@ -15,7 +15,15 @@ from .schlick import Schlick
 from .torrance_sparrow import TorranceSparrow
 
 BASELINES = (
-    TorranceSparrow, CyclesLayer, PrincipledCoat, Belcour, OpenPbrCoat, Kelemen, AshikhminShirley, Schlick, Lafortune,
+    TorranceSparrow,
+    CyclesLayer,
+    PrincipledCoat,
+    Belcour,
+    OpenPbrCoat,
+    Kelemen,
+    AshikhminShirley,
+    Schlick,
+    Lafortune,
 )
 
 __all__ = ["PEERS", *(peer.__name__ for peer in BASELINES)]

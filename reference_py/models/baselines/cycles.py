@@ -86,9 +86,7 @@ class Closure:
     curve at the table's cosines, or is None: then the curve itself.
     """
 
-    def __init__(
-        self, alpha: float, distribution: str, fresnel: Fresnel, mean: np.ndarray, estimate: np.ndarray | None = None
-    ):
+    def __init__(self, alpha: float, distribution: str, fresnel: Fresnel, mean: np.ndarray, estimate: np.ndarray | None = None):
         self.lobe = Lobe(alpha, BECKMANN if distribution == BECKMANN else GGX, fresnel)
         self._estimate = estimate
         self._column, energy = _energy(alpha) if distribution == MULTI_GGX else (np.ones(_ENERGY_NODES), 1.0)

@@ -120,9 +120,7 @@ class PositionFree:
 
         return self._spread(visible, *self._estimate(sample, len(wo_visible), (depths, 3), rng, progress, cancel))
 
-    def histogram(
-        self, wo, theta_edges, phi_edges, *, deepest: int | None = None, rng=None, progress=None, cancel=None
-    ) -> Histogram:
+    def histogram(self, wo, theta_edges, phi_edges, *, deepest: int | None = None, rng=None, progress=None, cancel=None) -> Histogram:
         """Where the energy that meets the stack along -wo, wo (3,), leaves to; edges in radians, ascending.
 
         `deepest` counts only light whose deepest surface was that one: 0 the top, -1 the base.

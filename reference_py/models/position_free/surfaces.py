@@ -98,9 +98,7 @@ class _Rough:
 class RoughDielectric(_Rough):
     is_delta = False
 
-    def __init__(
-        self, eta: float, alpha: float, kind: str, surface: str, brushed: AnisotropicRoughness | None = None, film: FilmInterface | None = None
-    ):
+    def __init__(self, eta: float, alpha: float, kind: str, surface: str, brushed: AnisotropicRoughness | None = None, film: FilmInterface | None = None):
         self.eta, self.kind, self.surface, self.film = eta, kind, surface, film
         self._set_widths(alpha, brushed)
 
@@ -109,9 +107,7 @@ class RoughDielectric(_Rough):
 
     def scatter(self, w, from_below, rng, target=None) -> Event:
         eta, target = self._relative(from_below), None if target is None else self._own(target)
-        scattered = microsurface.scatter_dielectric(
-            self._own(w), eta, self.alpha, self.kind, rng, self.surface, target, self.film, not from_below
-        )
+        scattered = microsurface.scatter_dielectric(self._own(w), eta, self.alpha, self.kind, rng, self.surface, target, self.film, not from_below)
         weight = None if self.surface == "multiple" and self.film is None else _columns(scattered.weight)
         toward = None if target is None else _columns(scattered.toward)
         return Event(self._back(scattered.direction), weight, toward)
@@ -170,9 +166,7 @@ class SmoothConductor:
 class RoughConductor(_Rough):
     is_delta = False
 
-    def __init__(
-        self, fresnel: Callable[[np.ndarray], np.ndarray], alpha: float, kind: str, surface: str, brushed: AnisotropicRoughness | None = None
-    ):
+    def __init__(self, fresnel: Callable[[np.ndarray], np.ndarray], alpha: float, kind: str, surface: str, brushed: AnisotropicRoughness | None = None):
         self._fresnel = fresnel
         self.kind, self.surface = kind, surface
         self._set_widths(alpha, brushed)

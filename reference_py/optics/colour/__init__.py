@@ -11,6 +11,16 @@ from .metals import conductor_rgb, load_metal, metal_index, metal_names
 from .spectrum import reflectance_to_rgb, reflectance_to_xyz, resample, rgb_weights, standard_wavelengths, xyz_to_rgb
 
 __all__ = [
-    "artist_color", "artist_index", "conductor_rgb", "load_metal", "metal_index", "metal_names", "reflectance_to_rgb",
-    "reflectance_to_xyz", "resample", "rgb_weights", "standard_wavelengths", "xyz_to_rgb",
+    "artist_color",
+    "artist_index",
+    "conductor_rgb",
+    "load_metal",
+    "metal_index",
+    "metal_names",
+    "reflectance_to_rgb",
+    "reflectance_to_xyz",
+    "resample",
+    "rgb_weights",
+    "standard_wavelengths",
+    "xyz_to_rgb",
 ]
