@@ -56,7 +56,7 @@ class LiveLobe:
     unit: np.ndarray | None = None
 
     @property
-    def is_specular_lobe(self) -> bool:
+    def is_specular(self) -> bool:
         return self.shape is not None and not np.any(self.shape)
 
 

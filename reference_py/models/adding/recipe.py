@@ -26,7 +26,7 @@ class Base:
     """(eta, k) of each channel, relative to n."""
 
     @property
-    def is_specular_lobe(self) -> bool:
+    def is_specular(self) -> bool:
         return self.kind == "conductor" and is_specular(self.alpha)
 
     def channel_key(self, channel: int):
