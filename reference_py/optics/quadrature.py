@@ -29,10 +29,7 @@ def points(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 def facet_normals(u1: np.ndarray, u2: np.ndarray, alpha: float, kind: str) -> np.ndarray:
     """Facet normals (n, 3) of density D(wm) cos(wm) for uniform u1, u2 (Walter07, eqs. 28 and 35; Weidlich07, eq. 7)."""
-    if kind == microfacet.BLINN:
-        return _around_normal(np.power(1.0 - u1, 1.0 / (microfacet.blinn_exponent(alpha) + 2.0)), u2)
-    tan2 = alpha**2 * (u1 / (1.0 - u1) if kind == microfacet.GGX else -np.log1p(-u1))
-    return _around_normal(1.0 / np.sqrt(1.0 + tan2), u2)
+    return _around_normal(microfacet.distribution_of(kind).cosine_quantile(u1, alpha), u2)
 
 
 def cosine_directions(u1: np.ndarray, u2: np.ndarray) -> np.ndarray:

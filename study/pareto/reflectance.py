@@ -16,8 +16,8 @@ from ...reference_py.lobes.samples import truth_at
 from ...reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines
 from ...reference_py.material.stack import Stack
 from ...reference_py.optics.frame import spherical
-from ...reference_py.optics.microfacet import GGX, is_specular
-from ...reference_py.optics.optical_stack import interfaces, rough_surfaces
+from ...reference_py.optics.microfacet import GGX
+from ...reference_py.optics.optical_stack import OpticalStack, rough_surfaces
 from ...reference_py.optics.quadrature import directional_albedo
 
 THETA_DEG = np.array([0.0, 20.0, 40.0, 60.0, 75.0, 80.0])
@@ -85,8 +85,8 @@ def _views(cos_theta_o) -> np.ndarray:
 
 def has_mirror(stack: Stack) -> bool:
     """Whether light can come back as from a mirror."""
-    base = stack.base
-    return any(is_specular(s.alpha) for s in interfaces(stack)) or (base.kind == "conductor" and is_specular(base["roughness"] ** 2))
+    optics = OpticalStack.of(stack)
+    return optics.base.is_specular or any(s.facets.is_specular for s in optics.interfaces)
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,10 @@ from support.goniometer import beckmann_sampling_bias, parity, tolerance
 
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.baselines.parts import dielectric_f0
+from lamina.reference_py.optics import bases
 from lamina.reference_py.optics.diffuse import fujii_roughness
 from lamina.reference_py.optics.frame import spherical
-from lamina.reference_py.optics.optical_stack import conductor_index, interfaces, n_above_base
+from lamina.reference_py.optics.optical_stack import OpticalStack
 from lamina.reference_py.registry import make_model
 
 pytestmark = pytest.mark.blender
@@ -61,17 +62,17 @@ def osl_of(stack: Stack, ggx: str) -> str:
     def name(distribution):
         return f'"{ggx if distribution == "ggx" else distribution}"'
 
-    base, n = stack.base, n_above_base(stack)
+    base, n = stack.base, OpticalStack.of(stack).base.n_above
     if base.kind == "lambert":
         text = f"{triple(base['color'])} * diffuse(N)"
     elif base.kind == "oren_nayar":
         text = f"oren_nayar_diffuse_bsdf(N, {triple(base['color'])}, {fujii_roughness(base['sigma_deg']):.9g})"
     else:
-        eta, k = conductor_index(base)
+        eta, k = bases.conductor_index(base)
         alpha = base["roughness"] ** 2
         indices = f"{triple(eta / n)}, {triple(k / n)}"
         text = f"conductor_bsdf(N, U, {alpha:.9g}, {alpha:.9g}, {indices}, {name(base['distribution'])})"
-    for s in reversed(interfaces(stack)):
+    for s in reversed(OpticalStack.of(stack).interfaces):
         top = f"dielectric_bsdf(N, U, color(1), color(0), {s.alpha:.9g}, {s.alpha:.9g}, {s.eta:.9g}, {name(s.distribution)})"
         text = f"layer({top}, {triple(np.exp(-2.0 * s.tau))} * {text})"
     return f"shader peer(output closure color BSDF = 0) {{ vector U = vector(0); BSDF = {text}; }}"

@@ -8,7 +8,7 @@ pytest.importorskip("bpy")
 
 from support.goniometer import SUN_THETA_DEG, TOLERANCE, highlight_window, parity
 
-from lamina.addon.blender import environment
+from lamina.addon.blender import environment, versions
 from lamina.addon.blender.versions import DIFFUSE_POWER, HAS_DIELECTRIC
 from lamina.addon.material import layers
 from lamina.addon.material import material as materials
@@ -52,7 +52,7 @@ def mirror_of(lobe_set: TableLobes):
 
 def material_of(bpy, lobe_set: TableLobes):
     material = bpy.data.materials.new("lobes")
-    tree = settings.node_tree(material)
+    tree = versions.node_tree(material)
     tree.nodes.clear()
     node, output = tree.nodes.new("ShaderNodeGroup"), tree.nodes.new("ShaderNodeOutputMaterial")
     node.node_tree = lobe_group(lobe_set)

@@ -14,7 +14,7 @@ from lamina.reference_py.lobes.methods.with_features import seen_alpha
 from lamina.reference_py.lobes.tabulate import tabulate
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
-from lamina.reference_py.optics.optical_stack import AnisotropicRoughness
+from lamina.reference_py.optics.interface import AnisotropicRoughness
 from lamina.reference_py.optics.quadrature import directional_albedo
 from lamina.reference_py.registry import make_model
 

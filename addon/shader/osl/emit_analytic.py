@@ -12,7 +12,7 @@ from ....reference_py.lobes.analytic import base
 from ....reference_py.lobes.analytic.lobe_set import ALBEDO_NODES
 from ....reference_py.material.schema import ANISOTROPY
 from ....reference_py.material.stack import Element, Stack
-from ....reference_py.optics.optical_stack import TINT_FLOOR
+from ....reference_py.optics.interface import TINT_FLOOR
 from ..inputs import BASE
 from .analytic_layers import beam_of, below_text, for_each, layers_text, lines_of, roughest, view_text
 from .analytic_tables import Tables, constants

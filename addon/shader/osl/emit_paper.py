@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from ....reference_py.lobes.methods.paper import NODE_COUNT, nodes
 from ....reference_py.material.schema import THIN_FILM
 from ....reference_py.material.stack import Stack
-from ....reference_py.optics.optical_stack import TINT_FLOOR
+from ....reference_py.optics.interface import TINT_FLOOR
 from ....reference_py.optics.thin_film import THINNEST_NM
 from ..inputs import BASE
 from .block import Block, Closure

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...material.schema import OREN_NAYAR
 from ...material.stack import Stack
+from ...optics.bases import DiffuseBase
 from ...optics.microfacet import GGX, is_specular
-from ...optics.optical_stack import interfaces, rough_surfaces
+from ...optics.optical_stack import OpticalStack, rough_surfaces
 from ..analytic import AnalyticLobes
 from ..cache import content, known, remembered, truth_of
 from ..closure import unit_energy
@@ -197,7 +197,7 @@ class BakedLobes:
 
 def _top_lobe(stack: Stack) -> GlossyLobe | None:
     """The closure that is exact for one event on a rough top interface, where there is one and nothing dims it."""
-    for surface in interfaces(stack):
+    for surface in OpticalStack.of(stack).interfaces:
         if surface.eta != 1.0:
             if is_specular(surface.alpha):
                 return None
@@ -210,7 +210,8 @@ def _top_lobe(stack: Stack) -> GlossyLobe | None:
 
 def is_bare_oren_nayar(stack: Stack) -> bool:
     """Whether Cycles has the stack itself as closures, which tables do not know."""
-    return not stack.layers and stack.base.kind == OREN_NAYAR.name
+    base = OpticalStack.of(stack).base
+    return not stack.layers and isinstance(base, DiffuseBase) and base.sigma_deg > 0.0
 
 
 def described(live: tuple[tuple[int, str], ...]) -> str:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...material.stack import Stack
-from ...optics.optical_stack import interfaces
+from ...optics.optical_stack import OpticalStack
 from ..cache import truth_of
 from ..live_grid import Axis, LiveLobes, grid_of
 
@@ -29,7 +29,7 @@ def _knots(stack: Stack, index: int, name: str, count: int) -> tuple[float, ...]
     if name == "roughness":
         return _ROUGHNESSES[count]
     depths = np.array(_DEPTHS[count])
-    mean = float(np.mean(interfaces(_with(stack, index, thickness=1.0))[index].tau))
+    mean = float(np.mean(OpticalStack.of(_with(stack, index, thickness=1.0)).interfaces[index].tau))
     # a clear medium has no depth: any two knots will do
     return tuple(depths / mean) if mean > 0.0 else (0.0, 1.0)
 

@@ -11,10 +11,12 @@ import numpy as np
 from ...errors import LaminaError
 from ...material.schema import ANISOTROPY, THIN_FILM
 from ...material.stack import Stack
+from ...optics.directions import components, vectors
 from ...optics.frame import azimuth, dot, half_vector, normalize, reflect
 from ...optics.microfacet import anisotropic_distribution
+from ...optics.optical_stack import supports
 from ...optics.quadrature import cosine_directions, directional_albedo
-from ...optics.sampling import components, projected_area, sample_visible_normals, vectors
+from ...optics.sampling import projected_area, sample_visible_normals
 from ..closure import fresnel, is_specular_lobe, lobe_f
 from ..lobe import DiffuseLobe, GlossyLobe
 from . import DEFAULT_TIER, make_lobe_set
@@ -23,12 +25,12 @@ from . import DEFAULT_TIER, make_lobe_set
 _LEAST_SHARE = 1e-3
 
 
+@supports("model", features=(ANISOTROPY, THIN_FILM))
 class ClosureModel:
     """What Cycles renders: the closures of a tier, evaluated."""
 
     name = "mirror"
     stochastic = False
-    features = (ANISOTROPY, THIN_FILM)
 
     def __init__(self, stack: Stack, **options: str):
         for key in options:

@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 from ...material.schema import ANISOTROPY, NORMAL, THIN_FILM
 from ...material.stack import Element, Stack
-from ...optics.optical_stack import mean_alpha
+from ...optics.interface import Microfacets
 
 _UNBAKED = (ANISOTROPY, THIN_FILM, NORMAL)
 
@@ -29,7 +29,7 @@ def without_unbaked(stack: Stack) -> Stack:
     def plain(element: Element) -> Element:
         values = {k: v for k, v in element.values.items() if k not in names}
         if element.has(ANISOTROPY):
-            values["roughness"] = mean_alpha(element) ** 0.5
+            values["roughness"] = Microfacets.of(element).alpha ** 0.5
         return replace(element, values=MappingProxyType(values))
 
     return replace(stack, layers=tuple(plain(layer) for layer in stack.layers), base=plain(stack.base)) if unbaked(stack) else stack

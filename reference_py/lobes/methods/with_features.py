@@ -14,7 +14,7 @@ import numpy as np
 
 from ...material.schema import THIN_FILM
 from ...material.stack import Stack
-from ...optics.optical_stack import AnisotropicRoughness, brushed
+from ...optics.interface import AnisotropicRoughness, Microfacets
 from ..analytic import AnalyticLobes
 from ..analytic.base import Facets
 from ..analytic.lobe_set import at_views
@@ -46,7 +46,7 @@ class FeaturedAnalyticLobes(AnalyticLobes):
 
     def _lobes(self, cos_o, phi):
         layers, base = self.stack.layers, self.stack.base
-        top, metal = (brushed(e) if e is not None and "roughness" in e else None for e in (layers[0] if layers else None, base))
+        top, metal = (_widths(e) if e is not None and "roughness" in e else None for e in (layers[0] if layers else None, base))
         seen = None if top is None else seen_alpha(top, cos_o, phi)
         facets = None if metal is None else partial(_facets, widths=metal, phi=phi, kind=base["distribution"])
         lobes = self._plain.lobes_of(cos_o, seen, facets)
@@ -56,9 +56,13 @@ class FeaturedAnalyticLobes(AnalyticLobes):
         elements = [*layers[:inner], *[base] * (len(lobes) - inner)]
         depths = [*range(inner), *[len(layers)] * (len(lobes) - inner)]
         return [
-            _shaped(lobe, brushed(element) if "roughness" in element else None, indices[depth], cos_o, phi, depth == 0 and len(layers) > 0)
+            _shaped(lobe, _widths(element) if "roughness" in element else None, indices[depth], cos_o, phi, depth == 0 and len(layers) > 0)
             for lobe, element, depth in zip(lobes, elements, depths)
         ]
+
+
+def _widths(element) -> AnisotropicRoughness | None:
+    return Microfacets.of(element).anisotropic
 
 
 def seen_alpha(widths: AnisotropicRoughness, cos_o, phi) -> np.ndarray:

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ...optics.frame import dot, spherical
+from ...optics.ggx import ggx_visible_normals
 from ...optics.microfacet import GGX, masking_g1, masking_g2
 from ...optics.quadrature import directional_albedo
-from ...optics.sampling import ggx_visible_normals
 from .parts import Fresnel
 
 # The generalised golden ratio of two dimensions.
