@@ -20,11 +20,16 @@ from .models.weidlich_wilkie_repaired import WeidlichWilkieRepaired
 MODELS = {model.name: model for model in (WeidlichWilkie, WeidlichWilkieRepaired, Adding, PositionFree, ClosureModel, *BASELINES)}
 
 
+# What models were called before.
+OLD_NAMES = {"mirror": ClosureModel.name}
+
+
 def make_model(name: str, stack: Stack, **options: str):
     """Build a model by name; of a stack with covered layers, the mixture of its patches.
 
     Raises LaminaError on an unknown name or option, what is no Stack, or what the model does not know (`OpticalStack.of`).
     """
+    name = OLD_NAMES.get(name, name)
     if name not in MODELS:
         raise LaminaError(f"unknown model {name!r}; choose {', '.join(MODELS)}")
     if not isinstance(stack, Stack):

@@ -12,7 +12,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..reference_py.errors import LaminaError
-from ..reference_py.lobes.methods import TIERS, AutoLobes
+from ..reference_py.lobes.methods import DEFAULT_METHOD, METHODS
 from ..reference_py.lobes.methods.closure_model import ClosureModel
 from ..reference_py.material.stack import Stack
 from ..reference_py.optics.frame import normalize, reflect, spherical
@@ -134,7 +134,7 @@ REFUSED: Mapping[str, dict] = MappingProxyType(
 
 
 # Every model, and what Cycles renders in every tier; auto is one of the others.
-_MIRRORS = tuple(f"{ClosureModel.name}:{tier}" for tier in TIERS if tier != AutoLobes.tier)
+_MIRRORS = tuple(f"{ClosureModel.name}:{tier}" for tier in METHODS if tier != DEFAULT_METHOD)
 SUBJECTS = tuple(subject for name in MODELS for subject in (_MIRRORS if name == ClosureModel.name else (name,)))
 
 

@@ -13,7 +13,7 @@ from bpy.app.handlers import persistent
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.cache import content
-from ...reference_py.lobes.methods import HOLD_VALUES, TIERS, bake_process
+from ...reference_py.lobes.methods import bake_process, holds_values
 from ...reference_py.material.schema import SCHEMA_VERSION
 from ..blender.user_folders import cache_folder
 from ..material import material as materials
@@ -33,7 +33,7 @@ class Bake(Process):
     """One lobe set in the making, in a process of its own."""
 
     def __init__(self, wanted: state.Wanted):
-        request = bake_process.request(wanted.stack, wanted.tier, wanted.live, wanted.tolerance, cache_folder())
+        request = bake_process.request(wanted.stack, wanted.method, wanted.live, wanted.tolerance, cache_folder())
         super().__init__("a bake", bake_process.MODULE, request)
         self.wanted, self.key = wanted, wanted.key
 
@@ -107,7 +107,7 @@ def _follow(material: bpy.types.Material) -> bool:
             if not is_older:
                 keep_record(material)
             return False
-        if material.lamina.tier not in HOLD_VALUES or live_values(material):
+        if not holds_values(material.lamina.tier) or live_values(material):
             return _follow_with_stock(material)
     wanted = state.wanted_lobes(material)
     rested = _state.resting.get(material.name_full) == wanted.key
@@ -144,7 +144,7 @@ def _collect() -> None:
         return
     _state.bake = None
     if bake.result is not None:
-        TIERS[bake.wanted.tier].remember(bake.key, bake.wanted.stack, bake.result)
+        bake.wanted.put(bake.key, bake.result)
         return
     for name, key in _state.resting.items():
         if key == bake.key:

@@ -14,7 +14,7 @@ from .output import Report, pyplot, save_picture, write_table
 
 THETA_DEG = np.array([0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0])
 
-_TIER = PaperLobes.tier
+_TIER = PaperLobes.name
 _HEADING = ("lamina chart lobes", f"tier {_TIER} against model weidlich_wilkie")
 
 

@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from ...reference_py.atomic import require_writable
-from ...reference_py.lobes.baked import Baker, is_bare_oren_nayar
+from ...reference_py.lobes.baked import Baker
 from ...reference_py.lobes.error_estimate import ErrorEstimator, Errors
-from ...reference_py.lobes.methods import HOLD_VALUES, TIERS, AnalyticLobes, make_lobe_set
+from ...reference_py.lobes.methods import METHODS, AnalyticLobes, holds_values, make_lobe_set
+from ...reference_py.lobes.methods.baking import is_bare_oren_nayar
 from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.adding.model import Adding
@@ -44,7 +45,7 @@ def chart(folder: Path, report: Report) -> None:
 def _rows(stack: Stack) -> list[list[str]]:
     truth = Adding(stack)
     estimator = ErrorEstimator(stack, truth, np.cos(np.radians(THETA_DEG)))
-    lobe_sets = {tier: make_lobe_set(stack, tier) for tier in TIERS if tier not in HOLD_VALUES}
+    lobe_sets = {method: make_lobe_set(stack, method) for method in METHODS if not holds_values(method)}
     baker = Baker(stack, truth)
     exact = AnalyticLobes(stack) if is_bare_oren_nayar(stack) else None
     lobe_sets |= {f"baked, {count} glossy": exact or baker.bake(count).lobe_set for count in GLOSSY}

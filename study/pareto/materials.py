@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials of the ways that are compared, besides Lamina's own."""
 
-from typing import NamedTuple
-
 import bpy
 import numpy as np
 
@@ -10,6 +8,7 @@ from ...addon.blender.versions import node_tree
 from ...addon.material.script_node import set_script
 from ...addon.shader.nodes.node_groups import lobe_group
 from ...addon.shader.osl.generate import Shader, generate
+from ...reference_py.lobes.made import Made
 from ...reference_py.lobes.view_table import TableLobes
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.baselines.principled_coat import PrincipledCoat
@@ -37,17 +36,9 @@ def script_material(name: str, text: str, closures: int = 1) -> bpy.types.Materi
     return material
 
 
-class _Told(NamedTuple):
-    """Any lobe set in tables as `generate` takes one."""
-
-    resolved: TableLobes
-    stack: Stack
-    tier: str = "baked"
-
-
 def table_material(lobe_set: TableLobes, stack: Stack, name: str) -> bpy.types.Material:
     """A lobe set in tables as Lamina writes it in OSL, its shader called `name`."""
-    shader = generate(_Told(lobe_set, stack))
+    shader = generate(Made("baked", stack, lobe_set))
     return script_material(name, shader.text.replace(shader.name, name), shader.lobe_count)
 
 

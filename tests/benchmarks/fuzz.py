@@ -35,7 +35,7 @@ from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.fit.readers import read
 from lamina.reference_py.fit.readers.measurement import spread_pairs
 from lamina.reference_py.lobes import cache
-from lamina.reference_py.lobes.methods import AutoLobes, BakedLobes
+from lamina.reference_py.lobes.methods import is_known, key_of, make_lobe_set
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.schema import SCHEMA
 from lamina.reference_py.material.stack import Stack
@@ -62,9 +62,9 @@ def read_job(text: str) -> None:
 def read_cache(text: str) -> None:
     cache._memory.clear()
     stack = presets.load("clean_copper")
-    for lobe_set in (AutoLobes, BakedLobes):
-        cache._file(lobe_set.key(stack)).write_text(text, encoding="utf-8", errors="replace")
-        lobe_set.is_known(stack)
+    for method in ("auto", "baked"):
+        cache._file(key_of(stack, method)).write_text(text, encoding="utf-8", errors="replace")
+        is_known(stack, method)
 
 
 def read_preset_file(data: bytes) -> None:
@@ -242,8 +242,8 @@ def main() -> int:
         "seed": 3,
         "samples": 4,
     }
-    AutoLobes(presets.load("clean_copper"))
-    BakedLobes(presets.load("clean_copper"))
+    make_lobe_set(presets.load("clean_copper"), "auto")
+    make_lobe_set(presets.load("clean_copper"), "baked")
     caches = [file.read_bytes() for file in HOME.glob("*.json")]
     trials = [Trial(read.__name__, read) for read in (read_stack, read_job, read_cache, read_preset_file, read_picture)]
     stack_trial, job_trial, cache_trial, preset_trial, picture_trial = trials

@@ -75,5 +75,5 @@ def test_weights_are_finite_and_never_negative_from_normal_to_grazing():
 
 
 def test_unknown_tier_lists_the_tiers():
-    with pytest.raises(LaminaError, match="unknown tier 'magic'; choose weidlich_wilkie"):
+    with pytest.raises(LaminaError, match="unknown quality 'magic'; choose weidlich_wilkie"):
         make_lobe_set(presets.load("crayon_paint"), "magic")

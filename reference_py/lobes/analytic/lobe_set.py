@@ -29,18 +29,14 @@ class AnalyticLobes:
     lobe; the base has one. Every energy is divided by that of its closure, so albedos are those of the adding.
     """
 
-    tier = name = "analytic"
+    name = "analytic"
 
     def __init__(self, stack: Stack):
         self.stack = stack
         optics = OpticalStack.of(stack, self)
-        surfaces, self._base = optics.interfaces, optics.base
+        surfaces, self.base = optics.interfaces, optics.base
         self._down = [Crossing(s.n_above, s.n_below, s.alpha, s.distribution, s.tau) for s in surfaces]
         self._up = [Crossing(s.n_below, s.n_above, s.alpha, s.distribution, s.tau) for s in reversed(surfaces)]
-
-    @property
-    def resolved(self) -> "AnalyticLobes":
-        return self
 
     @property
     def lobe_count(self) -> int:
@@ -77,14 +73,14 @@ class AnalyticLobes:
         return GlossyLobe(top.kind, weight, alpha, alpha, fresnel=DielectricCurve(eta))
 
     def _base_lobes(self, cos_o, passage, base_facets) -> list[GlossyLobe | DiffuseLobe]:
-        match self._base:
+        match self.base:
             case ConductorBase():
                 return self._metal_lobes(cos_o, passage, base_facets)
             case DiffuseBase():
                 return self._diffuse_lobes(cos_o, passage)
 
     def _diffuse_lobes(self, cos_o, passage) -> list[DiffuseLobe]:
-        base, n = self._base, self._base.n_above
+        base, n = self.base, self.base.n_above
         own = base.albedo(np.minimum(cosine(passage.p, n), 1.0))
         energy = own
         if self._down:
@@ -97,7 +93,7 @@ class AnalyticLobes:
         return oren_nayar_lobes(energy / np.maximum(base.albedo(cos_o), 1e-12), base.color, base.sigma_deg)
 
     def _metal_lobes(self, cos_o, passage, base_facets) -> list[GlossyLobe | DiffuseLobe]:
-        base, n = self._base, self._base.n_above
+        base, n = self.base, self.base.n_above
         alpha, kind = base.facets.alpha, base.facets.distribution
         eta, k = base.relative_index
         reaches = cosine(passage.p, n)

@@ -43,17 +43,13 @@ def nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 class PaperLobes:
     """Lobes of a stack; see the module's head for how weights are found."""
 
-    tier = name = "weidlich_wilkie"
+    name = "weidlich_wilkie"
 
     def __init__(self, stack: Stack):
         self.stack = stack
         optics = OpticalStack.of(stack, self)
         self._surfaces, self._base = optics.interfaces, optics.base
         self._n = np.array([1.0] + [s.n_below for s in self._surfaces])
-
-    @property
-    def resolved(self) -> "PaperLobes":
-        return self
 
     @property
     def lobe_count(self) -> int:

@@ -21,12 +21,14 @@ from ..analytic.lobe_set import at_views
 from ..analytic.tables import brushed_energy, closure_energy
 from ..lobe import DiffuseLobe, GlossyLobe
 from ..view_table import MIN_COS_O
-from .not_bakeable import without_unbaked
+from .not_bakeable import bakeable, not_bakeable
 from .paper import PaperLobes
 
 
 def featured_analytic(stack: Stack):
-    """The lobe set that a stack has in the tier `analytic`."""
+    """The lobe set that a stack has in the method `analytic`."""
+    if not not_bakeable(stack):
+        return AnalyticLobes(stack)
     if any(element.has(THIN_FILM) for element in (*stack.layers, stack.base)):
         return PaperLobes(stack)
     return FeaturedAnalyticLobes(stack)
@@ -36,7 +38,8 @@ class FeaturedAnalyticLobes(AnalyticLobes):
     """The lobes of the stack without its features, in the shapes that these give them."""
 
     def __init__(self, stack: Stack):
-        self.stack, self._plain = stack, AnalyticLobes(without_unbaked(stack))
+        self.stack, self._plain = stack, AnalyticLobes(bakeable(stack))
+        self.base = self._plain.base
 
     def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
         """The lobes from the top for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
