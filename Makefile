@@ -91,7 +91,7 @@ charts: $(READY)
 	$(VENV)/bin/lamina figures --out figures/paper
 
 pareto: $(READY)
-	$(VENV)/bin/lamina chart levers -o figures
+	$(VENV)/bin/lamina chart cost_factors -o figures
 	$(VENV)/bin/lamina chart pareto -o figures
 	$(VENV)/bin/lamina chart pair -o figures
 

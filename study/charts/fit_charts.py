@@ -12,7 +12,7 @@ from ...reference_py.atomic import require_writable
 from ...reference_py.fit import fit_structure, select
 from ...reference_py.fit.baseline_fits import BASELINE_MODELS, fit_baseline
 from ...reference_py.fit.compare import compare
-from ...reference_py.fit.fitting import refined, rough_fits, subsampled
+from ...reference_py.fit.fitting import corrected, rough_fits, subsampled
 from ...reference_py.fit.forward import evaluate
 from ...reference_py.fit.metric import METRICS, Metric, shape_error
 from ...reference_py.fit.parameters import Structure
@@ -141,7 +141,7 @@ def _metrics(folder: Path, report: Report) -> None:
                 data, clean = data_of(stack, "weidlich_wilkie", noise, np.random.default_rng(i), floor)
                 metric = Metric(data, metric_kind)
                 rough = rough_fits(metric, structure, "weidlich_wilkie", 4, np.random.default_rng(i))
-                fit = refined(metric, structure, "weidlich_wilkie", rough[0].x)
+                fit = corrected(metric, structure, "weidlich_wilkie", rough[0].x)
                 r = judged(fit, stack, clean, "weidlich_wilkie", noise)
                 truth = fit.parameters.coordinates(stack)
                 shapes.append(r.shape)

@@ -45,7 +45,7 @@ def _render(path: Path, report: Report) -> list[tuple[str, str, str]]:
     apply_stack(lamina, stack)
     refresh(lamina, settle=True)
     surface = ball()
-    subjects = {
+    samples = {
         "Cycles' layer()": ([with_material(surface, script_material("layered", layer_text(stack, "layered")))], SAMPLES),
         "Lamina": ([with_material(surface, lamina)], SAMPLES),
         "Explicit geometry": (slab_objects(stack, ball), SLAB_SAMPLES),
@@ -53,12 +53,12 @@ def _render(path: Path, report: Report) -> list[tuple[str, str, str]]:
     pictures, tiles, errors = [], [], []
     inside = np.isfinite(exact[..., :1])
     with studio_stage(SIZE, surroundings) as stage:
-        for label, (objects, samples) in subjects.items():
+        for label, (objects, spp) in samples.items():
             report(label)
             stage.show(objects)
-            picture = stage.picture(samples)
+            picture = stage.picture(spp)
             error = difference(picture, exact, surroundings)
-            errors.append((label, str(samples), f"{error:.2f}"))
+            errors.append((label, str(spp), f"{error:.2f}"))
             pictures.append(encoded(shown(np.where(inside, picture, 0.0) * surroundings.exposure)))
             tiles.append(Tile(label, lamina, f"CIEDE2000 {error:.1f}"))
     pictures.append(encoded(shown(np.where(inside, exact, 0.0) * surroundings.exposure)))

@@ -14,7 +14,7 @@ from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.registry import MODELS, make_model
 from lamina.study.charts import error
-from lamina.study.stress import SUBJECTS, albedo_and_error, energy_excess, f_and_error, make_subject, reciprocity_defect
+from lamina.study.stress import MODELS_AND_TIERS, albedo_and_error, energy_excess, f_and_error, make_model_or_tier, reciprocity_defect
 
 STACKS = {
     "plastic": {
@@ -40,7 +40,7 @@ UP_SIDE_DOWN = np.array([1.0, 1.0, -1.0])
 ERRORS = Path(__file__).parents[2] / "figures" / "error_by_angle.csv"
 
 # Weights of their lobes know the view, not the light.
-NOT_RECIPROCAL = {*(name for name in SUBJECTS if name.startswith("mirror:")), "cycles_layer", "principled_coat", "openpbr_coat", "belcour"}
+NOT_RECIPROCAL = {*(name for name in MODELS_AND_TIERS if name.startswith("mirror:")), "cycles_layer", "principled_coat", "openpbr_coat", "belcour"}
 # Largest albedo above 1 over STACKS and VIEWS, two digits up; 0 where no number stands.
 ENERGY_EXCESS = {
     "weidlich_wilkie": 0.32,
@@ -54,7 +54,7 @@ ENERGY_EXCESS = {
 
 @cache
 def model_of(name, stack):
-    return make_subject(name, Stack.from_dict(STACKS[stack]))
+    return make_model_or_tier(name, Stack.from_dict(STACKS[stack]))
 
 
 def light_directions(n=40):
@@ -62,7 +62,7 @@ def light_directions(n=40):
     return spherical(np.arccos(rng.uniform(0.02, 1.0, (2, n))), rng.uniform(0.0, 2.0 * np.pi, (2, n)))
 
 
-every_model = pytest.mark.parametrize("name", SUBJECTS)
+every_model = pytest.mark.parametrize("name", MODELS_AND_TIERS)
 every_stack = pytest.mark.parametrize("stack", STACKS)
 
 
@@ -113,7 +113,7 @@ def test_shapes_broadcast_and_colors_come_last(name):
 @every_model
 def test_the_same_model_gives_the_same_figures(name):
     wo, wi = light_directions(8)
-    first, second = (make_subject(name, Stack.from_dict(STACKS["plastic"])) for _ in range(2))
+    first, second = (make_model_or_tier(name, Stack.from_dict(STACKS["plastic"])) for _ in range(2))
     assert np.array_equal(first.f(wo, wi), second.f(wo, wi)) and np.array_equal(first.albedo(VIEWS), second.albedo(VIEWS))
 
 
@@ -139,5 +139,5 @@ def test_the_committed_albedo_error_is_that_of_this_code(name):
     assert {key for key in rows if key[0] in presets.PAPER} == {(p, m) for p in presets.PAPER for m in error.COMPARED}
     preset, chosen = "metallic_car_paint", np.array([0, 6, 10])
     stack, wo = presets.load(preset), spherical(np.radians(error.THETA_DEG[chosen]), 0.0)
-    measured = error.worst_channel(make_subject(name, stack).albedo(wo), make_model("adding", stack).albedo(wo))
+    measured = error.worst_channel(make_model_or_tier(name, stack).albedo(wo), make_model("adding", stack).albedo(wo))
     assert measured == pytest.approx(np.array(rows[preset, name], float)[chosen], abs=2e-4)

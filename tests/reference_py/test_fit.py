@@ -12,7 +12,7 @@ from lamina.reference_py.fit import fit_structure, select
 from lamina.reference_py.fit.baseline_fits import BASELINE_MODELS, fit_baseline
 from lamina.reference_py.fit.certainty import certainty, independent_pairs
 from lamina.reference_py.fit.dense import evaluate_all
-from lamina.reference_py.fit.fitting import refined, subsampled
+from lamina.reference_py.fit.fitting import corrected, subsampled
 from lamina.reference_py.fit.metric import Metric, shape_error
 from lamina.reference_py.fit.outcome import outcome
 from lamina.reference_py.fit.parameters import Parameters, Structure
@@ -141,7 +141,7 @@ def test_what_good_fits_disagree_on_is_not_called_determined():
     stack = random_stack(structure, np.random.default_rng(201))
     data, _ = data_of(stack, "adding", 0.05, np.random.default_rng(1))
     parameters = Parameters(structure, 3)
-    fit = refined(subsampled(data, 150), structure, "adding", parameters.coordinates(stack), 0, options=SETTINGS["adding"])
+    fit = corrected(subsampled(data, 150), structure, "adding", parameters.coordinates(stack), 0, options=SETTINGS["adding"])
     sure = replace(fit, jacobian=1e3 * np.eye(len(fit.residual), parameters.size))
     known = {v.name for v in certainty(sure) if v.determined}
     assert "roughness of layer 0" in known

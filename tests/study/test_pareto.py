@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The chart of error against cost: its yardsticks, its slab, and one small case of the whole."""
+"""The chart of error against cost: its references, its slab, and one small case of the whole."""
 
 import csv
 
@@ -13,7 +13,7 @@ from lamina.reference_py.models.adding.model import Adding
 from lamina.reference_py.registry import make_model
 from lamina.study.pareto.appearance import Surroundings, ball_picture, delta_e_2000, difference, encoded, lab, shown
 from lamina.study.pareto.draw import frontier
-from lamina.study.pareto.reflectance import LobeReflectance, ModelReflectance, TruthReflectance, Yardstick, belcour_lobes, glossy_lobes
+from lamina.study.pareto.reflectance import LobeReflectance, ModelReflectance, Reference, TruthReflectance, belcour_lobes, glossy_lobes
 from lamina.study.pareto.surfaces import SURFACES, load_surface
 
 # L*a*b* pairs and CIEDE2000 from table 1 of Sharma, Wu and Dalal 2005.
@@ -58,15 +58,15 @@ def test_a_white_furnace_shows_the_albedo():
     np.testing.assert_allclose(picture[inside], reflectance.albedo(cosines), rtol=4e-3)
 
 
-def test_the_truth_is_its_own_yardstick():
+def test_the_truth_is_its_own_reference():
     truth = Adding(COATED)
-    errors = Yardstick(COATED, truth).errors(TruthReflectance(truth))
+    errors = Reference(COATED, truth).errors(TruthReflectance(truth))
     assert max(errors.albedo, errors.shape) < 1e-9
 
 
 def test_layer_is_as_wrong_as_known():
     """.520 where physics has .316, and no less in the shape."""
-    errors = Yardstick(COATED, Adding(COATED)).errors(ModelReflectance(make_model("cycles_layer", COATED)))
+    errors = Reference(COATED, Adding(COATED)).errors(ModelReflectance(make_model("cycles_layer", COATED)))
     assert 0.6 < errors.albedo < 0.8 and errors.shape >= 0.6
 
 
@@ -129,9 +129,9 @@ def test_the_slab_is_the_stack(blender, tint):
 @pytest.mark.slow
 def test_one_small_chart(blender, tmp_path):
     from lamina.study.charts.pareto_chart import COLUMNS, chart
-    from lamina.study.pareto.effort import Effort
+    from lamina.study.pareto.quality import Quality
 
-    small = Effort(1, 32, 2, 16, 1, 16, 8, 16, 4, 1, memory=False)
+    small = Quality(1, 32, 2, 16, 1, 16, 8, 16, 4, 1, memory=False)
     materials = len(blender.data.materials)
     chart(tmp_path, lambda text: None, ["glazed_mug"], 1, small)
     lines = (tmp_path / "pareto.csv").read_text().splitlines()
