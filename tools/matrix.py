@@ -74,7 +74,10 @@ def main() -> int:
     text = "".join(f"{name:8} {versions:44} " + " ".join(f"{n:>8}" for n in numbers) + "\n" for name, versions, *numbers in rows)
     print(text, end="")
     if table:
-        table.write_text(f"# make matrix\n{text}" + "".join(f"{line}\n" for line in lines), encoding="utf-8")
+        sys.path.insert(0, str(ROOT))  # a plain Python runs this, without the package
+        from study.stamp import stamp
+
+        table.write_text(f"# make matrix; {stamp('Blender and numpy as below')}\n{text}" + "".join(f"{line}\n" for line in lines), encoding="utf-8")
     return 1 if any(row[3] not in ("", "0") for row in rows[1:]) else 0
 
 

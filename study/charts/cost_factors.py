@@ -5,7 +5,8 @@ from pathlib import Path
 
 from ...addon.session import blender
 from ...reference_py.atomic import require_writable
-from .output import Report, print_table, pyplot, save_picture, write_table
+from ..tables import Report, write_table
+from .output import print_table, pyplot, save_picture
 
 COLUMNS = ("scene", "factor", "cost", "cost_low", "cost_high")
 ROUNDS = 7
@@ -86,15 +87,14 @@ def chart(folder: Path, report: Report) -> None:
     table = folder / "cost_factors.csv"
     require_writable(table)
     with blender(lambda text: None):
-        rows, version = _measure(report)
-    write_table(table, ("lamina chart cost_factors", f"Blender {version}", f"{ROUNDS} rounds"), COLUMNS, rows, report)
+        rows = _measure(report)
+    write_table(table, ("lamina chart cost_factors", f"{ROUNDS} rounds"), COLUMNS, rows, report)
     print_table(COLUMNS, rows)
     if plot := pyplot(report):
         save_picture(_draw(plot, rows), folder / "cost_factors.png", report)
 
 
-def _measure(report: Report) -> tuple[list[tuple[str, ...]], str]:
-    import bpy
+def _measure(report: Report) -> list[tuple[str, ...]]:
     import numpy as np
 
     from ..pareto.bench import ball, corner, sun_stage, with_material
@@ -114,7 +114,7 @@ def _measure(report: Report) -> tuple[list[tuple[str, ...]], str]:
             stage.scene.camera.data.ortho_scale = width
             costs = filling_costs(stage, samples, ROUNDS, 16, lambda text: report(f"{scene}: {text}"))
         rows += [(scene, name, *(f"{v:.3f}" for v in (costs[name].ratio, costs[name].low, costs[name].high))) for name in factors]
-    return rows, bpy.app.version_string
+    return rows
 
 
 def _draw(plot, rows):

@@ -13,7 +13,8 @@ from ...reference_py.material import presets
 from ...reference_py.optics.frame import spherical
 from ...reference_py.registry import make_model
 from ..stress import MODELS_AND_TIERS, make_model_or_tier
-from .output import Report, print_table, pyplot, save_picture, write_table
+from ..tables import Report, write_table
+from .output import print_table, pyplot, save_picture
 
 THETA_DEG = np.array([0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 75.0, 80.0, 85.0])
 TRUTHS = ("adding", "position_free")

@@ -7,7 +7,8 @@ from ...addon.session import blender
 from ...reference_py.atomic import require_writable
 from ...reference_py.material import presets
 from ...reference_py.models.adding.model import Adding
-from .output import Report, print_table
+from ..tables import Report
+from .output import print_table
 
 SURFACE, SIZE = "metallic_car_paint", 160
 SAMPLES, SLAB_SAMPLES = 144, 256

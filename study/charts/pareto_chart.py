@@ -10,7 +10,8 @@ from ...reference_py.atomic import require_writable
 from ..pareto.draw import draw
 from ..pareto.quality import Quality
 from ..pareto.surfaces import SURFACES, label, load_surface
-from .output import Report, print_table, pyplot, save_picture, write_table
+from ..tables import Report, write_table
+from .output import print_table, pyplot, save_picture
 
 COLUMNS = (
     "surface", "method", "label", "closures", "cost", "cost_low", "cost_high", "scene_cost", "albedo", "shape", "shape_mean",
@@ -28,16 +29,13 @@ def chart(folder: Path, report: Report, surface: Sequence[str] = tuple(SURFACES)
     quality = replace(quality, rounds=rounds)
     rows = []
     with blender(lambda text: None):
-        import bpy
-
         from ..pareto.measure import measure
 
         for i, (name, stack) in enumerate(stacks.items()):
             share = f"{100 * i // len(stacks):3} % {name}"
             results, _ = measure(name, stack, quality, lambda text: report(f"{share}: {text}"))
             rows += [dict(zip(COLUMNS, _cells(name, result))) for result in results]
-        version = bpy.app.version_string
-    heading = ("lamina chart pareto", f"Blender {version}", f"{quality.rounds} rounds", "columns as in figures/README.md")
+    heading = ("lamina chart pareto", f"{quality.rounds} rounds", "columns as in figures/README.md")
     write_table(table, heading, COLUMNS, [[row[c] for c in COLUMNS] for row in rows], report)
     print_table(_SHOWN, [[row[c] for c in _SHOWN] for row in rows])
     if plot := pyplot(report):

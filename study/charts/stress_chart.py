@@ -5,7 +5,8 @@ from pathlib import Path
 
 from ...reference_py.atomic import require_writable
 from ..stress import CASES, COLUMNS, MODELS_AND_TIERS, REFUSED, is_refused, measure
-from .output import Report, print_table, write_table
+from ..tables import Report, write_table
+from .output import print_table
 
 _HEADING = ("lamina chart stress", "worst of each case, beyond 4 standard errors; columns as in study/stress.py")
 

@@ -9,7 +9,8 @@ import numpy as np
 from ...addon.session import blender
 from ...reference_py.atomic import require_writable
 from ...reference_py.material import presets
-from .output import Report, print_table, write_table
+from ..tables import Report, write_table
+from .output import print_table
 
 SIZE = 96
 SAMPLES, EEVEE_SAMPLES = 64, 128
@@ -35,8 +36,6 @@ def chart(folder: Path, report: Report, surface: Sequence[str] = MATERIALS) -> N
 
 
 def _measure(names: Sequence[str], sheet: Path, report: Report) -> tuple[tuple[str, ...], list[list[str]]]:
-    import bpy
-
     from ...addon.blender.images import write_png
     from ...addon.material.backend import require_osl
     from ...addon.rendering.sheet import Tile, compose
@@ -47,7 +46,7 @@ def _measure(names: Sequence[str], sheet: Path, report: Report) -> tuple[tuple[s
 
     require_osl()
     heading = ("lamina chart viewport", f"EEVEE of Blender {blender_version()}, {EEVEE_SAMPLES} samples",
-               f"Cycles of Blender {bpy.app.version_string}, {SAMPLES} samples", "against Cycles with OSL")  # fmt: skip
+               f"Cycles, {SAMPLES} samples", "against Cycles with OSL")  # fmt: skip
     surroundings = Surroundings()
     inside = np.isfinite(ball_normals(SIZE)[..., :1])
     made = samples(names, report)

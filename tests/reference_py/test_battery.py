@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One battery for every model of the registry: what each must obey, and what some are known to break."""
 
-import csv
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +13,7 @@ from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.registry import MODELS, make_model
 from lamina.study.charts import error
 from lamina.study.stress import MODELS_AND_TIERS, albedo_and_error, energy_excess, f_and_error, make_model_or_tier, reciprocity_defect
+from lamina.study.tables import FIGURES, read_rows
 
 STACKS = {
     "plastic": {
@@ -37,7 +36,7 @@ VIEWS = spherical(np.radians([0.0, 45.0, 75.0, 85.0]), 0.4)
 GRAZING = spherical(np.arccos([1e-2, 1e-4, 1e-7]), [0.0, 1.0, 2.0])
 UP_SIDE_DOWN = np.array([1.0, 1.0, -1.0])
 
-ERRORS = Path(__file__).parents[2] / "figures" / "error_by_angle.csv"
+ERRORS = FIGURES / "error_by_angle.csv"
 
 # Weights of their lobes know the view, not the light.
 NOT_RECIPROCAL = {*(name for name in MODELS_AND_TIERS if name.startswith("mirror:")), "cycles_layer", "principled_coat", "openpbr_coat", "belcour"}
@@ -135,7 +134,7 @@ def test_names_in_the_registry_are_the_models_own():
 
 @pytest.mark.parametrize("name", error.COMPARED)
 def test_the_committed_albedo_error_is_that_of_this_code(name):
-    rows = {(row[0], row[1]): row[2:] for row in csv.reader(ERRORS.read_text().splitlines())}
+    rows = {(row[0], row[1]): row[2:] for row in read_rows(ERRORS)}
     assert {key for key in rows if key[0] in presets.PAPER} == {(p, m) for p in presets.PAPER for m in error.COMPARED}
     preset, chosen = "metallic_car_paint", np.array([0, 6, 10])
     stack, wo = presets.load(preset), spherical(np.radians(error.THETA_DEG[chosen]), 0.0)

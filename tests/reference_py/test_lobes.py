@@ -1,13 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lobe sets in numpy: exact where a closure can be, energy kept where it cannot, errors as the README states them."""
 
-import csv
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-import lamina
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material import presets
@@ -15,9 +11,10 @@ from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.distance import distance
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.registry import make_model
+from lamina.study.tables import FIGURES, read_rows
 
 BLACK = {"kind": "lambert", "color": [0, 0, 0]}
-CHART = Path(lamina.__file__).parent / "figures" / "lobe_errors.csv"
+CHART = FIGURES / "lobe_errors.csv"
 
 
 def pairs(count=200, seed=5):
@@ -53,8 +50,8 @@ def test_equal_indices_change_nothing():
 @pytest.mark.parametrize("name", presets.PAPER)
 def test_committed_errors_are_those_of_this_lobe_set(name):
     """The chart in figures/ and the README's table come from the code as it is."""
-    rows = [row for row in csv.reader(CHART.read_text().splitlines()) if row[0] == name]
-    header = next(row for row in csv.reader(CHART.read_text().splitlines()) if row[0] == "preset")
+    header, *rows = read_rows(CHART)
+    rows = [row for row in rows if row[0] == name]
     columns = [header.index("30deg"), header.index("75deg")]
     stack = presets.load(name)
     gap = distance(stack, make_model("mirror", stack, tier="weidlich_wilkie"), make_model("weidlich_wilkie", stack), np.radians([30.0, 75.0]))

@@ -1,15 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Presets: those of the paper carry its numbers (Weidlich07, sections 6.1 and 6.2), all have a source and a stated error."""
 
-import csv
-from pathlib import Path
-
 import pytest
 
-import lamina
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.material import presets
 from lamina.reference_py.optics.microfacet import GGX, roughness_from_slope_deg, slope_deg_from_roughness
+from lamina.study.tables import FIGURES, read_rows
 
 # name: ((ior, slope_deg, thickness) per layer, None where the paper gives no number), (base kind, metal, slope or sigma)
 PAPER = {
@@ -26,7 +23,7 @@ PAPER = {
 }
 
 
-ERRORS = Path(lamina.__file__).parent / "figures" / "preset_errors.csv"
+ERRORS = FIGURES / "preset_errors.csv"
 
 
 def test_all_presets_are_here():
@@ -44,7 +41,7 @@ def test_every_preset_is_whole_and_says_where_its_numbers_are_from(name):
 
 
 def test_every_preset_has_its_error_stated():
-    rows = [row for row in csv.reader(ERRORS.read_text().splitlines()) if not row[0].startswith("#")]
+    rows = read_rows(ERRORS)
     told = {row[0]: row[1:] for row in rows[1:]}
     assert sorted(told) == presets.names()
     for name, (chosen, closures, truth, albedo, stderr, shape) in told.items():
@@ -56,7 +53,7 @@ def test_every_preset_has_its_error_stated():
 def test_the_stated_error_is_that_of_this_code(name):
     from lamina.addon.cli.stack_errors import errors_of
 
-    row = next(row for row in csv.reader(ERRORS.read_text().splitlines()) if row[0] == name)
+    row = next(row for row in read_rows(ERRORS) if row[0] == name)
     found = errors_of(presets.load(name))
     assert [found.chosen, str(found.closures), found.truth] == row[1:4]
     assert found.albedo == pytest.approx(float(row[4]), abs=2e-4 + 4.0 * float(row[5]))

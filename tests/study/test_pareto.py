@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The chart of error against cost: its references, its slab, and one small case of the whole."""
 
-import csv
-
 import numpy as np
 import pytest
 
@@ -15,6 +13,7 @@ from lamina.study.pareto.appearance import Surroundings, ball_picture, delta_e_2
 from lamina.study.pareto.draw import frontier
 from lamina.study.pareto.reflectance import LobeReflectance, ModelReflectance, Reference, TruthReflectance, belcour_lobes, glossy_lobes
 from lamina.study.pareto.surfaces import SURFACES, load_surface
+from lamina.study.tables import read_table
 
 # L*a*b* pairs and CIEDE2000 from table 1 of Sharma, Wu and Dalal 2005.
 SHARMA = [
@@ -134,9 +133,8 @@ def test_one_small_chart(blender, tmp_path):
     small = Quality(1, 32, 2, 16, 1, 16, 8, 16, 4, 1, memory=False)
     materials = len(blender.data.materials)
     chart(tmp_path, lambda text: None, ["glazed_mug"], 1, small)
-    lines = (tmp_path / "pareto.csv").read_text().splitlines()
-    rows = {row["method"]: row for row in csv.DictReader(lines[1:])}
-    assert tuple(lines[1].split(",")) == COLUMNS
+    rows = {row["method"]: row for row in read_table(tmp_path / "pareto.csv")}
+    assert tuple(rows["glossy"]) == COLUMNS
     ours = {"weidlich_wilkie", "analytic", "nodes", *(f"baked_{k}" for k in (1, 2, 3, 4))}
     assert set(rows) == {"glossy", "principled", "layer", "belcour", "slab"} | ours
     assert float(rows["glossy"]["cost"]) == 1.0

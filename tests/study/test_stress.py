@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """No cell of figures/stress.csv gets worse. `lamina chart stress -o figures` measures all of them anew."""
 
-import csv
 from dataclasses import asdict
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,8 +9,9 @@ import pytest
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.registry import MODELS
 from lamina.study.stress import CASES, COLUMNS, MODELS_AND_TIERS, REFUSED, Case, is_refused, measure, pairs, relative_difference
+from lamina.study.tables import FIGURES, read_rows
 
-TABLE = Path(__file__).parents[2] / "figures" / "stress.csv"
+TABLE = FIGURES / "stress.csv"
 # What other processors' rounding may add; three digits are written.
 MARGIN, ABSOLUTE = 0.02, 1e-6
 # Rounding of directions is amplified by chance.
@@ -41,8 +40,7 @@ BAKED_CASES = {"air gap", "alpha 1", "absorption 0 and huge", "white, rough", "b
 
 
 def committed():
-    rows = [row for row in csv.reader(TABLE.read_text().splitlines()) if not row[0].startswith("#")]
-    header, *rows = rows
+    header, *rows = read_rows(TABLE)
     assert header == ["model", "case", *COLUMNS]
     return {(row[0], row[1]): dict(zip(COLUMNS, row[2:])) for row in rows}
 
