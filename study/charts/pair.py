@@ -7,6 +7,7 @@ from ...addon.session import blender
 from ...reference_py.atomic import require_writable
 from ...reference_py.material import presets
 from ...reference_py.models.adding.model import Adding
+from ..colorimetry import colour_science
 from ..tables import Report
 from .output import print_table
 
@@ -15,9 +16,10 @@ SAMPLES, SLAB_SAMPLES = 144, 256
 
 
 def chart(folder: Path, report: Report) -> None:
-    """Write pair.png and print each picture's mean CIEDE2000 against the truth's. Raises LaminaError without Blender."""
+    """Write pair.png and print each picture's mean CIEDE2000 against the truth's. Raises LaminaError without Blender or colour-science."""
     path = folder / "pair.png"
     require_writable(path)
+    colour_science()
     with blender(lambda text: None):
         errors = _render(path, report)
     report(f"wrote {path}")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ...addon.session import blender
 from ...reference_py.atomic import require_writable
+from ..colorimetry import colour_science
 from ..pareto.draw import draw
 from ..pareto.quality import Quality
 from ..pareto.surfaces import SURFACES, label, load_surface
@@ -22,9 +23,10 @@ _SHOWN = ("surface", "method", "closures", "cost", "scene_cost", "albedo", "shap
 
 
 def chart(folder: Path, report: Report, surface: Sequence[str] = tuple(SURFACES), rounds: int = Quality.rounds, quality: Quality = FULL) -> None:
-    """Write pareto.csv and .png and print the table. Raises LaminaError on an unknown surface or without Blender."""
+    """Write pareto.csv and .png and print the table. Raises LaminaError on an unknown surface, without Blender or colour-science."""
     table = folder / "pareto.csv"
     require_writable(table)
+    colour_science()
     stacks = {name: load_surface(name) for name in surface}
     quality = replace(quality, rounds=rounds)
     rows = []

@@ -9,6 +9,7 @@ import numpy as np
 from ...addon.session import blender
 from ...reference_py.atomic import require_writable
 from ...reference_py.material import presets
+from ..colorimetry import colour_science
 from ..tables import Report, write_table
 from .output import print_table
 
@@ -23,11 +24,12 @@ _IN_A_ROW = 4
 def chart(folder: Path, report: Report, surface: Sequence[str] = MATERIALS) -> None:
     """Write viewport.csv and viewport.png of presets or stacks of the suite.
 
-    Raises LaminaError without OSL, and without a Blender that has EEVEE.
+    Raises LaminaError without OSL, without colour-science, and without a Blender that has EEVEE.
     """
     table, sheet = folder / "viewport.csv", folder / "viewport.png"
     for path in (table, sheet):
         require_writable(path)
+    colour_science()
     with blender(lambda text: None):
         heading, rows = _measure(surface, sheet, report)
     report(f"wrote {sheet}")

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`lamina chart` answers to the names that its charts had before."""
+"""`lamina chart`: the names that its charts had before, and what it needs."""
 
 import argparse
+import sys
 
 import pytest
 
+from lamina.addon.cli.main import BAD_INPUT, run
 from lamina.study.commands import CHARTS, OLD_NAMES, add_commands
 
 
@@ -27,3 +29,12 @@ def test_other_names_are_refused_with_the_choices(parser, capsys):
     with pytest.raises(SystemExit):
         parser.parse_args(["chart", "lever"])
     assert "cost_factors" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("chart", ("pair", "pareto", "viewport"))
+def test_without_colour_science_it_says_so_before_any_work(tmp_path, monkeypatch, capsys, chart):
+    monkeypatch.setitem(sys.modules, "colour", None)
+    assert run(["chart", chart, "-o", str(tmp_path)]) == BAD_INPUT
+    error = capsys.readouterr().err
+    assert "colour-science: pip install lamina[figures]" in error and len(error.strip().splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []
