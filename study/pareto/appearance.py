@@ -10,9 +10,9 @@ from functools import cached_property
 import numpy as np
 
 from ...reference_py.lobes.samples import view_of
-from ...reference_py.optics.frame import dot, half_vector, reflect
-from ...reference_py.optics.microfacet import GGX, distribution
-from ...reference_py.optics.quadrature import cosine_directions, facet_normals, points
+from ...reference_py.optics.frame import reflect
+from ...reference_py.optics.microfacet import GGX
+from ...reference_py.optics.quadrature import balanced_directions, cosine_directions, points
 from ..colorimetry import delta_e_2000, xyz_of_linear
 from ..paper.environment import STUDIO, Environment
 from .reflectance import Reflectance
@@ -109,13 +109,8 @@ def ball_picture(reflectance: Reflectance, widths: list[float], size: int, surro
 def _ring(reflectance, angle: float, widths: list[float], surroundings: Surroundings) -> np.ndarray:
     """Radiance (_AZIMUTHS, 3) of the rough part, by directions of light warped by each width and by the cosine."""
     wo = view_of(np.cos(angle))
-    u1, u2 = points(_COUNT)
-    wi = np.concatenate([cosine_directions(u1, u2)] + [reflect(wo, facet_normals(u1, u2, a, GGX)) for a in widths])
-    wi = wi[wi[:, 2] > 0.0]
-    wh = half_vector(wi, wo)
-    jacobian = wh[:, 2] / np.maximum(4.0 * dot(wi, wh), 1e-300)
-    density = wi[:, 2] / np.pi + sum(distribution(wh[:, 2], a, GGX) * jacobian for a in widths)
-    scattered = reflectance.f(np.broadcast_to(wo, wi.shape), wi) * (wi[:, 2] / (_COUNT * density))[:, None]
+    wi, measure = balanced_directions(wo, [(GGX, alpha) for alpha in widths], _COUNT)
+    scattered = reflectance.f(np.broadcast_to(wo, wi.shape), wi) * measure[:, None]
     ring = np.empty((_AZIMUTHS, 3))
     for k, phi in enumerate(2.0 * np.pi * np.arange(_AZIMUTHS) / _AZIMUTHS):
         normal = np.array([np.sin(angle) * np.cos(phi), np.sin(angle) * np.sin(phi), np.cos(angle)])

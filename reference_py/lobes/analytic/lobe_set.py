@@ -11,13 +11,12 @@ from ...optics.diffuse import oren_nayar_albedo
 from ...optics.microfacet import alpha_from_roughness
 from ...optics.optical_stack import conductor_index, interfaces, n_above_base
 from ..lobe import DielectricCurve, DiffuseLobe, GlossyLobe, oren_nayar_lobes
+from ..view_table import MIN_COS_O
 from .base import Facets, bare_metal, gauss, metal_lobe, uniform_below
 from .beam import Crossing, cosine, through
 from .calibration import LOBE_BEND
 from .tables import closure_energy, top_gain
 
-# The least cosine of a view; towards the horizon weights stay those of this one.
-MIN_COS_O = 1e-4
 # Gauss nodes of the mean albedo of an Oren-Nayar base.
 ALBEDO_NODES = 8
 
