@@ -7,13 +7,10 @@ import numpy as np
 import pytest
 
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.registry import MODELS, make_model
-from lamina.study.charts import error
 from lamina.study.stress import MODELS_AND_TIERS, albedo_and_error, energy_excess, f_and_error, make_model_or_tier, reciprocity_defect
-from lamina.study.tables import FIGURES, read_rows
 
 STACKS = {
     "plastic": {
@@ -35,8 +32,6 @@ STACKS = {
 VIEWS = spherical(np.radians([0.0, 45.0, 75.0, 85.0]), 0.4)
 GRAZING = spherical(np.arccos([1e-2, 1e-4, 1e-7]), [0.0, 1.0, 2.0])
 UP_SIDE_DOWN = np.array([1.0, 1.0, -1.0])
-
-ERRORS = FIGURES / "error_by_angle.csv"
 
 # Weights of their lobes know the view, not the light.
 NOT_RECIPROCAL = {*(name for name in MODELS_AND_TIERS if name.startswith("mirror:")), "cycles_layer", "principled_coat", "openpbr_coat", "belcour"}
@@ -130,13 +125,3 @@ def test_unknown_models_name_the_choices():
 
 def test_names_in_the_registry_are_the_models_own():
     assert all(model.name == name for name, model in MODELS.items())
-
-
-@pytest.mark.parametrize("name", error.COMPARED)
-def test_the_committed_albedo_error_is_that_of_this_code(name):
-    rows = {(row[0], row[1]): row[2:] for row in read_rows(ERRORS)}
-    assert {key for key in rows if key[0] in presets.PAPER} == {(p, m) for p in presets.PAPER for m in error.COMPARED}
-    preset, chosen = "metallic_car_paint", np.array([0, 6, 10])
-    stack, wo = presets.load(preset), spherical(np.radians(error.THETA_DEG[chosen]), 0.0)
-    measured = error.worst_channel(make_model_or_tier(name, stack).albedo(wo), make_model("adding", stack).albedo(wo))
-    assert measured == pytest.approx(np.array(rows[preset, name], float)[chosen], abs=2e-4)

@@ -23,7 +23,6 @@ from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import half_vector
 from lamina.reference_py.registry import make_model
-from lamina.study.fit_bound import least_error
 from lamina.study.fit_recovery import SETTINGS, data_of, random_stack, random_structure, recovery
 
 COATED = Stack.from_dict(
@@ -155,15 +154,6 @@ def test_the_bar_goes_on_to_the_end():
     assert shares == sorted(shares) and shares[-1] == 1.0
     # the last part is the longest: the model's own settings
     assert any(0.5 < share < 1.0 for share in shares)
-
-
-def test_no_stack_comes_closer_than_the_best_sum_of_lobes():
-    pytest.importorskip("scipy.optimize")
-    wi, wo = spread_pairs(150, np.random.default_rng(3))
-    mine = Metric(checked(wi, wo, paint(wi, wo)[:, :1], "paint"))
-    assert least_error(mine) < 0.02
-    stripes = np.where(np.sin(25.0 * wo[:, :1]) > 0.0, 3.0, 0.01)
-    assert least_error(Metric(checked(wi, wo, stripes, "stripes"))) > 0.3
 
 
 def test_what_a_model_cannot_say_counts_less_than_noise():

@@ -3,6 +3,7 @@
 
 import argparse
 import sys
+from importlib import import_module
 
 import pytest
 
@@ -38,3 +39,8 @@ def test_without_colour_science_it_says_so_before_any_work(tmp_path, monkeypatch
     error = capsys.readouterr().err
     assert "colour-science: pip install lamina[figures]" in error and len(error.strip().splitlines()) == 1
     assert list(tmp_path.iterdir()) == []
+
+
+def test_every_chart_has_its_function():
+    for name in CHARTS.values():
+        assert callable(import_module(f"lamina.study.charts.{name}").chart), name
