@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Documents quote the committed tables: `python -m lamina.study.numbers` fills in what these tests ask for."""
 
+import re
+
 import pytest
 
 from lamina.reference_py.errors import LaminaError
@@ -12,6 +14,12 @@ from lamina.study.numbers import DOCUMENTS, differences, filled, main, names_in
 @pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: str(path.relative_to(numbers.ROOT)))
 def test_documents_say_what_the_tables_say(path):
     assert differences(path.read_text(encoding="utf-8")) == [], "run python -m lamina.study.numbers"
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: str(path.relative_to(numbers.ROOT)))
+def test_no_line_of_words_begins_with_a_number(path):
+    """Markdown takes such a line for HTML, which ends the paragraph and leaves its links as they are; a table stands alone."""
+    assert re.findall(r"^ {0,3}<!--n:[^>]*-->(?!$).*", path.read_text(encoding="utf-8"), re.MULTILINE) == []
 
 
 def test_every_named_number_is_quoted():
