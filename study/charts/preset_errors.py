@@ -7,7 +7,8 @@ from ...addon.cli.stack_errors import THETA_DEG, StackErrors, errors_of
 from ...reference_py.atomic import require_writable
 from ...reference_py.lobes.methods import DEFAULT_METHOD
 from ...reference_py.material import presets
-from .output import Report, print_table, write_table
+from ..tables import Report, write_table
+from .output import print_table
 
 COLUMNS = ("preset", "chosen", "closures", "truth", "albedo_worst", "albedo_stderr", "shape_worst")
 _HEADING = (

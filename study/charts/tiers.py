@@ -14,7 +14,8 @@ from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.adding.model import Adding
 from ..suite import suite
-from .output import Report, print_table, write_table
+from ..tables import Report, write_table
+from .output import print_table
 
 # Views of the albedo; shapes are judged at the same.
 THETA_DEG = np.array([0.0, 20.0, 40.0, 60.0, 75.0, 80.0])

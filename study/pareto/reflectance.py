@@ -98,7 +98,7 @@ class Errors:
     shape_mean: float
 
 
-class Yardstick:
+class Reference:
     """The truth at THETA_DEG. Light that leaves as from a mirror counts in the shape as one more direction."""
 
     def __init__(self, stack: Stack, truth):
@@ -119,8 +119,8 @@ class Yardstick:
 def plain_glossy(stack: Stack, truth) -> tuple[np.ndarray, float]:
     """(color (3,), alpha) of the one glossy node that comes closest: the truth's mean color, and the best of _GUESSES."""
     cosines = np.sqrt((np.arange(8) + 0.5) / 8.0)
-    color, yardstick = TruthReflectance(truth).albedo(cosines).mean(axis=0), Yardstick(stack, truth)
-    alpha = min(_GUESSES, key=lambda a: yardstick.errors(LobeReflectance(glossy_lobes(color, a))).shape_mean)
+    color, reference = TruthReflectance(truth).albedo(cosines).mean(axis=0), Reference(stack, truth)
+    alpha = min(_GUESSES, key=lambda a: reference.errors(LobeReflectance(glossy_lobes(color, a))).shape_mean)
     return color, float(alpha)
 
 

@@ -39,6 +39,7 @@ from lamina.reference_py.lobes.methods import is_known, key_of, make_lobe_set
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.schema import SCHEMA
 from lamina.reference_py.material.stack import Stack
+from lamina.study.stamp import stamp
 
 COUNT, SEED = 100_000, 5
 HOME = Path(tempfile.mkdtemp(prefix="lamina-fuzz."))
@@ -265,7 +266,7 @@ def main() -> int:
     rows.append(f"{sum(trial.answers.total() for trial in trials)} inputs, {sum(len(trial.findings) for trial in trials)} findings")
     print("\n".join(rows))
     if len(sys.argv) > 2:
-        write_text(Path(sys.argv[2]), "\n".join(["# make fuzz", *rows]) + "\n")
+        write_text(Path(sys.argv[2]), "\n".join([f"# make fuzz; {stamp()}", *rows]) + "\n")
     for trial in trials:
         for (kind, file, line), (given_input, message) in trial.findings.items():
             print(f"FOUND by {trial.name}: {kind} at {file}:{line}: {message[:200]}\n  {given_input[:600]!r}")

@@ -10,13 +10,12 @@ from ...material.stack import Stack
 from ...optics.bases import ConductorBase, DiffuseBase
 from ...optics.optical_stack import OpticalStack, supports
 from ..lobe import DielectricCurve, DiffuseLobe, GlossyLobe, oren_nayar_lobes
+from ..view_table import MIN_COS_O
 from .base import Facets, bare_metal, gauss, metal_lobe, uniform_below
 from .beam import Crossing, cosine, through
 from .calibration import LOBE_BEND
 from .tables import closure_energy, top_gain
 
-# The least cosine of a view; towards the horizon weights stay those of this one.
-MIN_COS_O = 1e-4
 # Gauss nodes of the mean albedo of an Oren-Nayar base.
 ALBEDO_NODES = 8
 

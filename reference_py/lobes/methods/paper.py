@@ -20,11 +20,10 @@ from ...optics.diffuse import fujii_roughness
 from ...optics.microfacet import masking_g2
 from ...optics.optical_stack import OpticalStack, supports
 from ..lobe import DiffuseLobe, GlossyLobe, oren_nayar_lobes, surface_lobe, top_curve
+from ..view_table import MIN_COS_O
 
 NODE_ORDER = 3
 NODE_COUNT = NODE_ORDER**2
-# The least cosine of a view; towards the horizon weights stay those of this one.
-MIN_COS_O = 1e-4
 
 
 def nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
