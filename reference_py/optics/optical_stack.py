@@ -36,12 +36,12 @@ class Support:
     features: tuple[Feature, ...] = ()
 
 
-# Who supports what: by "model" or "method", and by name.
+# Who supports what: by role, "model", "method" or "lobe set", and by name.
 USERS: dict[str, dict[str, Support]] = {}
 
 
 def supports(role: str, **what) -> Callable[[type], type]:
-    """Decorates a class that has a `name`: states its role, "model" or "method", and its `Support`, as keywords of that."""
+    """Decorates a class that has a `name`: states its role, "model" or "lobe set", and its `Support`, as keywords of that."""
 
     def decorate(cls: type) -> type:
         cls.role, cls.support = role, Support(**what)

@@ -20,7 +20,7 @@ from .tables import closure_energy, top_gain
 ALBEDO_NODES = 8
 
 
-@supports("method")
+@supports("lobe set")
 class AnalyticLobes:
     """At most three closures, or two and a diffuse base's one or two, whatever the number of layers.
 

@@ -8,6 +8,7 @@ from ...errors import LaminaError
 from ...material.coverage import Patch, patches
 from ...material.schema import THIN_FILM
 from ...material.stack import Stack
+from ...optics.optical_stack import OpticalStack
 from ..analytic import AnalyticLobes
 from ..cache import ALWAYS_LIVE
 from ..made import Made, Options
@@ -121,6 +122,7 @@ def _live_of(patch: Patch, options: Options):
 
 
 def _made(row: Method, stack: Stack, options: Options) -> Made:
+    OpticalStack.of(stack, row)  # refuses what the method does not know, before any work
     if row.computed is None or not not_bakeable(stack):
         return row.make(stack, options)
     # what is chosen for the plain stack, which has a truth that is quick to compute, is made of the whole one

@@ -5,7 +5,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ...material.place import Place
+from ...material.schema import ANISOTROPY, THIN_FILM
 from ...material.stack import Stack
+from ...optics.optical_stack import USERS, Support
 from ..cache import cached, get
 from ..made import Made, Options
 
@@ -50,3 +52,8 @@ class Method:
     make: Callable[[Stack, Options], Made]
     follows: Callable[[Stack, tuple[Place, ...]], bool]
     computed: Computed | None = None
+    support: Support = Support(features=(ANISOTROPY, THIN_FILM))
+    role: str = "method"
+
+    def __post_init__(self) -> None:
+        USERS.setdefault(self.role, {})[self.name] = self.support

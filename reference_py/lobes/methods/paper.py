@@ -38,7 +38,7 @@ def nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return u.ravel(), np.cos(azimuth).ravel(), weight
 
 
-@supports("method", features=(ANISOTROPY, THIN_FILM))
+@supports("lobe set", features=(ANISOTROPY, THIN_FILM))
 class PaperLobes:
     """Lobes of a stack; see the module's head for how weights are found."""
 

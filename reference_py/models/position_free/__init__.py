@@ -43,7 +43,7 @@ class Histogram:
         return self.energy / projected[..., None], self.stderr / projected[..., None]
 
 
-@supports("model", features=(ANISOTROPY, THIN_FILM))
+@supports("model", bases=None, features=(ANISOTROPY, THIN_FILM))
 class PositionFree:
     """The truth by Monte Carlo walks, each figure with its standard error.
 
