@@ -23,6 +23,7 @@ from ..material.osl_setting import shows_osl
 from ..material.pasted import adopt_pasted
 from ..material.reading import is_own, require_editable, stack_of
 from ..material.record import keep_record
+from ..material.shader_node import lost_group
 from . import conversions
 from .process import Process
 
@@ -185,10 +186,22 @@ def wake_after_load(*_) -> None:
     wake()
 
 
+@persistent
+def mend_after_undo(*_) -> None:
+    """Undo brings a removed node group back, but not always into its node (seen in 4.5.15 and 5.3.0): that branch is made anew."""
+    for material in bpy.data.materials:
+        if is_own(material) and material.lamina.is_layered and lost_group(material):
+            try:
+                materials.refresh(material)
+            except LaminaError as error:
+                _give_up(material, str(error))
+    wake()
+
+
 def handlers() -> list[tuple]:
     """(list of Blender's handlers, ours) for `registration`."""
     lists = bpy.app.handlers
-    return [(lists.depsgraph_update_post, wake_after_change), (lists.load_post, wake_after_load), (lists.undo_post, wake_after_load)]
+    return [(lists.depsgraph_update_post, wake_after_change), (lists.load_post, wake_after_load), (lists.undo_post, mend_after_undo)]
 
 
 def stop() -> None:

@@ -126,9 +126,15 @@ def assert_goniometer(material, model, name, error=TABLE_ERROR):
 
 
 def require_own_oren_nayar(bpy, name: str) -> None:
-    """The peers are Blender 5.3's."""
+    """Of the Oren-Nayar base the model has Blender 5.3's formula."""
     if "chalk" in name and bpy.app.version < (5, 3, 0):
         pytest.skip("up to Blender 5.2 Cycles' Oren-Nayar has the cube of the color where the model has the square")
+
+
+def require_modelled_albedo(bpy) -> None:
+    """Of what a closure leaves for those below it the models have Blender 4.5's to 5.2's estimate."""
+    if bpy.app.version >= (5, 3, 0):
+        pytest.skip("from Blender 5.3 on Cycles estimates a coat's albedo otherwise, .3876 for .3922 at 80 degrees; the models are those of 4.5 to 5.2")
 
 
 def layer_error(bpy, name: str) -> float:
@@ -143,6 +149,8 @@ def layer_error(bpy, name: str) -> float:
 @pytest.mark.parametrize("name", LAYERED)
 def test_layer_renders_as_cycles_layer(blender, name):
     require_own_oren_nayar(blender, name)
+    if LAYERED[name].layers:
+        require_modelled_albedo(blender)
     model = make_model("cycles_layer", LAYERED[name])
     material = layer_material(blender, LAYERED[name])
     error = layer_error(blender, name)
@@ -170,6 +178,8 @@ def test_blenders_coat_over_grey_is_two_thirds_too_bright(blender):
 @pytest.mark.parametrize("name", PRINCIPLED)
 def test_principled_renders_as_principled_coat(blender, name):
     require_own_oren_nayar(blender, name)
+    if PRINCIPLED[name].layers:
+        require_modelled_albedo(blender)
     model = make_model("principled_coat", PRINCIPLED[name])
     material = principled_material(blender, model.settings())
     assert_furnace(material, model, name)
@@ -178,6 +188,7 @@ def test_principled_renders_as_principled_coat(blender, name):
 
 def test_blenders_coat_gains_energy_over_a_thinner_second_interface(blender):
     """The worst row of figures/stress.csv is Blender's own: albedo 1.64 over Lambert .8."""
+    require_modelled_albedo(blender)
     from lamina.addon.rendering.measure import render_furnace
 
     model = make_model("principled_coat", _stack({"kind": "lambert", "color": [0.8] * 3}, _layer(1.5, 0.5), _layer(1.3)))
