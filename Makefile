@@ -36,7 +36,7 @@ help:
 	@echo "make field     try a material beside a Principled one through the rest of Blender, and write figures/field.csv (ten minutes)"
 	@echo "make branches  measure what both branches of a material cost beside one alone (five minutes on a quiet machine)"
 	@echo "make surroundings  render one file in its four surroundings (LAMINA_BLENDER names a Blender that has EEVEE)"
-	@echo "make numbers   put the numbers of the tables into README.md, figures/README.md and docs/ (a test compares)"
+	@echo "make numbers   put the numbers of the tables into README.md and docs/ (a test compares)"
 	@echo "make fuzz      throw 100000 broken inputs at every reader"
 	@echo "make matrix    run the tests on every supported Blender whose Python is here, and print a table"
 	@echo "make licences  print the licence of every pinned package"

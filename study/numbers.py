@@ -18,7 +18,7 @@ from ..reference_py.errors import LaminaError
 from .named_numbers import NUMBERS
 from .stamp import ROOT
 
-DOCUMENTS = (ROOT / "README.md", ROOT / "figures" / "README.md", *sorted((ROOT / "docs").glob("**/*.md")))
+DOCUMENTS = (ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md")))
 _NUMBER = re.compile(r"<!--n:(?P<name>[^<>]*)-->(?P<value>.*?)<!--/n-->", re.DOTALL)
 _MARKER = re.compile(r"<!--/?n\b.*?-->")
 

@@ -37,7 +37,7 @@ def chart(folder: Path, report: Report, surface: Sequence[str] = tuple(SURFACES)
             share = f"{100 * i // len(stacks):3} % {name}"
             results, _ = measure(name, stack, quality, lambda text: report(f"{share}: {text}"))
             rows += [dict(zip(COLUMNS, _cells(name, result))) for result in results]
-    heading = ("lamina chart pareto", f"{quality.rounds} rounds", "columns as in figures/README.md")
+    heading = ("lamina chart pareto", f"{quality.rounds} rounds", "columns as in docs/accuracy.md")
     write_table(table, heading, COLUMNS, [[row[c] for c in COLUMNS] for row in rows], report)
     print_table(_SHOWN, [[row[c] for c in _SHOWN] for row in rows])
     if plot := pyplot(report):
