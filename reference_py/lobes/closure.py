@@ -5,19 +5,24 @@ The lobe's frame: x along the plane of incidence, z the lobe's normal, which is 
 A lobe with a `frame` has x in the surface instead, that angle from the tangent, and no tilt.
 """
 
+from dataclasses import replace
+from functools import cache
+
 import numpy as np
 
 from ..optics.diffuse import oren_nayar
-from ..optics.frame import normalize, reflect
+from ..optics.directions import components, vectors
 from ..optics.fresnel import fresnel_dielectric
 from ..optics.ggx import ggx_visible_normals
 from ..optics.microfacet import GGX, anisotropic_distribution, is_specular, smith_lambda_stretched
-from ..optics.quadrature import cosine_directions, points
+from ..optics.quadrature import GOLDEN, cosine_directions, points
 from ..optics.thin_film import film_reflectance
 from .lobe import DielectricCurve, DiffuseLobe, FilmCurve, GlossyLobe, SchlickCurve
 
 # Cycles drops a closure whose mean weight is below this.
 WEIGHT_CUTOFF = 1e-5
+# Directions per view for a ratio of energies: rings about the lobe's axis, and places on each.
+_RINGS, _PLACES = 64, 16
 
 
 def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
@@ -96,35 +101,80 @@ def unit_energy(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, cou
 
     GGX visible normals of the lobe's own widths carry both distributions. Error below 5e-4 (tests/reference_py/test_closure.py).
     """
-    return _unit_energies(lobe, np.asarray(cos_theta_o, float), phi, count)[0]
+    cos_o = np.asarray(cos_theta_o, float)
+    if is_specular_lobe(lobe):
+        return fresnel(lobe, cos_o) * np.ones(3)
+    shapes, views, result = _shapes(lobe, cos_o), _views(lobe, cos_o, phi), np.empty(cos_o.shape + (3,))
+    for i in range(len(cos_o)):  # all at once would not fit into a processor's cache
+        energy, cos_ih = _carried(lobe.distribution, *shapes[:, i : i + 1], views[i : i + 1], *points(count))
+        result[i] = np.mean(energy[0, :, None] * fresnel(lobe, cos_ih[0]), axis=0)
+    return result
 
 
-def fresnel_share(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, count: int = 8192) -> np.ndarray:
-    """Energy (n, 3) of a glossy lobe over that of the lobe without its Fresnel curve, as in `unit_energy`."""
-    whole, plain = _unit_energies(lobe, np.asarray(cos_theta_o, float), phi, count)
-    return whole / plain[:, None]
+def fresnel_share(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -> np.ndarray:
+    """Energy (n, 3) of a glossy lobe over that of the lobe without its Fresnel curve, for views (n,) at the azimuth phi.
+
+    A Schlick curve may be another one at each view, (n, 3). A mirror has what its curve has at the view. The error is below 3e-4,
+    median 1e-5; 7e-4 and 3e-5 for a lobe with a frame, 3e-3 and 2e-4 for a curve with total reflection (tests/reference_py/test_closure.py).
+    """
+    cos_o, curve = np.asarray(cos_theta_o, float), lobe.fresnel
+    if isinstance(curve, SchlickCurve):  # the same for all directions of a view
+        curve = SchlickCurve(*(np.broadcast_to(value, cos_o.shape + (3,))[:, None] for value in (curve.f0, curve.f90)))
+        lobe = replace(lobe, fresnel=curve)
+    at_view = fresnel(lobe, cos_o[:, None])[:, 0] * np.ones(3)
+    if is_specular_lobe(lobe):
+        return at_view
+    alpha_x, alpha_y, tilt = _shapes(lobe, cos_o)
+    mirror = is_specular(np.sqrt(alpha_x * alpha_y))
+    u1, u2, weights = _rings()
+    alphas = np.where(mirror, 1.0, alpha_x), np.where(mirror, 1.0, alpha_y)
+    energy, cos_ih = _carried(lobe.distribution, *alphas, tilt, _views(lobe, cos_o, phi), u1, u2)
+    energy *= weights
+    share = (energy[:, None] @ fresnel(lobe, cos_ih))[:, 0] / np.sum(energy, axis=1)[:, None]
+    return np.where(mirror[:, None], at_view, share)
 
 
-def _unit_energies(lobe: GlossyLobe, cos_o: np.ndarray, phi: float, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Directional albedo (n, 3) of weight 1, and that (n,) without the Fresnel curve."""
-    # in the lobe's own frame: where it has none, that of the plane of incidence
+@cache
+def _rings() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points of the unit square, and their weights, not to be written to: Gauss' rule of rings.
+
+    Each is turned from the one before, so that few of them meet a horizon alike.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(_RINGS)
+    turns = (np.arange(_RINGS)[:, None] * GOLDEN + np.arange(_PLACES) + 0.5) / _PLACES
+    return np.repeat(0.5 - 0.5 * nodes, _PLACES), turns.ravel() % 1.0, np.repeat(weights, _PLACES)
+
+
+def _shapes(lobe: GlossyLobe, cos_o: np.ndarray) -> np.ndarray:
+    """alpha_x, alpha_y and tilt (3, n) at the views."""
+    return np.array([np.broadcast_to(np.asarray(v, float), cos_o.shape) for v in (lobe.alpha_x, lobe.alpha_y, lobe.tilt)])
+
+
+def _views(lobe: GlossyLobe, cos_o: np.ndarray, phi) -> np.ndarray:
+    """Views (n, 3) about the lobe's own axis; where it has none, in the plane of incidence."""
     turn = 0.0 if lobe.frame is None else phi - lobe.frame
     sin_o = np.sqrt(np.maximum(1.0 - cos_o**2, 0.0))
-    wo = np.stack([sin_o * np.cos(turn), sin_o * np.sin(turn), cos_o], axis=-1)
-    if is_specular_lobe(lobe):
-        return fresnel(lobe, cos_o) * np.ones(3), np.ones(cos_o.shape)
-    frame = None if lobe.frame is None else 0.0
-    shapes = [np.broadcast_to(np.asarray(v, float), cos_o.shape) for v in (lobe.alpha_x, lobe.alpha_y, lobe.tilt)]
-    u1, u2 = points(count)
-    result, plain = np.zeros(cos_o.shape + (3,)), np.zeros(cos_o.shape)
-    for i, shape in enumerate(zip(*shapes)):
-        wi = _carried_directions(wo[i], *shape, u1, u2)
-        carrier, cos_ih = unit_glossy(GGX, *shape, wo[i], wi, frame)
-        value = carrier if lobe.distribution == GGX else unit_glossy(lobe.distribution, *shape, wo[i], wi, frame)[0]
-        share = np.where(carrier > 0.0, value / np.maximum(carrier, 1e-300), 0.0) * _masking_beyond_view(*shape, wo[i], wi, frame)
-        share = np.where(wi[:, 2] > 0.0, share, 0.0)
-        result[i], plain[i] = np.mean(share[:, None] * fresnel(lobe, cos_ih), axis=0), np.mean(share)
-    return result, plain
+    return np.stack([sin_o * np.cos(turn), sin_o * np.sin(turn), cos_o], axis=-1)
+
+
+def _carried(kind: str, alpha_x, alpha_y, tilt, wo: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What light carries of a lobe's energy that GGX visible normals for u1, u2 (m,) mirror to views (n, 3), and its cosine to
+    these normals, both (n, m). The lobe has weight 1 and no curve; its shape is (n,)."""
+    cos_t, sin_t = np.cos(tilt), np.sin(tilt)
+    in_lobe_frame = cos_t * wo[:, 0] - sin_t * wo[:, 2], wo[:, 1], cos_t * wo[:, 2] + sin_t * wo[:, 0]
+    alpha_x, alpha_y, cos_t, sin_t, ox, oy, oz = (np.repeat(v, len(u1)) for v in (alpha_x, alpha_y, cos_t, sin_t, *in_lobe_frame))
+    m = ggx_visible_normals(vectors(ox, oy, oz), (alpha_x, alpha_y), np.tile(u1, len(wo)), np.tile(u2, len(wo)))
+    mx, my, mz = components(m)
+    cos_om = ox * mx + oy * my + oz * mz
+    ix, iy, iz = 2.0 * cos_om * mx - ox, 2.0 * cos_om * my - oy, 2.0 * cos_om * mz - oz
+    stretched_o, stretched_i = (np.square(alpha_x * x) + np.square(alpha_y * y) for x, y in ((ox, oy), (ix, iy)))
+    lambda_o, lambda_i = _lambda(stretched_o, oz, GGX), _lambda(stretched_i, iz, GGX)
+    carried = (1.0 + lambda_o) / (1.0 + lambda_o + lambda_i)
+    if kind != GGX:
+        ratio = anisotropic_distribution(kind, alpha_x, alpha_y, mx, my, mz) / anisotropic_distribution(GGX, alpha_x, alpha_y, mx, my, mz)
+        carried = ratio * (1.0 + lambda_o) / (1.0 + _lambda(stretched_o, oz, kind) + _lambda(stretched_i, iz, kind))
+    seen = (oz > 0.0) & (iz > 0.0) & (cos_t * iz > sin_t * ix)
+    return np.where(seen, carried, 0.0).reshape(len(wo), -1), cos_om.reshape(len(wo), -1)
 
 
 def lobe_energy(lobe: GlossyLobe | DiffuseLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -> np.ndarray:
@@ -136,22 +186,3 @@ def lobe_energy(lobe: GlossyLobe | DiffuseLobe, cos_theta_o: np.ndarray, phi: fl
     wo = np.stack([np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)), np.zeros_like(cos_theta_o), cos_theta_o], axis=-1)
     wi = cosine_directions(*points(4096))
     return lobe.weight * np.pi * np.mean(oren_nayar(wi, wo[:, None], np.array(lobe.color), lobe.sigma_deg, lobe.power), axis=1)
-
-
-def _carried_directions(wo, alpha_x, alpha_y, tilt, u1, u2) -> np.ndarray:
-    """Directions (n, 3) of light from GGX visible normals of the lobe."""
-    cos_t, sin_t = np.cos(tilt), np.sin(tilt)
-    ox, oz = cos_t * wo[0] - sin_t * wo[2], cos_t * wo[2] + sin_t * wo[0]
-    stretched = normalize(np.array([alpha_x * ox, alpha_y * wo[1], oz]))
-    m = ggx_visible_normals(np.broadcast_to(stretched, (len(u1), 3)), 1.0, u1, u2)
-    m = normalize(m * np.array([alpha_x, alpha_y, 1.0]))
-    wm = np.stack([cos_t * m[:, 0] + sin_t * m[:, 2], m[:, 1], cos_t * m[:, 2] - sin_t * m[:, 0]], axis=-1)
-    return reflect(wo, wm)
-
-
-def _masking_beyond_view(alpha_x, alpha_y, tilt, wo, wi, frame) -> np.ndarray:
-    """G2 / G1(wo) of the GGX surface."""
-    (ix, iy, iz), (ox, oy, oz) = _in_lobe_frame(tilt, wo, wi) if frame is None else (_turned(wi, frame), _turned(wo, frame))
-    lambda_i = _lambda(np.square(alpha_x * ix) + np.square(alpha_y * iy), iz, GGX)
-    lambda_o = _lambda(np.square(alpha_x * ox) + np.square(alpha_y * oy), oz, GGX)
-    return np.where(iz > 0.0, (1.0 + lambda_o) / (1.0 + lambda_i + lambda_o), 0.0)

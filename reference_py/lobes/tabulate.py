@@ -15,17 +15,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..optics.diffuse import OREN_NAYAR_POWER, oren_nayar_albedo
+from ..optics.diffuse import OREN_NAYAR_POWER, oren_nayar_albedo, oren_nayar_color
 from .closure import fresnel_share
-from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe, SchlickCurve
+from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from .patch_lobes import PatchLobes
 from .view_table import AZIMUTHS, KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
 
-# Directions per view for a ratio of energies: good to 2e-4 (median of the views) and 2e-3 (grazing).
-_DIRECTIONS = 4096
-# The same where every azimuth needs them: 1e-3 and 1e-2.
-_BRUSHED_DIRECTIONS = 1024
-_BISECTIONS = 40
 # Up to this alpha a folded curve moves less than 5 % of a lobe's light, by less than its width.
 NARROWEST_CURVE = 0.01
 
@@ -65,8 +60,8 @@ def _without_curve(table):
     alpha_x, alpha_y, slope = table.shape.T
     lobe = GlossyLobe(table.distribution, table.weight, alpha_x, alpha_y, np.arctan(slope * _knot_sines()), table.fresnel, table.frame)
     if table.frame is None:
-        return replace(table, weight=table.weight * _fresnel_share(lobe), fresnel=None)
-    shares = np.stack([_fresnel_share(lobe, phi, _BRUSHED_DIRECTIONS) for phi in _azimuths(table.frame)])
+        return replace(table, weight=table.weight * fresnel_share(lobe, knot_cosines()), fresnel=None)
+    shares = np.stack([fresnel_share(lobe, knot_cosines(), phi) for phi in _azimuths(table.frame)])
     return replace(table, weight=table.weight * shares, fresnel=None, axis=table.frame)
 
 
@@ -110,7 +105,7 @@ def _oren_nayar_table(lobes: list[tuple[DiffuseLobe, float | None]], power: int)
     """One lobe of the energy of several whose facets are equally inclined and whose axes are the same."""
     energy = sum(lobe.weight * oren_nayar_albedo(knot_cosines(), lobe.color, lobe.sigma_deg, lobe.power) for lobe, _ in lobes)
     sigma_deg, axis = lobes[0][0].sigma_deg, lobes[0][1]
-    return OrenNayarTable(color_of_energy(energy, sigma_deg, power), sigma_deg, power, axis) if sigma_deg else DiffuseTable(energy, axis)
+    return OrenNayarTable(oren_nayar_color(knot_cosines(), energy, sigma_deg, power), sigma_deg, power, axis) if sigma_deg else DiffuseTable(energy, axis)
 
 
 def _at_knots(*values) -> list[np.ndarray]:
@@ -126,28 +121,3 @@ def _slope(tilt) -> np.ndarray:
     tilt, sines = _at_knots(tilt, _knot_sines())
     slope = np.tan(tilt[:-1]) / sines[:-1]
     return np.append(slope, slope[-1])
-
-
-def _fresnel_share(lobe: GlossyLobe, phi: float = 0.0, directions: int = _DIRECTIONS) -> np.ndarray:
-    """Energy (KNOTS, 3) of the lobe over that of the lobe without its Fresnel curve, for views at the azimuth phi."""
-    share = np.empty((KNOTS, 3))
-    for k, (cos_o, *shape) in enumerate(zip(knot_cosines(), *_at_knots(lobe.alpha_x, lobe.alpha_y, lobe.tilt))):
-        shaped = GlossyLobe(lobe.distribution, np.ones(3), *shape, _curve_at(lobe.fresnel, k), lobe.frame)
-        share[k] = fresnel_share(shaped, np.array([cos_o]), phi, directions)[0]
-    return share
-
-
-def _curve_at(curve, k: int):
-    if not isinstance(curve, SchlickCurve):
-        return curve
-    return SchlickCurve(*(np.broadcast_to(value, (KNOTS, 3))[k] for value in (curve.f0, curve.f90)))
-
-
-def color_of_energy(energy: np.ndarray, sigma_deg: float, power: int) -> np.ndarray:
-    """Colors (KNOTS, 3) of an Oren-Nayar lobe of this directional albedo at the knots; 1 at most."""
-    low, high = np.zeros(energy.shape), np.ones(energy.shape)
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        above = oren_nayar_albedo(knot_cosines(), middle, sigma_deg, power) > energy
-        low, high = np.where(above, low, middle), np.where(above, middle, high)
-    return 0.5 * (low + high)

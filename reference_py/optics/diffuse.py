@@ -14,6 +14,7 @@ from .frame import dot
 _G0 = 0.5 * np.pi - 2.0 / 3.0
 # Of the color, in light that meets several facets: the model's, and that of Cycles up to Blender 5.2.
 OREN_NAYAR_POWER, CYCLES_5_2_POWER = 2, 3
+_NEWTON_STEPS = 8
 
 
 def _coefficients_1994(sigma_deg):
@@ -59,13 +60,33 @@ def oren_nayar(wi: np.ndarray, wo: np.ndarray, color: np.ndarray, sigma_deg: flo
 
 def oren_nayar_albedo(cos_theta_o: np.ndarray, color: np.ndarray, sigma_deg: float, power: int = OREN_NAYAR_POWER) -> np.ndarray:
     """Directional albedo (..., 3) of `oren_nayar` for views (...) and colors that broadcast to (..., 3)."""
-    color = np.asarray(color, float)
+    single, mean = _single_albedo(cos_theta_o, sigma_deg)
+    return _albedo_and_slope(np.asarray(color, float), single, mean, power)[0]
+
+
+def oren_nayar_color(cos_theta_o: np.ndarray, albedo: np.ndarray, sigma_deg: float, power: int = OREN_NAYAR_POWER) -> np.ndarray:
+    """The colors (..., 3), 1 at most, for which `oren_nayar_albedo` is `albedo` (..., 3), 0 or more."""
+    single, mean = _single_albedo(cos_theta_o, sigma_deg)
+    color = np.ones(np.shape(albedo))
+    for _ in range(_NEWTON_STEPS):  # the albedo is convex in the color, so each step stays above it
+        value, slope = _albedo_and_slope(color, single, mean, power)
+        color = np.minimum(color - (value - albedo) / slope, 1.0)
+    return color
+
+
+def _single_albedo(cos_theta_o: np.ndarray, sigma_deg: float) -> tuple[np.ndarray, float]:
+    """Albedo (..., 1) of white in light that meets one facet, and its mean over all views."""
     sigma = fujii_roughness(sigma_deg)
     a = 1.0 / (np.pi + sigma * _G0)
     b = sigma * a
-    mean = a * np.pi + (2.0 * np.pi - 5.6) / 3.0 * b
-    single = (a * np.pi + b * _directional_g(np.asarray(cos_theta_o, float)))[..., None]
-    return color * single + color**power * mean * (1.0 - single) / (1.0 - color * (1.0 - mean))
+    return (a * np.pi + b * _directional_g(np.asarray(cos_theta_o, float)))[..., None], a * np.pi + (2.0 * np.pi - 5.6) / 3.0 * b
+
+
+def _albedo_and_slope(color: np.ndarray, single: np.ndarray, mean: float, power: int) -> tuple[np.ndarray, np.ndarray]:
+    """The albedo, and how it grows with the color."""
+    rest = 1.0 - color * (1.0 - mean)
+    multiple = mean * (1.0 - single) * color ** (power - 1) / rest
+    return color * (single + multiple), single + multiple * (power + color * (1.0 - mean) / rest)
 
 
 def oren_nayar_shares(color: np.ndarray, sigma_deg: float) -> tuple[np.ndarray, np.ndarray]:

@@ -13,7 +13,8 @@ import numpy as np
 from . import microfacet
 from .frame import dot, half_vector, reflect
 
-# Roberts' R2 sequence: the generalised golden ratio of two dimensions.
+# The golden ratio's part below 1, and Roberts' R2 sequence: the generalised golden ratio of two dimensions.
+GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 _GOLDEN_2 = 1.32471795724474602596
 
 

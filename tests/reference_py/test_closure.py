@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Energies of single closures against an independent integral of their f."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from lamina.reference_py.lobes.closure import lobe_f, unit_energy
-from lamina.reference_py.lobes.lobe import DielectricCurve, GlossyLobe
+from lamina.reference_py.lobes.closure import fresnel_share, lobe_f, unit_energy
+from lamina.reference_py.lobes.lobe import DielectricCurve, GlossyLobe, SchlickCurve
+from lamina.reference_py.lobes.view_table import knot_cosines
 from lamina.reference_py.optics.frame import spherical
 
 VIEWS_DEG = np.array([0.0, 40.0, 75.0, 85.0])
@@ -27,6 +30,28 @@ def test_energy_equals_the_integral_of_f(name):
     measured = unit_energy(lobe, cos_o)[:, 1]
     for theta, energy in zip(VIEWS_DEG, measured):
         assert energy == pytest.approx(_integral(lobe, np.radians(theta)), rel=5e-4), theta
+
+
+CURVES = {
+    "dielectric": (DielectricCurve(1.5), 3e-4),
+    "schlick": (SchlickCurve(np.full(3, 0.04), np.ones(3)), 3e-4),
+    "total reflection": (DielectricCurve(0.7), 3e-3),
+}
+
+
+@pytest.mark.parametrize("curve", CURVES)
+@pytest.mark.parametrize("frame, least", [(None, 0.0), (0.0, 7e-4)])
+def test_the_share_of_a_curve_is_a_ratio_of_energies(curve, frame, least):
+    """Narrow and wide, upright, tilted and brushed lobes, at every knot, against sixteen times the directions."""
+    curve, bound = CURVES[curve]
+    cos_o, errors = knot_cosines(), []
+    for kind in ("ggx", "beckmann"):
+        for alpha_x, alpha_y, tilt in ((0.03, 0.03, 0.0), (0.3, 0.3, 0.0), (0.1, 0.15, 0.2)):
+            lobe = GlossyLobe(kind, np.ones(3), alpha_x, alpha_y, tilt * np.arccos(cos_o) if frame is None else 0.0, curve, frame)
+            exact = unit_energy(lobe, cos_o, 0.7, 1 << 14) / unit_energy(replace(lobe, fresnel=None), cos_o, 0.7, 1 << 14)
+            errors.append(np.abs(fresnel_share(lobe, cos_o, 0.7) - exact))
+    print(f"median {np.median(errors):.1e}, worst {np.max(errors):.1e}")
+    assert np.max(errors) < max(bound, least)
 
 
 def _integral(lobe, theta):

@@ -81,7 +81,9 @@ class Builder:
             return depth[name]
 
         rows: dict[int, int] = {}
+        places = []
         for node in self._tree.nodes:
             column = depth_of(node.name)
-            node.location = (_COLUMN * column, -_ROW * rows.get(column, 0))
+            places += (_COLUMN * column, -_ROW * rows.get(column, 0))
             rows[column] = rows.get(column, 0) + 1
+        self._tree.nodes.foreach_set("location", places)

@@ -12,11 +12,11 @@ import bpy
 import numpy as np
 
 from ....reference_py.lobes.patch_lobes import PatchLobes
-from ....reference_py.lobes.tabulate import color_of_energy, is_grey_dielectric, tabulate
+from ....reference_py.lobes.tabulate import is_grey_dielectric, tabulate
 from ....reference_py.lobes.view_table import AZIMUTH_PLACES, KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
 from ....reference_py.material.schema import COVERAGE, FLOAT, NORMAL
 from ....reference_py.material.stack import Stack
-from ....reference_py.optics.diffuse import fujii_roughness, oren_nayar_albedo
+from ....reference_py.optics.diffuse import fujii_roughness, oren_nayar_albedo, oren_nayar_color
 from ....reference_py.optics.microfacet import SPECULAR_ALPHA
 from ...blender.versions import DIFFUSE_POWER, HAS_DIELECTRIC
 from ..inputs import TANGENT, TANGENT_INPUT, ShaderInput, shader_inputs
@@ -191,7 +191,7 @@ def _oren_nayar(build: Builder, view: _View, table: OrenNayarTable) -> bpy.types
     colors = table.weight
     if working_space() != REC709:  # of its color such a node is not linear, so the energies are what is converted
         energy = into_working(oren_nayar_albedo(knot_cosines(), colors, table.sigma_deg, table.power))
-        colors = out_of_working(color_of_energy(energy, table.sigma_deg, table.power))
+        colors = out_of_working(oren_nayar_color(knot_cosines(), energy, table.sigma_deg, table.power))
     return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, colors, table.axis), Roughness=sigma)
 
 
@@ -204,7 +204,7 @@ def _glossy(build: Builder, view: _View, table: GlossyTable) -> bpy.types.NodeSo
         sockets["Roughness"], anisotropy = build.math("SQRT", alpha_x), 0.0
     else:
         sockets["Roughness"] = build.math("SQRT", build.math("SQRT", build.math("MULTIPLY", alpha_x, alpha_y)))
-        anisotropy = _anisotropy(build, alpha_x, alpha_y)
+        anisotropy = _anisotropy(build, alpha_x, alpha_y, table.shape)
     sockets["Anisotropy"] = _kept_apart(build, anisotropy, table.shape[:, :2])
     if table.frame is not None:
         sockets["Tangent"], sockets["Rotation"] = view.given_tangent, table.frame / (2.0 * np.pi)
@@ -240,11 +240,15 @@ def _bare_dielectric(build: Builder, view: _View, table: GlossyTable) -> bpy.typ
     return build.shader("ShaderNodeBsdfMetallic", settings=settings, **sockets)
 
 
-def _anisotropy(build: Builder, alpha_x, alpha_y) -> bpy.types.NodeSocket:
+def _anisotropy(build: Builder, alpha_x, alpha_y, shape: np.ndarray) -> bpy.types.NodeSocket:
     """Cycles' alphas are R (1 - a) and R / (1 - a) for a > 0, R / (1 + a) and R (1 + a) for a < 0.
 
-    So a = (1 - s) / max(s, 1) with s = sqrt(alpha_x / alpha_y), and R = sqrt(alpha_x alpha_y).
+    So a = (1 - s) / max(s, 1) with s = sqrt(alpha_x / alpha_y), and R = sqrt(alpha_x alpha_y). Of most lobes one side is enough.
     """
+    if np.all(shape[:, 0] <= shape[:, 1]):
+        return build.math("SUBTRACT", 1.0, build.math("SQRT", build.math("DIVIDE", alpha_x, alpha_y)))
+    if np.all(shape[:, 0] >= shape[:, 1]):
+        return build.math("SUBTRACT", build.math("SQRT", build.math("DIVIDE", alpha_y, alpha_x)), 1.0)
     s = build.math("SQRT", build.math("DIVIDE", alpha_x, alpha_y))
     return build.math("DIVIDE", build.math("SUBTRACT", 1.0, s), build.math("MAXIMUM", s, 1.0))
 
@@ -292,9 +296,7 @@ def _numbers(build: Builder, place: bpy.types.NodeSocket, places: Sequence[int],
     for first, *second in (varying[i : i + 2] for i in range(0, len(varying), 2)):
         alpha = table[:, second[0]] - offset[second[0]] if second else np.ones(len(table))
         node = _ramp(build, place, places, np.column_stack([np.repeat((table[:, first] - offset[first])[:, None], 3, axis=1), alpha]))
-        split = build.node("ShaderNodeSeparateColor")
-        build.link(node.outputs["Color"], split.inputs[0])
-        sockets[first] = split.outputs[0]
+        sockets[first] = node.outputs["Color"]  # a number's socket takes the luminance, which of a grey is itself
         if second:
             sockets[second[0]] = node.outputs["Alpha"]
     columns = []
@@ -316,9 +318,10 @@ def _ramp(build: Builder, place: bpy.types.NodeSocket, places: Sequence[int], ta
     """A Color Ramp of colors and alpha (n, 4), none of them negative, at these places (n,) of the ramp's."""
     node = build.node("ShaderNodeValToRGB")
     elements = node.color_ramp.elements
-    elements.remove(elements[1])
-    for k, (at, color) in enumerate(zip(places, table)):
-        element = elements.new(int(at) / _RAMP_PLACES) if k else elements[0]
-        element.color = tuple(map(float, color))
+    for _ in range(len(places) - len(elements)):
+        elements.new(1.0)
+    # each color that is set by itself makes Blender look through the whole tree
+    elements.foreach_set("position", np.asarray(places, np.float32) / _RAMP_PLACES)
+    elements.foreach_set("color", np.asarray(table, np.float32).ravel())
     build.link(place, node.inputs[0])
     return node
