@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
 // The same with a thin film. An exponent below 0 stands for the exact curve of that index.
 closure color filmed_interface_bsdf(normal n, vector t, float alpha_x, float alpha_y, float ior, string kind, float film_nm, float film_ior)
 {

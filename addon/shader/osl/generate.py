@@ -33,21 +33,22 @@ class Shader:
 
 def generate(lobe_set, schema: Schema = SCHEMA) -> Shader:
     """The shader of a lobe set (`make_lobe_set`). Raises LaminaError for more layers than Cycles can take."""
-    told = lobe_set.resolved
+    resolved = lobe_set.resolved
     stack = lobe_set.stack
-    if isinstance(told, PatchLobes):
-        parts = [(patch.layers, patch.covered, part.resolved) for patch, part in told.parts]
+    if isinstance(resolved, PatchLobes):
+        parts = [(patch.layers, patch.covered, part.resolved) for patch, part in resolved.parts]
     else:
-        parts = [(tuple(range(len(stack.layers))), (), told)]
+        parts = [(tuple(range(len(stack.layers))), (), resolved)]
     is_live = any(not isinstance(part, TableLobes | LiveLobes) for _, _, part in parts)
     followed = {(owner, axis.parameter) for layers, _, part in parts if isinstance(part, LiveLobes) for owner, axis in _axes(part, layers)}
     inputs = tuple(i for i in shader_inputs(stack, schema) if is_live or i.parameter.name in ALWAYS_LIVE or (i.owner, i.parameter.name) in followed)
-    blocks = []
+    blocks, notes = [], []
     for number, (layers, covered, part) in enumerate(parts):
-        share = Share(tuple((layer_owner(i), there) for i, there in covered))
-        blocks.append((share, _block(part, [layer_owner(i) for i in layers], f"{number}_" if len(parts) > 1 else "")))
+        note, block = _block(part, [layer_owner(i) for i in layers], f"{number}_" if len(parts) > 1 else "")
+        blocks.append((Share(tuple((layer_owner(i), there) for i, there in covered)), block))
+        notes.append(note)
     title = f"Lamina shader, tier {lobe_set.tier}, from the top: {_words(stack)}." if is_live else f"Lamina shader, tier {lobe_set.tier}."
-    body, closures = shader_text(title, _note(parts), blocks, inputs)
+    body, closures = shader_text(title, " ".join(dict.fromkeys(notes)), blocks, inputs)
     name = "lamina_" + hashlib.sha256(body.encode()).hexdigest()[:12]
     return Shader(name, body.replace("@SHADER@", name), inputs, closures, ("Live", *PRIMARIES))
 
@@ -56,30 +57,15 @@ def _axes(lobe_set: LiveLobes, layers: tuple[int, ...]):
     return [(BASE if axis.index < 0 else layer_owner(layers[axis.index]), axis) for axis in lobe_set.axes]
 
 
-def _block(lobe_set, owners: list[str], prefix: str) -> Block:
+def _block(lobe_set, owners: list[str], prefix: str) -> tuple[str, Block]:
+    """What a lobe set writes, and the note that its shader bears."""
     if isinstance(lobe_set, TableLobes):
-        return emit_tables.table_block(lobe_set, prefix)
+        return emit_tables.NOTE, emit_tables.table_block(lobe_set, prefix)
     if isinstance(lobe_set, LiveLobes):
-        return emit_live_grid.grid_block(lobe_set, owners, prefix)
+        return emit_live_grid.NOTE, emit_live_grid.grid_block(lobe_set, owners, prefix)
     if isinstance(lobe_set, AnalyticLobes):
-        return emit_analytic.analytic_block(lobe_set.stack, owners)
-    return emit_paper.weidlich_wilkie_block(lobe_set.stack, owners)
-
-
-def _note(parts) -> str:
-    notes = []
-    for *_, part in parts:
-        module = (
-            emit_tables
-            if isinstance(part, TableLobes)
-            else emit_live_grid
-            if isinstance(part, LiveLobes)
-            else emit_analytic
-            if isinstance(part, AnalyticLobes)
-            else emit_paper
-        )
-        notes.append(module.NOTE)
-    return " ".join(dict.fromkeys(notes))
+        return emit_analytic.NOTE, emit_analytic.analytic_block(lobe_set.stack, owners)
+    return emit_paper.NOTE, emit_paper.weidlich_wilkie_block(lobe_set.stack, owners)
 
 
 def _words(stack: Stack) -> str:
