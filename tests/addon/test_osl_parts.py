@@ -5,12 +5,17 @@ import itertools
 import re
 import shutil
 import sys
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from lamina.addon.shader.osl import parts
 from lamina.addon.shader.osl.generate import generate
+from lamina.reference_py.lobes.live_grid import Axis, grid_of
+from lamina.reference_py.lobes.lobe import DielectricCurve
 from lamina.reference_py.lobes.methods import make_lobe_set
+from lamina.reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes
 from lamina.reference_py.material.stack import Stack
 
 FILES = sorted(path.name for path in parts.PARTS.iterdir())
@@ -28,15 +33,33 @@ BASES = [
     {**METAL, **ANISOTROPIC},
     {"kind": "conductor", "reflectance": [0.9, 0.5, 0.3], "edge_color": [1.0, 1.0, 1.0]},
 ]
-BAKED = Stack.from_dict({"layers": [], "base": METAL})
+
+
+ONE = Stack.from_dict({"layers": [COAT], "base": {"kind": "lambert"}})
+
+
+def tables(alpha: float) -> TableLobes:
+    """Lobes as a bake may give them: a coat, a tilted one below it, and a base."""
+    weight = np.linspace(0.2, 0.4, KNOTS)[:, None] * np.ones(3)
+    tilted = np.linspace(1.0, 1.2, KNOTS)[:, None] * np.array([alpha, 0.8 * alpha, 0.1])
+    coat = GlossyTable("ggx", np.ones((KNOTS, 3)), np.full((KNOTS, 3), [alpha, alpha, 0.0]), DielectricCurve(1.4))
+    return TableLobes((coat, GlossyTable("ggx", weight, tilted), DiffuseTable(weight)))
+
+
+def baked():
+    return SimpleNamespace(resolved=tables(0.1), stack=ONE, tier="baked")
+
+
+def baked_live():
+    return grid_of(ONE, (Axis(0, "roughness", (0.3, 0.6)),), {(0,): tables(0.09), (1,): tables(0.36)})
 
 
 def lobe_sets():
     """One of each structure that writes something of its own."""
     for layers, base, tier in itertools.product(LAYERS, BASES, ("analytic", "weidlich_wilkie")):
         yield make_lobe_set(Stack.from_dict({"layers": layers, "base": base}), tier)
-    yield make_lobe_set(BAKED, "baked")
-    yield make_lobe_set(BAKED, "baked", live=((-1, "roughness"),))
+    yield baked()
+    yield baked_live()
 
 
 @pytest.fixture(scope="module")
@@ -98,10 +121,14 @@ def test_constants_are_those_of_the_model(texts):
         assert set(re.findall(r"\b[A-Z][A-Z0-9]*_[A-Z0-9_]+\b", code)) <= {*dict(defined), "M_PI", "M_2PI", "M_PI_2"}
 
 
-@pytest.mark.parametrize("tier, live", [("analytic", ()), ("weidlich_wilkie", ()), ("baked", ()), ("baked", ((-1, "roughness"),))])
-def test_the_way_to_the_text_goes_one_way(tier, live):
+def coated(tier: str):
+    return make_lobe_set(Stack.from_dict({"layers": [COAT, COAT], "base": METAL}), tier)
+
+
+@pytest.mark.parametrize("made", [lambda: coated("analytic"), lambda: coated("weidlich_wilkie"), baked, baked_live], ids=["analytic", "paper", "baked", "live"])
+def test_the_way_to_the_text_goes_one_way(made):
     """No module is called back while a call of its own is under way, and no two call each other."""
-    stack = BAKED if tier == "baked" else Stack.from_dict({"layers": [COAT, COAT], "base": METAL})
+    lobe_set = made()
     doors = set()
     rooms: list[str] = []
 
@@ -117,7 +144,6 @@ def test_the_way_to_the_text_goes_one_way(tier, live):
                 doors.add((rooms[-1], name))
             rooms.append(name)
 
-    lobe_set = make_lobe_set(stack, tier, live=live) if live else make_lobe_set(stack, tier)
     sys.setprofile(watch)
     try:
         generate(lobe_set)
