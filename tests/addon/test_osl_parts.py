@@ -39,11 +39,12 @@ ONE = Stack.from_dict({"layers": [COAT], "base": {"kind": "lambert"}})
 
 
 def tables(alpha: float) -> TableLobes:
-    """Lobes as a bake may give them: a coat, a tilted one below it, and a base."""
+    """Lobes as a bake may give them: a coat, a tilted and a round one below it, and a base."""
     weight = np.linspace(0.2, 0.4, KNOTS)[:, None] * np.ones(3)
     tilted = np.linspace(1.0, 1.2, KNOTS)[:, None] * np.array([alpha, 0.8 * alpha, 0.1])
     coat = GlossyTable("ggx", np.ones((KNOTS, 3)), np.full((KNOTS, 3), [alpha, alpha, 0.0]), DielectricCurve(1.4))
-    return TableLobes((coat, GlossyTable("ggx", weight, tilted), DiffuseTable(weight)))
+    round_lobe = np.linspace(1.0, 1.2, KNOTS)[:, None] * np.array([alpha, alpha, 0.0])
+    return TableLobes((coat, GlossyTable("ggx", weight, tilted), GlossyTable("ggx", weight, round_lobe), DiffuseTable(weight)))
 
 
 def baked():

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The whole functions of `osl/` for a shader's text: what a file includes comes before it, and its constants get their values here."""
 
-import re
 from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -40,18 +40,21 @@ def _visit(name: str, order: dict[str, None]) -> None:
         order[name] = None
 
 
+@dataclass(frozen=True)
 class _Part:
-    """A file: the files it includes, the constants that it declares, its functions."""
+    """A file: the files that it includes, the constants that it declares, and its functions without comments."""
 
-    def __init__(self, name: str):
-        lines = (PARTS / name).read_text(encoding="utf-8").splitlines(keepends=True)
-        self.includes = [line.split('"')[1] for line in lines if line.startswith("#include")]
-        self.constants = [line.split()[1] for line in lines if line.startswith("#define")]
-        kept = [line for line in lines if not line.startswith("#") and not line.lstrip().startswith("//")]
-        self.text = re.sub(r"^\n+|\n+(?=\n)", "", "".join(kept))
+    includes: tuple[str, ...]
+    constants: tuple[str, ...]
+    text: str
 
 
-_part = cache(_Part)
+@cache
+def _part(name: str) -> _Part:
+    lines = (PARTS / name).read_text(encoding="utf-8").splitlines(keepends=True)
+    includes = tuple([line.split('"')[1] for line in lines if line.startswith("#include")])
+    declared = tuple([line.split()[1] for line in lines if line.startswith("#define")])
+    return _Part(includes, declared, "".join([line for line in lines if line.strip() and not line.lstrip().startswith(("#", "//"))]))
 
 
 @cache
