@@ -44,7 +44,8 @@ void start_below(output Below b, float least, float n_base, float critical2)
 }
 
 // A node of which the share `back` returns and `out` escapes; what its value adds to each coefficient.
-void add_node(output Below b, color back, color out, float escaping_0, float escaping_1, float escaping_2, float escaping_3, float trapped_0, float trapped_1, float trapped_2)
+void add_node(output Below b, color back, color out,
+              float escaping_0, float escaping_1, float escaping_2, float escaping_3, float trapped_0, float trapped_1, float trapped_2)
 {
     b.escaping_back_0 += escaping_0 * back;
     b.escaping_back_1 += escaping_1 * back;

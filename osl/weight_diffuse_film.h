@@ -3,8 +3,8 @@
 #include "diffuse_light.h"
 #include "throughput_film.h"
 // What `depth` interfaces, which may carry films, leave of a diffuse base's energy.
-color weight_diffuse(float nodes[], int depth, float n[], float alpha[], int beckmann[], color tau[], float sensitivity[], float film_nm[], float film_ior[], float view_z,
-                     float sigma)
+color weight_diffuse(float nodes[], int depth, float n[], float alpha[], int beckmann[], color tau[], float sensitivity[], float film_nm[], float film_ior[],
+                     float view_z, float sigma)
 {
     color component = color(0.0);
     float closure_energy = 0.0;
