@@ -11,7 +11,7 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 # The tests that run beside all others.
 FIRST_HALF := tests/reference_py $(addprefix tests/addon/test_,parity.py stock_nodes.py anisotropy.py bent_normals.py coverage.py)
 
-.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings fuzz matrix licences clean
+.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings numbers fuzz matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -36,6 +36,7 @@ help:
 	@echo "make field     try a material beside a Principled one through the rest of Blender, and write figures/field.csv (ten minutes)"
 	@echo "make branches  measure what both branches of a material cost beside one alone (five minutes on a quiet machine)"
 	@echo "make surroundings  render one file in its four surroundings (LAMINA_BLENDER names a Blender that has EEVEE)"
+	@echo "make numbers   put the numbers of the tables into README.md, figures/README.md and docs/ (a test compares)"
 	@echo "make fuzz      throw 100000 broken inputs at every reader"
 	@echo "make matrix    run the tests on every supported Blender whose Python is here, and print a table"
 	@echo "make licences  print the licence of every pinned package"
@@ -91,7 +92,7 @@ charts: $(READY)
 	$(VENV)/bin/lamina figures --out figures/paper
 
 pareto: $(READY)
-	$(VENV)/bin/lamina chart levers -o figures
+	$(VENV)/bin/lamina chart cost_factors -o figures
 	$(VENV)/bin/lamina chart pareto -o figures
 	$(VENV)/bin/lamina chart pair -o figures
 
@@ -124,6 +125,9 @@ branches: $(READY)
 
 surroundings: $(READY)
 	$(RUN) tests/benchmarks/surroundings.py figures/surroundings.png figures/surroundings.csv
+
+numbers: $(READY)
+	$(RUN) -m lamina.study.numbers
 
 fuzz: $(READY)
 	$(RUN) tests/benchmarks/fuzz.py 100000 figures/fuzz.txt

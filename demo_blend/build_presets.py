@@ -34,7 +34,7 @@ def build() -> bpy.types.Scene:
         location = Vector(((column - (COLUMNS - 1) / 2) * SPACING[0], row * SPACING[1] - 0.6, -STAND_FLOOR * SCALE))
         material = bpy.data.materials.new(presets.label(name))
         # every value is live, so that it can be changed where Lamina is not installed
-        apply_stack(material, presets.load(name), AnalyticLobes.tier)
+        apply_stack(material, presets.load(name), AnalyticLobes.name)
         for part, label in ((ball, presets.label(name)), (stand, f"{presets.label(name)} stand")):
             copy = add_object(scene, label, part.data)
             copy.location, copy.scale = location, (SCALE,) * 3

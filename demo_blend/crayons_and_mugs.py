@@ -56,6 +56,6 @@ def build(settle: bool = True) -> bpy.types.Scene:
 
 
 def _colored(preset: str) -> bpy.types.Material:
-    material = stack_material(presets.label(preset), presets.load(preset), AnalyticLobes.tier)
+    material = stack_material(presets.label(preset), presets.load(preset), AnalyticLobes.name)
     per_object(material, material.lamina.base, "Color", "color")
     return material

@@ -31,9 +31,9 @@ def build(settle: bool = True) -> bpy.types.Scene:
     scene.cycles.max_bounces = 8
     mesh = ball("Ball", RADIUS, 192)
     for lobe_set, row in ((AnalyticLobes, 0.56), (PaperLobes, -0.56)):
-        material = _white(lobe_set.tier)
+        material = _white(lobe_set.name)
         for i, roughness in enumerate(ROUGHNESS):
-            item = put(scene, f"{lobe_set.tier} {roughness:g}", mesh, material, ((i - 2.0) * STEP, 0.0, row))
+            item = put(scene, f"{lobe_set.name} {roughness:g}", mesh, material, ((i - 2.0) * STEP, 0.0, row))
             item["roughness"] = roughness
             item.visible_diffuse = item.visible_glossy = False  # no ball sees another
     return scene

@@ -9,7 +9,6 @@ Samples that are not valid have value 0 and count as samples.
 from .errors import LaminaError
 from .lobes.methods.closure_model import ClosureModel
 from .material.coverage import covered_layers, patches
-from .material.schema import ANISOTROPY, THIN_FILM
 from .material.stack import Stack
 from .models.adding import Adding
 from .models.baselines import BASELINES
@@ -21,27 +20,21 @@ from .models.weidlich_wilkie_repaired import WeidlichWilkieRepaired
 MODELS = {model.name: model for model in (WeidlichWilkie, WeidlichWilkieRepaired, Adding, PositionFree, ClosureModel, *BASELINES)}
 
 
+# What models were called before.
+OLD_NAMES = {"mirror": ClosureModel.name}
+
+
 def make_model(name: str, stack: Stack, **options: str):
     """Build a model by name; of a stack with covered layers, the mixture of its patches.
 
-    Raises LaminaError on an unknown name or option, what is no Stack, or a feature that the model does not know.
+    Raises LaminaError on an unknown name or option, what is no Stack, or what the model does not know (`OpticalStack.of`).
     """
+    name = OLD_NAMES.get(name, name)
     if name not in MODELS:
         raise LaminaError(f"unknown model {name!r}; choose {', '.join(MODELS)}")
     if not isinstance(stack, Stack):
         raise LaminaError(f"model {name} needs a Stack, not {type(stack).__name__}: see Stack.load, Stack.from_dict, presets.load")
-    _require_known_features(name, stack)
-    if ClosureModel.name == name or not covered_layers(stack):  # the mirror's lobe set is a mixture itself
+    if ClosureModel.name == name or not covered_layers(stack):  # its lobe set is a mixture itself
         return MODELS[name](stack, **options)
     parts = [(patch, MODELS[name](patch.stack, **options)) for patch in patches(stack) if patch.share > 0.0]
     return parts[0][1] if len(parts) == 1 else PatchModel(parts)
-
-
-def _require_known_features(name: str, stack: Stack) -> None:
-    """Normals are for the renderer alone and coverage is for all models; the other features are for those that know them."""
-    known = getattr(MODELS[name], "features", ())
-    for where, element in [*((f"layer {i}", e) for i, e in enumerate(stack.layers)), ("base", stack.base)]:
-        for feature in (ANISOTROPY, THIN_FILM):
-            if element.has(feature) and feature not in known:
-                able = [n for n, model in MODELS.items() if feature in getattr(model, "features", ())]
-                raise LaminaError(f"model {name} knows no {feature.name}, which {where} has; choose {', '.join(able)}")

@@ -12,7 +12,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..reference_py.errors import LaminaError
-from ..reference_py.lobes.methods import TIERS, AutoLobes
+from ..reference_py.lobes.methods import DEFAULT_METHOD, METHODS
 from ..reference_py.lobes.methods.closure_model import ClosureModel
 from ..reference_py.material.stack import Stack
 from ..reference_py.optics.frame import normalize, reflect, spherical
@@ -134,8 +134,8 @@ REFUSED: Mapping[str, dict] = MappingProxyType(
 
 
 # Every model, and what Cycles renders in every tier; auto is one of the others.
-_MIRRORS = tuple(f"{ClosureModel.name}:{tier}" for tier in TIERS if tier != AutoLobes.tier)
-SUBJECTS = tuple(subject for name in MODELS for subject in (_MIRRORS if name == ClosureModel.name else (name,)))
+_MIRRORS = tuple(f"{ClosureModel.name}:{tier}" for tier in METHODS if tier != DEFAULT_METHOD)
+MODELS_AND_TIERS = tuple(each for name in MODELS for each in (_MIRRORS if name == ClosureModel.name else (name,)))
 
 
 def is_refused(data: dict) -> bool:
@@ -172,8 +172,8 @@ def pairs(case: Case) -> tuple[np.ndarray, np.ndarray]:
     return wo, wi
 
 
-def make_subject(name: str, stack: Stack, walks: int = WALKS):
-    """The model of a subject, with default options, but few walks. Raises LaminaError on an unknown name."""
+def make_model_or_tier(name: str, stack: Stack, walks: int = WALKS):
+    """One of `MODELS_AND_TIERS` of a stack, with default options, but few walks. Raises LaminaError on an unknown name."""
     model, _, tier = name.partition(":")
     options = {"tier": tier} if tier else {}
     if model in MODELS and MODELS[model].stochastic:
@@ -209,8 +209,8 @@ def energy_excess(model, wo: np.ndarray) -> float:
 
 
 def measure(name: str, case: Case) -> Row:
-    """One row of the table for a subject. Raises LaminaError on an unknown one."""
-    model = make_subject(name, case.stack)
+    """One row of the table for one of `MODELS_AND_TIERS`. Raises LaminaError on an unknown one."""
+    model = make_model_or_tier(name, case.stack)
     wo, wi = pairs(case)
     view = views(case) * (np.array([1.0, 1.0, -1.0]) if case.directions == "below" else 1.0)
     with np.errstate(all="ignore"):  # what is not finite is counted, not said

@@ -13,6 +13,7 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from runpy import run_path
 
 ROOT = Path(__file__).resolve().parent.parent
 BLENDERS = ("4.5", "5.0", "5.2", "5.3")
@@ -74,7 +75,8 @@ def main() -> int:
     text = "".join(f"{name:8} {versions:44} " + " ".join(f"{n:>8}" for n in numbers) + "\n" for name, versions, *numbers in rows)
     print(text, end="")
     if table:
-        table.write_text(f"# make matrix\n{text}" + "".join(f"{line}\n" for line in lines), encoding="utf-8")
+        stamp = run_path(str(ROOT / "study/stamp.py"))["stamp"]  # a plain Python runs this, without the package
+        table.write_text(f"# make matrix; {stamp('Blender and numpy as below')}\n{text}" + "".join(f"{line}\n" for line in lines), encoding="utf-8")
     return 1 if any(row[3] not in ("", "0") for row in rows[1:]) else 0
 
 

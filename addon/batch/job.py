@@ -10,7 +10,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.lobes.methods import DEFAULT_TIER, require_tier
+from ...reference_py.lobes.methods import DEFAULT_METHOD, METHODS, method_of
 from ...reference_py.material import presets
 from ...reference_py.material.json_input import parse_json, read_text
 from ...reference_py.material.stack import Stack
@@ -249,7 +249,7 @@ def _is_number(value) -> bool:
 
 def _tier(value, where: str, folder: Path) -> str:
     try:
-        return require_tier(_text(value, where, folder))
+        return method_of(_text(value, where, folder)).name
     except LaminaError as error:
         raise LaminaError(f"{where}: {error}") from None
 
@@ -313,7 +313,7 @@ KEYS = (
     Key("name", _text, "", "title of the contact sheet"),
     Key("stacks", _list_of(_look), REQUIRED, 'presets, .json files in the job\'s folder, or {"name": TEXT, "stack": {...}}'),
     Key("sweeps", _list_of(_sweep, 0), [], '{"parameter": "layers[0].roughness", "values": [...]}, or with "from", "to" and "steps"; all are combined'),
-    Key("tiers", _list_of(_tier), [DEFAULT_TIER], "how Cycles is told: " + "auto, baked, analytic, weidlich_wilkie"),
+    Key("tiers", _list_of(_tier), [DEFAULT_METHOD], "how Cycles is told: " + ", ".join(reversed(METHODS))),
     Key("backend", _backend, DEFAULT_BACKEND, ", ".join(BACKENDS)),
     Key("scenes", _list_of(_scene), [BALL], '"ball", or {"blend": FILE, "object": NAME} for an object of a .blend in the job\'s folder'),
     Key("views", _list_of(_view), [0.0], "degrees by which the camera goes around the object"),

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ...reference_py.atomic import write_text
-from ...reference_py.lobes.methods.auto import DEFAULT_TOLERANCE
+from ...reference_py.lobes.made import DEFAULT_TOLERANCE
 from .items import Item
 
 TABLE = "batch.csv"
@@ -89,7 +89,7 @@ def missed(outputs: Sequence[Output]) -> str:
 
 
 def _seen(texts: Mapping[str, str]) -> list[str]:
-    """The errors that the tolerance is for, as in `estimator.Errors.seen`."""
+    """The errors that the tolerance is for, as in `error_estimate.Errors.visible`."""
     errors = _errors(texts)
     return [errors[name] for name in ("albedo", "soft_light") if name in errors]
 

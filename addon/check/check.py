@@ -326,9 +326,9 @@ def _unlinked(material, shader) -> list[str]:
 def _ignored(material, is_note: bool) -> Iterator[Finding]:
     lamina = material.lamina
     shown = lamina.shown_layers
-    for index, name in live_values(material):
-        element = lamina.base if index < 0 else shown[index]
-        label = kind_of(element).parameter(name).label
+    for place in live_values(material):
+        element = lamina.base if place.layer is None else shown[place.layer]
+        label = kind_of(element).parameter(place.name).label
         yield Finding("texture_ignored", {"layer": element.name, "label": label}, node_of(element).name, label, is_note)
     stack = stack_of(material)
     for element, told in zip((*shown, lamina.base), (*stack.layers, stack.base)):

@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 
 from ...reference_py.atomic import output_folder, write_text
-from ...reference_py.lobes.methods import DEFAULT_TIER
+from ...reference_py.lobes.methods import DEFAULT_METHOD
 from ...reference_py.material import presets
 from ..session import blender, say
 from .stack_errors import THETA_DEG, errors_of
@@ -22,7 +22,7 @@ def demo(options) -> None:
     with blender(report):
         seconds = _render(stacks, sheet, options, report)
     lines = [
-        f"Tier {DEFAULT_TIER} against the truth, worst of the view angles {', '.join(f'{t:g}' for t in THETA_DEG)} degrees",
+        f"Tier {DEFAULT_METHOD} against the truth, worst of the view angles {', '.join(f'{t:g}' for t in THETA_DEG)} degrees",
         f"{'preset':20} {'chosen':18} {'closures':>8} {'seconds':>8} {'albedo error':>13} {'shape error':>12}",
     ]
     for name, stack in stacks.items():

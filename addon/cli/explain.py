@@ -11,10 +11,10 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.baked import MAX_GLOSSY
 from ...reference_py.lobes.cache import truth_of
 from ...reference_py.lobes.error_estimate import SOFT_LIGHT_DEG
-from ...reference_py.lobes.methods import PaperLobes
-from ...reference_py.lobes.methods.auto import DEFAULT_TOLERANCE, AutoLobes, Choice, choose, with_anisotropy
-from ...reference_py.lobes.methods.not_bakeable import unbaked, without_unbaked
-from ...reference_py.lobes.methods.patches import glossy_of_each
+from ...reference_py.lobes.made import DEFAULT_TOLERANCE, Options
+from ...reference_py.lobes.methods import PaperLobes, glossy_of_each
+from ...reference_py.lobes.methods.auto import COMPUTED, Choice, choose, with_anisotropy
+from ...reference_py.lobes.methods.not_bakeable import bakeable, not_bakeable
 from ...reference_py.material.coverage import Patch, patches
 from ...reference_py.material.schema import ANISOTROPY, THIN_FILM
 from ...reference_py.material.stack import Stack
@@ -56,20 +56,19 @@ def explain(options) -> None:
 
 def _choice(stack: Stack, tolerance: float, glossy: int, sight, progress) -> Choice:
     """What auto chooses for one patch; features that no bake can hold leave the live tiers, judged with anisotropy, without others."""
-    live, plain = unbaked(stack), without_unbaked(stack)
-    choice = _choice_of_plain(plain, live, tolerance, glossy, sight, progress)
+    choice = _choice_of_plain(bakeable(stack), Options(not_bakeable(stack), tolerance, glossy, progress), sight)
     elements = (*stack.layers, stack.base)
     if not any(element.has(THIN_FILM) for element in elements):
         brushed = any(element.has(ANISOTROPY) for element in elements)
         return with_anisotropy(choice, stack, tolerance, None if sight is None else sight.cosines) if brushed else choice
-    able = next(c for c in choice.tried if c.label == PaperLobes.tier)
+    able = next(c for c in choice.tried if c.label == PaperLobes.name)
     return replace(choice, chosen=able, reason="the one tier that knows thin films; the errors are those without the film")
 
 
-def _choice_of_plain(plain: Stack, live, tolerance: float, glossy: int, sight, progress) -> Choice:
+def _choice_of_plain(plain: Stack, options: Options, sight) -> Choice:
     if sight is None:
-        return AutoLobes(plain, live, tolerance, progress, glossy).choice
-    return choose(plain, truth_of(plain), live, tolerance, sight.cosines, sight.light_deg(SOFT_LIGHT_DEG), progress, glossy)
+        return COMPUTED.result(plain, options)
+    return choose(plain, truth_of(plain), options, sight.cosines, sight.light_deg(SOFT_LIGHT_DEG))
 
 
 def _sight(file: str, name: str):

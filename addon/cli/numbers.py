@@ -112,14 +112,14 @@ def eval(options) -> None:
 
 def shader(options) -> None:
     """The generated OSL text."""
-    from ...reference_py.lobes.methods import DEFAULT_TIER, make_lobe_set
+    from ...reference_py.lobes.methods import DEFAULT_METHOD, make_lobe_set
     from ..material.backend import OSL
     from ..material.limits import require_shader
     from ..shader.osl.generate import generate
 
     stack = load_stack(options.stack)
     require_shader(stack, OSL)
-    lobe_set = make_lobe_set(stack, options.tier or DEFAULT_TIER, progress=tenths(say(options.command)))
+    lobe_set = make_lobe_set(stack, options.tier or DEFAULT_METHOD, progress=tenths(say(options.command)))
     sys.stdout.write(generate(lobe_set).text)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ...reference_py.atomic import replacing, require_writable
 from ...reference_py.errors import LaminaError
-from ...reference_py.lobes.methods import DEFAULT_TIER, require_tier
+from ...reference_py.lobes.methods import DEFAULT_METHOD, method_of
 from ..material.backend import branches_here, notice
 from ..material.limits import require_shader
 from ..session import blender, say, tenths
@@ -49,7 +49,7 @@ def _refuse_what_has_no_effect(options) -> None:
 
 
 def _tier(options) -> str:
-    return require_tier(options.tier or DEFAULT_TIER)
+    return method_of(options.tier or DEFAULT_METHOD)
 
 
 def _material(stack, tier, backend, report):

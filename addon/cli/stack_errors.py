@@ -7,9 +7,9 @@ import numpy as np
 
 from ...reference_py.lobes.cache import truth_of
 from ...reference_py.lobes.error_estimate import ErrorEstimator
-from ...reference_py.lobes.methods import DEFAULT_TIER, make_lobe_set
-from ...reference_py.lobes.methods.auto import AutoLobes
-from ...reference_py.lobes.methods.not_bakeable import unbaked
+from ...reference_py.lobes.made import Made
+from ...reference_py.lobes.methods import DEFAULT_METHOD, make_lobe_set
+from ...reference_py.lobes.methods.not_bakeable import not_bakeable
 from ...reference_py.material.coverage import patches
 from ...reference_py.material.stack import Stack
 from ...reference_py.optics.frame import spherical
@@ -36,23 +36,23 @@ class StackErrors(NamedTuple):
 
 def errors_of(stack: Stack) -> StackErrors:
     """Errors of the default tier against the truth that knows the stack's features."""
-    lobe_set = make_lobe_set(stack, DEFAULT_TIER)
-    return _against_walks(stack, lobe_set) if unbaked(stack) else _against_adding(stack, lobe_set)
+    made = make_lobe_set(stack)
+    return _against_walks(stack, made) if not_bakeable(stack) else _against_adding(stack, made)
 
 
-def _against_adding(stack: Stack, lobe_set) -> StackErrors:
+def _against_adding(stack: Stack, made: Made) -> StackErrors:
     found, labels = [], []
     for patch in patches(stack):
-        part = AutoLobes(patch.stack)
+        part = make_lobe_set(patch.stack)
         labels.append(part.choice.chosen.label)
         found.append(ErrorEstimator(patch.stack, truth_of(patch.stack), np.cos(np.radians(THETA_DEG))).errors(part))
     albedo, shape = (max(float(np.max(getattr(e, name))) for e in found) for name in ("albedo", "shape"))
-    return StackErrors(" and ".join(dict.fromkeys(labels)), lobe_set.lobe_count, "adding", albedo, 0.0, shape)
+    return StackErrors(" and ".join(dict.fromkeys(labels)), made.lobe_count, "adding", albedo, 0.0, shape)
 
 
-def _against_walks(stack: Stack, lobe_set) -> StackErrors:
+def _against_walks(stack: Stack, made: Made) -> StackErrors:
     wo = spherical(np.radians(THETA_DEG)[:, None], np.radians(_PHI_DEG)).reshape(-1, 3)
     truth, stderr = make_model("position_free", stack).albedo_stderr(wo)
-    told = make_model("mirror", stack, tier=DEFAULT_TIER).albedo(wo)
+    told = make_model("closure_model", stack, method=DEFAULT_METHOD).albedo(wo)
     error, noise = np.abs(told / truth - 1.0), stderr / truth
-    return StackErrors(lobe_set.resolved.tier, lobe_set.lobe_count, "position_free", float(error.max()), float(noise.max()), None)
+    return StackErrors(made.lobe_set.name, made.lobe_count, "position_free", float(error.max()), float(noise.max()), None)

@@ -11,7 +11,7 @@ from ...reference_py.atomic import replacing, write_text
 from ..batch.items import Item
 from ..batch.scene import Stage, own_texts
 from ..blender.blend_files import save_copy, save_material
-from ..jobs.prefetch import bake_ahead
+from ..jobs.prefetch import prefetch
 from ..material.state import Wanted
 from .bundle_names import ITEMS, SCRIPT
 
@@ -32,7 +32,7 @@ def write_files(items: Sequence[Item], limit: float | None, folder: Path, report
     for name, source in _SCRIPTS.items():
         with replacing(folder / name) as temporary:
             shutil.copyfile(source, temporary)
-    bake_ahead([Wanted(item.stack, item.tier) for item in items], report)
+    prefetch([Wanted(item.stack, item.tier) for item in items], report)
     stage, rows = Stage(), []
     scene_file = material_file = ""
     shown = material = None

@@ -13,7 +13,7 @@ from bpy.app.handlers import persistent
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.cache import content
-from ...reference_py.lobes.methods import HOLD_VALUES, TIERS, bake_process
+from ...reference_py.lobes.methods import bake_process, holds_values
 from ...reference_py.material.schema import SCHEMA_VERSION
 from ..blender.user_folders import cache_folder
 from ..material import material as materials
@@ -23,6 +23,7 @@ from ..material.osl_setting import shows_osl
 from ..material.pasted import adopt_pasted
 from ..material.reading import is_own, require_editable, stack_of
 from ..material.record import keep_record
+from ..material.shader_node import lost_group
 from . import conversions
 from .process import Process
 
@@ -33,7 +34,7 @@ class Bake(Process):
     """One lobe set in the making, in a process of its own."""
 
     def __init__(self, wanted: state.Wanted):
-        request = bake_process.request(wanted.stack, wanted.tier, wanted.live, wanted.tolerance, cache_folder())
+        request = bake_process.request(wanted.stack, wanted.method, wanted.live, wanted.tolerance, cache_folder())
         super().__init__("a bake", bake_process.MODULE, request)
         self.wanted, self.key = wanted, wanted.key
 
@@ -107,7 +108,7 @@ def _follow(material: bpy.types.Material) -> bool:
             if not is_older:
                 keep_record(material)
             return False
-        if material.lamina.tier not in HOLD_VALUES or live_values(material):
+        if not holds_values(material.lamina.tier) or live_values(material):
             return _follow_with_stock(material)
     wanted = state.wanted_lobes(material)
     rested = _state.resting.get(material.name_full) == wanted.key
@@ -144,7 +145,7 @@ def _collect() -> None:
         return
     _state.bake = None
     if bake.result is not None:
-        TIERS[bake.wanted.tier].remember(bake.key, bake.wanted.stack, bake.result)
+        bake.wanted.put(bake.key, bake.result)
         return
     for name, key in _state.resting.items():
         if key == bake.key:
@@ -185,10 +186,22 @@ def wake_after_load(*_) -> None:
     wake()
 
 
+@persistent
+def mend_after_undo(*_) -> None:
+    """Undo brings a removed node group back, but not always into its node (seen in 4.5.15 and 5.3.0): that branch is made anew."""
+    for material in bpy.data.materials:
+        if is_own(material) and material.lamina.is_layered and lost_group(material):
+            try:
+                materials.refresh(material)
+            except LaminaError as error:
+                _give_up(material, str(error))
+    wake()
+
+
 def handlers() -> list[tuple]:
     """(list of Blender's handlers, ours) for `registration`."""
     lists = bpy.app.handlers
-    return [(lists.depsgraph_update_post, wake_after_change), (lists.load_post, wake_after_load), (lists.undo_post, wake_after_load)]
+    return [(lists.depsgraph_update_post, wake_after_change), (lists.load_post, wake_after_load), (lists.undo_post, mend_after_undo)]
 
 
 def stop() -> None:

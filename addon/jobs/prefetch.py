@@ -5,7 +5,7 @@ import os
 import time
 from collections.abc import Callable, Iterable
 
-from ...reference_py.lobes.methods import HOLD_VALUES, TIERS
+from ...reference_py.lobes.methods import holds_values
 from ..material.state import Wanted
 from .bakes import Bake
 
@@ -14,12 +14,12 @@ MOST = 8
 _POLL_SECONDS = 0.05
 
 
-def bake_ahead(wanted: Iterable[Wanted], report: Callable[[str], None]) -> None:
+def prefetch(wanted: Iterable[Wanted], report: Callable[[str], None]) -> None:
     """Compute what is wanted and not yet known, each in a process of its own, as many at a time as there are cores.
 
     A bake that fails is left to whoever asks for it next, who then learns why.
     """
-    left = {w.key: w for w in wanted if w.tier in HOLD_VALUES and not w.is_known()}
+    left = {w.key: w for w in wanted if holds_values(w.method) and not w.is_known()}
     total, running = len(left), []
     if total < 2:
         return
@@ -31,7 +31,7 @@ def bake_ahead(wanted: Iterable[Wanted], report: Callable[[str], None]) -> None:
             for bake in [bake for bake in running if bake.is_done]:
                 running.remove(bake)
                 if bake.result is not None:
-                    TIERS[bake.wanted.tier].remember(bake.key, bake.wanted.stack, bake.result)
+                    bake.wanted.put(bake.key, bake.result)
                 report(f"{total - len(left) - len(running)} of {total} bakes are done")
     finally:
         for bake in running:

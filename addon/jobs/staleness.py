@@ -19,7 +19,7 @@ from ..material.reading import is_own, stack_of
 from ..material.record import changed_values, keep_record
 from ..material.roles import node_with
 from ..material.shader_node import shader_of
-from .prefetch import bake_ahead
+from .prefetch import prefetch
 
 _STALE = "renders old values: save the file, press Update in its panel, or call bpy.ops.lamina.regenerate()"
 _STOCK_BEHIND = "renders old values: its stock nodes are behind; save the file, or press Update in its panel"
@@ -33,7 +33,7 @@ def make_ready(*_) -> None:
     if bpy.app.background:
         wanted: list[state.Wanted] = []
         _for_each(_needs_bake, lambda material: wanted.append(state.wanted_lobes(material)))
-        bake_ahead(wanted, lambda told: print(f"Lamina: {told}"))
+        prefetch(wanted, lambda told: print(f"Lamina: {told}"))
     _for_each(_is_unready, _make_ready)
     _for_each(_is_not_handed_over, lambda material: hand_over(material, settle=bpy.app.background))
     _for_each(lambda material: not state.lags(material), keep_record)

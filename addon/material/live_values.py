@@ -6,6 +6,7 @@ import re
 import bpy
 
 from ...reference_py.lobes.cache import ALWAYS_LIVE
+from ...reference_py.material.place import Place
 from ...reference_py.material.schema import Parameter
 from .elements import kind_of, node_of, unread_parameters, used_features
 from .node_copy import channel_bags
@@ -13,18 +14,18 @@ from .node_copy import channel_bags
 _PATH = re.compile(r'nodes\["(.*)"\]\.inputs\[(\d+)\]\.default_value')
 
 
-def live_values(material: bpy.types.Material) -> tuple[tuple[int, str], ...]:
-    """Live values of the shown layers and the base, as (index of the layer or -1, parameter).
+def live_values(material: bpy.types.Material) -> tuple[Place, ...]:
+    """Live values of the shown layers and the base.
 
     Without those that no shader holds, and those of features and alternatives that an element does not have.
     """
     lamina = material.lamina
     animated = _animated(material.node_tree)
     result = []
-    for index, element in [*enumerate(lamina.shown_layers), (-1, lamina.base)]:
+    for layer, element in [*enumerate(lamina.shown_layers), (None, lamina.base)]:
         unused = [p for f in kind_of(element).features if f not in used_features(element) for p in f.parameters]
         unused += unread_parameters(element)
-        result += [(index, p.name) for p in kind_of(element).sockets if p not in unused and p.name not in ALWAYS_LIVE and _is_live(element, p, animated)]
+        result += [Place(layer, p.name) for p in kind_of(element).sockets if p not in unused and p.name not in ALWAYS_LIVE and _is_live(element, p, animated)]
     return tuple(result)
 
 

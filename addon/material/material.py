@@ -9,13 +9,15 @@ raises LaminaError, not at all.
 import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import bpy
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.cache import content
-from ...reference_py.lobes.methods import DEFAULT_TIER, HOLD_VALUES, PROVISIONAL_TIER, make_lobe_set, require_tier
-from ...reference_py.lobes.methods.patches import MAX_CLOSURES, estimated_cost, estimated_error, holds_values, tiers_of
+from ...reference_py.lobes.made import Made
+from ...reference_py.lobes.methods import DEFAULT_METHOD, MAX_CLOSURES, PROVISIONAL_METHOD, holds_values, make_lobe_set, method_of
+from ...reference_py.lobes.methods.summary import estimated_cost, estimated_error, has_tables, live_methods
 from ...reference_py.material.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
 from ...reference_py.material.stack import Stack
 from ..blender.versions import node_tree
@@ -42,7 +44,7 @@ _COLUMN, _ROW = 320, 240
 def apply_stack(
     material: bpy.types.Material,
     stack: Stack,
-    tier: str = DEFAULT_TIER,
+    tier: str = DEFAULT_METHOD,
     backend: str | None = None,
     finish: Callable[[bpy.types.Material], None] | None = None,
 ) -> None:
@@ -50,7 +52,7 @@ def apply_stack(
 
     `finish` may link textures to the new nodes before the shader is made.
     """
-    require_tier(tier)
+    method_of(tier)
     branches_here(backend or material.lamina.backend)
     with changing(material) as tree:
         lamina = material.lamina
@@ -154,6 +156,20 @@ def _remove_nodes(tree, names: set[str]) -> None:
         tree.nodes.remove(node)
 
 
+@dataclass(frozen=True)
+class _Shown:
+    """What a material's branches are made of now: a lobe set, the stack that it is told, and the key of what was computed.
+
+    The key is empty where nothing is computed, or not yet: then a method that takes no time stands in.
+    """
+
+    made: Made
+    stack: Stack
+    key: str = ""
+    follows: bool = False
+    """Whether its shader follows live values, which stock nodes do not."""
+
+
 def refresh(material: bpy.types.Material, settle: bool = False, progress: Callable[[float], None] | None = None) -> None:
     """Make both branches follow the structure, and, where they hold values (tables), the present values.
 
@@ -162,37 +178,56 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
     share done and may raise to cancel. Raises LaminaError; then the material is as before.
     """
     require_editable(material)
-    lamina, branches = material.lamina, branches_here(material.lamina.backend)
     owners = _owners(material)
-    waits = lamina.tier in HOLD_VALUES
-    wanted = wanted_lobes(material) if waits else None
-    told = wanted.stack if wanted else _structure(material) if OSL in branches else stack_of(material)
-    settled = wanted is None or settle or wanted.is_known()
-    lobe_set = make_lobe_set(told, PROVISIONAL_TIER) if not settled else wanted.make(progress) if waits else make_lobe_set(told, lamina.tier)
-    key = wanted.key if wanted and settled else ""
+    shown = _shown(material, settle, progress)
     with replacing_branches(material) as surface:
-        if OSL in branches:
-            shader = generate(lobe_set)
-            script = surface.script(shader, owners)
-            _note(script, content(told, live_values(material)) if holds_values(lobe_set) else "", key)
-            lamina.lobe_count = shader.lobe_count
-        elif lamina.backend == AUTO and _script_serves(material, lobe_set):
-            surface.keep(OSL)
-        if NODES in branches:
-            same = OSL not in branches or waits and not wanted.live
-            tables = _make_stock(surface, material, owners, *((lobe_set, key) if same else (None, "")))
-            lamina.lobe_count = lamina.lobe_count if OSL in branches else closure_count(tables)
-    others = ", ".join(sorted(tiers_of(lobe_set) - {lamina.tier}))
-    stand_in = f"{others}, as the tier {lamina.tier} knows no thin films" if others and not waits else ""
-    many = f"{lamina.lobe_count} closures, more than the {MAX_CLOSURES} that OptiX takes" if lamina.lobe_count > MAX_CLOSURES else ""
-    notes = [lobe_set.reason if wanted and settled else stand_in, left_out(told) if OSL not in branches else "", many]
+        _write_branches(surface, material, shown, owners)
+    _keep_facts(material.lamina, shown)
+    hand_over(material, settle)
+    _arrange(material.lamina, node_with(material, branches_here(material.lamina.backend)[0]))
+    keep_record(material)
+
+
+def _shown(material: bpy.types.Material, settle: bool, progress: Callable[[float], None] | None) -> _Shown:
+    lamina = material.lamina
+    if not holds_values(lamina.tier):
+        stack = _structure(material) if OSL in branches_here(lamina.backend) else stack_of(material)
+        return _Shown(make_lobe_set(stack, lamina.tier), stack, follows=True)
+    wanted = wanted_lobes(material)
+    if settle or wanted.is_known():
+        return _Shown(wanted.make(progress), wanted.stack, wanted.key, bool(wanted.live))
+    return _Shown(make_lobe_set(wanted.stack, PROVISIONAL_METHOD), wanted.stack, follows=bool(wanted.live))
+
+
+def _write_branches(surface: Surface, material: bpy.types.Material, shown: _Shown, owners: dict[str, bpy.types.Node]) -> None:
+    lamina, branches = material.lamina, branches_here(material.lamina.backend)
+    if OSL in branches:
+        shader = generate(shown.made)
+        _note(surface.script(shader, owners), content(shown.stack, live_values(material)) if has_tables(shown.made) else "", shown.key)
+        lamina.lobe_count = shader.lobe_count
+    elif lamina.backend == AUTO and _script_serves(material, shown.made):
+        surface.keep(OSL)
+    if NODES in branches:
+        same = OSL not in branches or not shown.follows
+        tables = _make_stock(surface, material, owners, *((shown.made, shown.key) if same else (None, "")))
+        lamina.lobe_count = lamina.lobe_count if OSL in branches else closure_count(tables)
+
+
+def _keep_facts(lamina, shown: _Shown) -> None:
+    """Keep what the panel says of a shader: why it is what it is, its error and cost."""
+    made, notes = shown.made, []
+    if shown.key:
+        notes.append(made.reason)
+    elif not holds_values(lamina.tier) and (others := ", ".join(sorted(live_methods(made) - {lamina.tier}))):
+        notes.append(f"{others}, as the tier {lamina.tier} knows no thin films")
+    if OSL not in branches_here(lamina.backend):
+        notes.append(left_out(shown.stack))
+    if lamina.lobe_count > MAX_CLOSURES:
+        notes.append(f"{lamina.lobe_count} closures, more than the {MAX_CLOSURES} that OptiX takes")
     lamina.note = "; ".join(filter(None, notes))
     lamina.schema_version = max(lamina.schema_version, SCHEMA_VERSION)
-    error = estimated_error(lobe_set)
-    lamina.error, lamina.cost = -1.0 if error is None else 100.0 * error, estimated_cost(lobe_set)
-    hand_over(material, settle)
-    _arrange(lamina, node_with(material, branches[0]))
-    keep_record(material)
+    error = estimated_error(made)
+    lamina.error, lamina.cost = -1.0 if error is None else 100.0 * error, estimated_cost(made)
 
 
 def hand_over(material: bpy.types.Material, settle: bool = False) -> None:
@@ -213,7 +248,7 @@ def refresh_stock(material: bpy.types.Material, settle: bool = False) -> None:
     """
     require_editable(material)
     owners, lobe_set, key = _owners(material), None, ""
-    if material.lamina.tier in HOLD_VALUES:
+    if holds_values(material.lamina.tier):
         wanted = wanted_lobes(material)
         if not wanted.live and (settle or wanted.is_known()):
             lobe_set, key = wanted.make(), wanted.key
@@ -247,7 +282,7 @@ def _make_stock(surface: Surface, material, owners, lobe_set, key: str):
     stack = stack_of(material)
     if lobe_set is None:
         tier = material.lamina.tier
-        lobe_set = make_lobe_set(stack, PROVISIONAL_TIER if tier in HOLD_VALUES else tier)
+        lobe_set = make_lobe_set(stack, PROVISIONAL_METHOD if holds_values(tier) else tier)
     tables = stock_tables(lobe_set)
     _note(surface.stock(tables, owners), content(stack), key)
     return tables

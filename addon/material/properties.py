@@ -11,8 +11,8 @@ from contextlib import contextmanager
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty, StringProperty
 
-from ...reference_py.lobes.methods import DEFAULT_TIER, TIERS
-from ...reference_py.lobes.methods.auto import DEFAULT_TOLERANCE
+from ...reference_py.lobes.made import DEFAULT_TOLERANCE
+from ...reference_py.lobes.methods import DEFAULT_METHOD, METHODS
 from ...reference_py.material.schema import SCHEMA, SCHEMA_VERSION, Schema
 from .backend import AUTO, BACKENDS, DEFAULT_BACKEND, NODES, OSL
 from .selection import select_layer, selected_layer
@@ -20,13 +20,6 @@ from .selection import select_layer, selected_layer
 _NOT_ANIMATABLE: set[str] = set()
 _ACRONYMS = {"ggx": "GGX"}
 _BACKEND_LABELS = {AUTO: "Automatic", OSL: "OSL", NODES: "Stock Nodes"}
-
-_TIER_HELP = {
-    "auto": "Live while values change; when they rest, the cheapest shader whose error stays under the tolerance",
-    "baked": "The truth, computed once when values rest and fitted by few lobes: closest and cheapest",
-    "analytic": "Every value live, all reflections between the layers computed while shading: for textures and animation of many values",
-    "weidlich_wilkie": "Every value live, as the paper of 2007 has it, whose energy is far from the truth's",
-}
 
 _quiet = False
 _followers: list[Callable[[bpy.types.Material, str], None]] = []
@@ -118,8 +111,8 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     tier: EnumProperty(
         name="Tier",
         description="How the stack is told to Cycles",
-        items=[(name, name.replace("_", " ").title(), _TIER_HELP[name]) for name in TIERS],
-        default=DEFAULT_TIER,
+        items=[(name, name.replace("_", " ").title(), row.help) for name, row in METHODS.items()],
+        default=DEFAULT_METHOD,
         options=_NOT_ANIMATABLE,
         update=_update("tier"),
     )

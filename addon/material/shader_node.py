@@ -40,6 +40,12 @@ def backend_of(material: bpy.types.Material) -> str:
     return NODES if node_with(material, OSL) is None and node_with(material, NODES) is not None else OSL
 
 
+def lost_group(material: bpy.types.Material) -> bool:
+    """Whether the node of the stock nodes is there without its group."""
+    stock = node_with(material, NODES)
+    return stock is not None and stock.node_tree is None
+
+
 def shader_of(material: bpy.types.Material) -> bpy.types.Node | None:
     """The branch that this Blender renders: the script where it has OSL; None where somebody deleted both."""
     script, stock = node_with(material, OSL), node_with(material, NODES)

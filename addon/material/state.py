@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import bpy
 
 from ...reference_py.errors import LaminaError
+from ...reference_py.lobes import methods
 from ...reference_py.lobes.cache import content
-from ...reference_py.lobes.methods import HOLD_VALUES, TIERS, AutoLobes
-from ...reference_py.lobes.methods.auto import DEFAULT_TOLERANCE
+from ...reference_py.lobes.made import DEFAULT_TOLERANCE, Made
+from ...reference_py.material.place import Place
 from ...reference_py.material.stack import Stack
 from ..shader.inputs import PRIMARIES
 from ..shader.nodes.node_groups import is_in_working_space as group_is_in_working_space
@@ -31,27 +32,27 @@ class Wanted:
     """The lobe set that a material's tier stands for, before it is made."""
 
     stack: Stack
-    tier: str
-    live: tuple[tuple[int, str], ...] = ()
+    method: str
+    live: tuple[Place, ...] = ()
     tolerance: float = DEFAULT_TOLERANCE
 
     @property
-    def _options(self) -> dict:
-        return {"live": self.live} | ({"tolerance": self.tolerance} if self.tier == AutoLobes.tier else {})
-
-    @property
     def key(self) -> str:
-        return TIERS[self.tier].key(self.stack, **self._options)
+        return methods.key_of(self.stack, self.method, live=self.live, tolerance=self.tolerance)
 
     def is_known(self) -> bool:
-        return TIERS[self.tier].is_known(self.stack, **self._options)
+        return methods.is_known(self.stack, self.method, live=self.live, tolerance=self.tolerance)
 
-    def make(self, progress: Callable[[float], None] | None = None):
-        return TIERS[self.tier](self.stack, progress=progress, **self._options)
+    def make(self, progress: Callable[[float], None] | None = None) -> Made:
+        return methods.make_lobe_set(self.stack, self.method, live=self.live, tolerance=self.tolerance, progress=progress)
+
+    def put(self, key: str, packed: list[dict]) -> None:
+        """Keep what another process computed."""
+        methods.put(key, self.stack, self.method, packed)
 
 
 def wanted_lobes(material: bpy.types.Material) -> Wanted:
-    """What a material's tier, one of HOLD_VALUES, wants for its present values. Raises LaminaError for bad values and too many layers."""
+    """What a material's tier, of those that compute first, wants for its present values. Raises LaminaError for bad values and too many layers."""
     lamina = material.lamina
     stack = stack_of(material)
     require_shader(stack, lamina.backend)
@@ -88,7 +89,7 @@ def is_in_working_space(node: bpy.types.Node) -> bool:
 
 def is_settled(material: bpy.types.Material) -> bool:
     """Whether what this Blender renders is what the material's tier stands for, and not what stands in for it."""
-    if material.lamina.tier not in HOLD_VALUES:
+    if not methods.holds_values(material.lamina.tier):
         return True
     return note_of(shader_of(material), SETTLED, material) == wanted_lobes(material).key
 
@@ -114,4 +115,4 @@ def lags(material: bpy.types.Material) -> bool:
         return False
     told, settled = note_of(stock, TOLD, material), note_of(stock, SETTLED, material)
     expected = "" if live_values(material) else note_of(script, SETTLED, material)
-    return told != now or not is_in_working_space(stock) or (material.lamina.tier in HOLD_VALUES and settled != expected)
+    return told != now or not is_in_working_space(stock) or (methods.holds_values(material.lamina.tier) and settled != expected)

@@ -4,7 +4,7 @@
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.lobes.methods import AutoLobes
+from ...reference_py.lobes.methods import auto
 from ..check import check
 from ..jobs import bakes, fitting
 from ..material.backend import NODES, OSL, branches_here, notice
@@ -72,7 +72,7 @@ def draw_shader(layout, context, material) -> None:
     """Tier and backend, what was chosen, and what it costs."""
     lamina = material.lamina
     draw_choice(layout, lamina, "tier")
-    if lamina.tier == AutoLobes.tier:
+    if lamina.tier == auto.NAME:
         layout.prop(lamina, "tolerance")
     layout.prop(lamina, "backend")
     script, stock = node_with(material, OSL), node_with(material, NODES)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..lobes.cache import content, known, remembered
+from ..lobes.cache import cached, content, get
 from ..material.schema import COVERAGE
 from ..material.stack import Stack
 from .matching import ColorMap
@@ -54,7 +54,7 @@ def provisional(stack: Stack) -> HandOver:
 
 def known_hand_over(stack: Stack, textured: bool) -> HandOver | None:
     """The solved one, if it was asked for before."""
-    return known(key_of(stack, textured), unpacked)
+    return get(key_of(stack, textured), unpacked)
 
 
 def solved(stack: Stack, textured: bool) -> HandOver:
@@ -64,9 +64,9 @@ def solved(stack: Stack, textured: bool) -> HandOver:
         converted = to_principled(stack, textured)
         return HandOver(converted.values, converted.owners, converted.report.match.soft_light, converted.colors)
 
-    return remembered(key_of(stack, textured), make, HandOver.packed, unpacked)
+    return cached(key_of(stack, textured), make, HandOver.packed, unpacked)
 
 
 def remember(stack: Stack, textured: bool, packed: dict) -> None:
     """Keep what a worker solved."""
-    remembered(key_of(stack, textured), lambda: unpacked(packed), HandOver.packed, unpacked)
+    cached(key_of(stack, textured), lambda: unpacked(packed), HandOver.packed, unpacked)

@@ -15,7 +15,7 @@ import numpy as np
 from ..material.schema import ANISOTROPY, NORMAL, THIN_FILM
 from ..material.stack import Element, Stack
 from ..optics.frame import spherical
-from ..optics.optical_stack import mean_alpha
+from ..optics.interface import Microfacets
 from ..registry import make_model
 from .report import Match
 from .slots import Slots
@@ -61,7 +61,7 @@ def _plain(element: Element) -> Element:
     left_out = {p.name for f in (ANISOTROPY, THIN_FILM, NORMAL) for p in f.parameters}
     values = {k: v for k, v in element.values.items() if k not in left_out}
     if element.has(ANISOTROPY):
-        values["roughness"] = mean_alpha(element) ** 0.5
+        values["roughness"] = Microfacets.of(element).alpha ** 0.5
     return Element(element.kind, MappingProxyType(values))
 
 

@@ -12,6 +12,7 @@ from ..material.stack import Stack
 from ..models.baselines import OpenPbrCoat
 from ..models.baselines.parts import metal_colors
 from ..optics.diffuse import fujii_roughness
+from ..optics.optical_stack import OpticalStack
 from .conversion import Converted, lost_if, require_finite, slots_to_stack, stack_to_slots
 from .principled import coat_ior_loss, effective_ior
 from .report import APPROXIMATED, KEPT, LOST, Loss, Report
@@ -48,7 +49,7 @@ def to_openpbr(stack: Stack) -> Converted:
         values |= _rough("coat", slots.coat.roughness, slots.coat.features, losses)
     features = slots.gloss.features if slots.gloss else slots.features
     if slots.is_metal:
-        values |= {"base_metalness": 1.0, "specular_color": tuple(metal_colors(slots.image(False))[1])}
+        values |= {"base_metalness": 1.0, "specular_color": tuple(metal_colors(OpticalStack.of(slots.image(False)))[1])}
         values |= _rough("specular", slots.roughness, features, losses)
     elif slots.gloss:
         values |= {"specular_ior": slots.gloss.eta * _above(slots)} | _rough("specular", slots.gloss.roughness, features, losses)

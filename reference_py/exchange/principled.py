@@ -7,6 +7,7 @@ from ..material.stack import Stack
 from ..models.baselines import PrincipledCoat
 from ..models.baselines.parts import dielectric_f0, metal_colors
 from ..optics.diffuse import fujii_roughness
+from ..optics.optical_stack import OpticalStack
 from .conversion import Converted, lost_if, require_finite, slots_to_stack, stack_to_slots
 from .report import APPROXIMATED, KEPT, LOST, Loss
 from .slots import BASE, COAT, GLOSS, Slots, Surface, edge_of_f82, sigma_of_fujii
@@ -50,7 +51,7 @@ def values_of(slots: Slots) -> dict:
         values |= {"Coat Weight": slots.coat_weight, "Coat Roughness": coat.roughness, "Coat IOR": coat.eta, "Coat Tint": tuple(slots.coat_tint)}
     features = gloss.features if gloss else slots.features
     if slots.is_metal:
-        tint = metal_colors(slots.image(False))[1]
+        tint = metal_colors(OpticalStack.of(slots.image(False)))[1]
         values |= {"Metallic": 1.0, "Specular Tint": tuple(tint), "Roughness": slots.roughness}
     elif gloss:
         values |= {"IOR": gloss.eta, "Roughness": gloss.roughness}

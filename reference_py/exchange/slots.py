@@ -8,9 +8,11 @@ import numpy as np
 from ..material.schema import ANISOTROPY, CONDUCTOR, COVERAGE, DIELECTRIC, NORMAL, THIN_FILM
 from ..material.stack import Element, Stack
 from ..models.baselines.parts import COS_82, conductor
+from ..optics.bases import ConductorBase, DiffuseBase
 from ..optics.colour import artist_color, artist_index
 from ..optics.diffuse import fujii_roughness
-from ..optics.optical_stack import conductor_index, mean_alpha, optical_depth
+from ..optics.interface import Microfacets, optical_depth
+from ..optics.optical_stack import OpticalStack
 from .report import APPROXIMATED, KEPT, LOST, Loss, shown
 
 BASE, COAT, GLOSS = "base", "coat", "gloss"
@@ -102,7 +104,7 @@ def sigma_of_fujii(roughness: float) -> float:
 
 def _isotropic(roughness: float, features: dict) -> float:
     """Roughness of the isotropic surface that stands for an anisotropic one."""
-    return mean_alpha(Element("dielectric", {"roughness": roughness, **features})) ** 0.5
+    return Microfacets.of(Element("dielectric", {"roughness": roughness, "distribution": "ggx", **features})).alpha ** 0.5
 
 
 def _layer(ior: float, roughness: float, tint=(1.0, 1.0, 1.0), thickness: float = 1.0) -> Element:
@@ -128,7 +130,7 @@ def from_stack(stack: Stack, name: str, room: frozenset[str] = frozenset()) -> P
     layers = [(i, e) for i, e in enumerate(stack.layers) if _is_there(i, e, losses, name)]
     working = [(i, e) for n, (i, e) in enumerate(layers) if e["ior"] != (layers[n - 1][1]["ior"] if n else 1.0)]
     tau = sum((optical_depth(e["tint"], e["thickness"]) for _, e in layers), np.zeros(3))
-    is_metal = stack.base.kind == "conductor"
+    is_metal = isinstance(OpticalStack.of(stack).base, ConductorBase)
     tinted = bool(np.max(tau) > _WHITE)
     as_gloss = (
         not is_metal and len(working) == 1 and not working[0][1].has(COVERAGE) and (not tinted or any(working[0][1].has(f) for f in (ANISOTROPY, THIN_FILM)))
@@ -176,13 +178,13 @@ def _base_slots(stack: Stack, n: float, losses: list[Loss], name: str) -> Slots:
     base = stack.base
     if base.has(NORMAL):
         losses.append(Loss("base normal", "", KEPT, "as the normal"))
-    if base.kind != "conductor":
-        sigma = base["sigma_deg"] if base.kind == "oren_nayar" else 0.0
+    optics = OpticalStack.of(stack).base
+    if isinstance(optics, DiffuseBase):
         losses.append(Loss("base color", base["color"], APPROXIMATED, "solved such that the mean albedo stays"))
-        if sigma:
-            losses.append(Loss("base sigma_deg", sigma, KEPT, "as diffuse roughness"))
-        return Slots(tuple(base["color"]), sigma_deg=sigma)
-    f0, edge = artist_color(*(part / n for part in conductor_index(base)))
+        if optics.sigma_deg:
+            losses.append(Loss("base sigma_deg", optics.sigma_deg, KEPT, "as diffuse roughness"))
+        return Slots(tuple(base["color"]), sigma_deg=optics.sigma_deg)
+    f0, edge = artist_color(optics.eta / n, optics.k / n)
     given = next(v for v in ("metal", "eta", "reflectance") if v in base)
     losses.append(Loss(f"base {given}", base[given], APPROXIMATED, "as reflectance at 0 and 82 degrees, solved such that the mean albedo stays"))
     losses.append(Loss("base roughness", base["roughness"], KEPT, "as roughness"))

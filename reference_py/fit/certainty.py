@@ -2,7 +2,7 @@
 """How well data determine parameters: standard errors, and the names of those that are not determined.
 
 The Jacobian tells how far values may move in a straight line. Valleys are curved, so each value that may move far is also
-held elsewhere while the others are fitted again, on the stand-in with what it lacks (a profile likelihood). There may also be
+pinned at other places while the others are fitted again, on the stand-in plus its discrepancy (a profile likelihood). There may also be
 several valleys: what fits from other starts disagree on, though they are as good as far as the stand-in can tell, is not
 determined either: else wrong ones are called determined below two layers (tests/reference_py/test_fit.py, "disagree").
 """
@@ -14,13 +14,13 @@ import numpy as np
 from .fitting import Fit, rough_fits
 from .forward import MODEL_ERROR, stand_in
 from .metric import rms
-from .profile_likelihood import COHERENT_ERROR, MOST_ALIKE, held, loose, straight
+from .profile_likelihood import COHERENT_ERROR, MOST_ALIKE, pinned, straight, weakly_determined
 from .readers.measurement import half_angles
 
 # A value is not determined when its standard error exceeds this part of it.
 OF_VALUE = 0.05
 _AT_BOUND, _MOST_PAIRS = 1e-4, 1500
-# Where loose coordinates are held.
+# Where weakly determined coordinates are pinned.
 _PLACES = (0.1, 0.5, 0.9, 1.0)
 # Starts of other fits.
 _STARTS = 8
@@ -76,13 +76,13 @@ def certainty(fit: Fit) -> list[Value]:
 
 
 def _reach(fit: Fit, error: np.ndarray) -> np.ndarray:
-    """(p,) how far coordinates move where loose ones are held elsewhere and the data are met as well, as far as models go."""
+    """(p,) how far coordinates move where weakly determined ones are pinned and the data are met as well, as far as models go."""
     coarse, _ = stand_in(fit.model, fit.parameters, fit.metric)
     reach = np.zeros(len(error))
     for group in fit.parameters.groups:
-        which = np.intersect1d(loose(error), group.index)
+        which = np.intersect1d(weakly_determined(error), group.index)
         for place in _PLACES if len(which) else ():
-            found = held(coarse, fit.residual, fit.x, which, place)
+            found = pinned(coarse, fit.residual, fit.x, which, place)
             if rms(found.residual) <= np.hypot(fit.error, MODEL_ERROR):
                 reach = np.maximum(reach, np.abs(found.x - fit.x))
     return reach
@@ -91,6 +91,6 @@ def _reach(fit: Fit, error: np.ndarray) -> np.ndarray:
 def _disagreement(fit: Fit) -> np.ndarray:
     """(p,) how far values of fits from several starts lie apart, of those that are as good as far as the stand-in can tell."""
     found = rough_fits(fit.metric, fit.structure, fit.model, _STARTS, np.random.default_rng(0))
-    as_good = np.hypot(rms(found[0].residual), max(rms(fit.lack), MODEL_ERROR))
+    as_good = np.hypot(rms(found[0].residual), max(rms(fit.discrepancy), MODEL_ERROR))
     near = [other.x for other in found if rms(other.residual) <= as_good]
     return np.ptp([fit.parameters.values(x) for x in near], axis=0)

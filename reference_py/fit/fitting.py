@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The fit of one structure to one measurement.
 
-Guesses are improved on the stand-in of a slow model (`forward`), then the model itself is asked: the stand-in plus what
-it lacks at the last point is fitted (Bandler et al. 2004, "Space Mapping: The State of the Art"), where what it lacks is kept as a linear
+Guesses are improved on the stand-in of a slow model (`forward`), then the model itself is asked: the stand-in plus its
+discrepancy at the last point is fitted (Bandler et al. 2004, "Space Mapping: The State of the Art"), where the discrepancy is kept as a linear
 function that every evaluation corrects by one rank (Broyden 1965, "A Class of Methods for Solving Nonlinear
 Simultaneous Equations"). So the truth is evaluated about once per step.
 """
@@ -17,8 +17,8 @@ from ..material.stack import Stack
 from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, Forward, require_fittable, stand_in
 from .metric import Metric, percent, rms
 from .parameters import Parameters, Structure
-from .prior import FINE, ROUGH, SETTLED, pulled
-from .profile_likelihood import held, loose, straight
+from .prior import FINE, POLISHED, ROUGH, pulled
+from .profile_likelihood import pinned, straight, weakly_determined
 from .readers.measurement import Measurement, subsample
 from .solve import Solution
 from .starts import best_starts
@@ -32,9 +32,9 @@ _DIRECT_STEPS, _CORRECTED_STEPS = 60, 8
 _RADIUS, _STILL, _LEAST_RADIUS = 0.25, 2e-5, 1e-3
 # A step that gains less than this part of the error is idle; so many in a row are enough.
 _IDLE, _PATIENCE = 1e-2, 2
-# Further beginnings: where loose coordinates are held, or None for where the fit ended, as its derivatives have changed.
+# Further beginnings: where weakly determined coordinates are pinned, or None for where the fit ended, as its derivatives have changed.
 _BEGINNINGS = (None, 1.0, None)
-# A fit within this is begun again elsewhere, as there may be a better one; noise and what no stack explains are more.
+# A fit within this is begun again from another place, as there may be a better one; noise and what no stack explains are more.
 _NEAR = 2.0 * MODEL_ERROR
 # Good enough, as a residual: an order below the accuracy of `adding`.
 _EXACT = 3e-4
@@ -58,8 +58,8 @@ class Fit:
     residual: np.ndarray
     jacobian: np.ndarray
     evaluations: int
-    lack: np.ndarray
-    """What the stand-in lacks here, (m,)."""
+    discrepancy: np.ndarray
+    """The stand-in's model discrepancy here, (m,): what it lacks to the model."""
     options: Mapping = field(default_factory=dict)
     """Those of the model, such as `QUICK`; none are its own settings."""
 
@@ -109,7 +109,7 @@ def _solved(forward: Forward, x: np.ndarray, pull: float, tolerance: float, step
     return pulled(forward.parameters, pull, forward.residual, forward.jacobian, x, zero, one, steps, tolerance)
 
 
-def refined(
+def corrected(
     metric: Metric,
     structure: Structure,
     model: str,
@@ -126,24 +126,24 @@ def refined(
     parameters = Parameters(structure, metric.measurement.channels)
     coarse, is_other = stand_in(model, parameters, metric)
     if not is_other:
-        solved = _solved(coarse, x, SETTLED, 1e-6, _DIRECT_STEPS)
+        solved = _solved(coarse, x, POLISHED, 1e-6, _DIRECT_STEPS)
         return Fit(model, parameters, metric, solved.x, solved.residual, solved.jacobian, solved.steps, np.zeros(len(solved.residual)))
     fine = Forward(model, tuple(options.items()), parameters, metric)
-    radius, pull = (_RADIUS, FINE) if slopes is None else (0.5 * _RADIUS, SETTLED)
+    radius, pull = (_RADIUS, FINE) if slopes is None else (0.5 * _RADIUS, POLISHED)
     at, value, base = x, fine.compressed(x), coarse.compressed(x)
     target = metric.compressed(metric.measurement.f).ravel()
-    lacks = np.zeros((len(value), parameters.size)) if slopes is None else slopes - coarse.jacobian(x)
+    discrepancy_slopes = np.zeros((len(value), parameters.size)) if slopes is None else slopes - coarse.jacobian(x)
     evaluations, idle = 1, 0
     for step in range(steps):
-        lack = value - base
-        solved = corrected(coarse, lack, lacks, at, radius, target, pull)
+        discrepancy = value - base
+        solved = space_mapping_step(coarse, discrepancy, discrepancy_slopes, at, radius, target, pull)
         moved = solved.x - at
         if np.max(np.abs(moved)) < _STILL:
             break
         new, new_base = fine.compressed(solved.x), coarse.compressed(solved.x)
         evaluations += 1
-        change = (new - new_base) - lack - lacks @ moved
-        lacks = lacks + np.outer(change, moved) / (moved @ moved)
+        change = (new - new_base) - discrepancy - discrepancy_slopes @ moved
+        discrepancy_slopes = discrepancy_slopes + np.outer(change, moved) / (moved @ moved)
         before, after = rms(value - target), rms(new - target)
         if after < before:
             at, value, base = solved.x, new, new_base
@@ -160,11 +160,11 @@ def refined(
         if progress is not None:
             progress((step + 1) / steps)
     # without the model's own derivatives those of the stand-in: updates of one rank say nothing of directions not taken
-    jacobian = coarse.jacobian(at) if slopes is None else coarse.jacobian(at) + lacks
+    jacobian = coarse.jacobian(at) if slopes is None else coarse.jacobian(at) + discrepancy_slopes
     return Fit(model, parameters, metric, at, value - target, jacobian, evaluations, value - base, options)
 
 
-def settled(
+def polished(
     fit: Fit,
     progress: Progress | None = None,
     options: Mapping = MappingProxyType({}),
@@ -173,7 +173,7 @@ def settled(
     """The fit continued with the model's own derivatives, which are then those of the result.
 
     They cost as much as a third of their number of evaluations, since tints and colors share what their surfaces do. A
-    fit that explains the data, but not to the last, is begun again, there and elsewhere, as there may be a better one.
+    fit that explains the data, but not to the last, is begun again, there and where weak values are pinned, as there may be a better one.
     """
     coarse, is_other = stand_in(fit.model, fit.parameters, fit.metric)
     if not is_other:
@@ -182,7 +182,7 @@ def settled(
 
     def continued(x: np.ndarray, turn: int) -> Fit:
         part = share_of(progress, turn / (1 + len(_BEGINNINGS)), (turn + 1) / (1 + len(_BEGINNINGS)))
-        more = refined(fit.metric, fit.structure, fit.model, x, steps, part, options, quick.jacobian(x))
+        more = corrected(fit.metric, fit.structure, fit.model, x, steps, part, options, quick.jacobian(x))
         if part is not None:
             part(1.0)
         return replace(more, evaluations=more.evaluations + len(fit.parameters.groups) + 1)
@@ -192,28 +192,28 @@ def settled(
     for turn, place in enumerate(_BEGINNINGS, start=1):
         if not 2.0 * _EXACT < best.error < _NEAR:
             break
-        which = loose(straight(best.jacobian))
-        x = best.x if place is None else held(coarse, best.residual, best.x, which, place).x
+        which = weakly_determined(straight(best.jacobian))
+        x = best.x if place is None else pinned(coarse, best.residual, best.x, which, place).x
         other = continued(x, turn)
         evaluations += other.evaluations
         best = min(best, other, key=lambda f: f.error)
     return replace(best, evaluations=evaluations)
 
 
-def corrected(
+def space_mapping_step(
     coarse: Forward,
-    lack: np.ndarray,
-    lacks: np.ndarray,
+    discrepancy: np.ndarray,
+    discrepancy_slopes: np.ndarray,
     at: np.ndarray,
     radius: float,
     target: np.ndarray,
     pull: float = FINE,
 ) -> Solution:
-    """Fit of the stand-in plus `lack` (m,) at coordinates `at` (p,), which changes by `lacks` (m, p), near them."""
+    """Fit of the stand-in plus its `discrepancy` (m,) at coordinates `at` (p,), which changes by `discrepancy_slopes` (m, p), near them."""
     return pulled(
         coarse.parameters, pull,
-        lambda y: coarse.compressed(y) + lack + lacks @ (y - at) - target,
-        lambda y, r: coarse.jacobian(y) + lacks,
+        lambda y: coarse.compressed(y) + discrepancy + discrepancy_slopes @ (y - at) - target,
+        lambda y, r: coarse.jacobian(y) + discrepancy_slopes,
         at, np.maximum(at - radius, 0.0), np.minimum(at + radius, 1.0), _CORRECTED_STEPS, 1e-5,
     )  # fmt: skip
 
@@ -228,9 +228,9 @@ def fit_structure(
     progress: Progress | None = None,
     options: Mapping = MappingProxyType({}),
 ) -> Fit:
-    """The best stack of one structure; `options` as in `refined`. Raises LaminaError for a model that cannot be fitted."""
+    """The best stack of one structure; `options` as in `corrected`. Raises LaminaError for a model that cannot be fitted."""
     require_fittable(model)
     metric = subsampled(measurement, samples, seed)
     rough = rough_fits(metric, structure, model, starts, np.random.default_rng(seed))
-    first = refined(metric, structure, model, rough[0].x, _FIRST_STEPS, share_of(progress, 0.0, 0.5), options)
-    return settled(first, share_of(progress, 0.5, 1.0), options)
+    first = corrected(metric, structure, model, rough[0].x, _FIRST_STEPS, share_of(progress, 0.0, 0.5), options)
+    return polished(first, share_of(progress, 0.5, 1.0), options)

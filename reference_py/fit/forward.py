@@ -21,7 +21,7 @@ DEFAULT_MODEL = "adding"
 # Residuals are never believed to be smaller than this: the accuracy of `adding`'s f.
 MODEL_ERROR = 0.005
 # What stands in for a slow model: a model's name and options.
-_STAND_IN = {"adding": ("mirror", {"tier": "analytic"})}
+_STAND_IN = {"adding": ("closure_model", {"tier": "analytic"})}
 # Coarser and about twice as fast: within .1 % in the median, some percent near grazing angles. For choosing a structure.
 QUICK = {"adding": {"nodes": 16, "modes": 40}}
 _STEP = 1e-4

@@ -24,8 +24,8 @@ USUAL = {
     "color": (0.5, 1.8),
 }
 # Residual per unit of a coordinate, as far as what is fitted can be trusted: the stand-in errs by percents, the model by
-# half a percent, and what is settled is left alone.
-ROUGH, FINE, SETTLED = 0.4, 0.1, 0.02
+# half a percent, and what is polished is hardly pulled.
+ROUGH, FINE, POLISHED = 0.4, 0.1, 0.02
 
 
 def pulled(

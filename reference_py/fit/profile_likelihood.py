@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fits that lie far from the one that was found: how far values may move, and what the others do if one is held elsewhere.
+"""Profile likelihood, fits far from the one that was found: how far values may move, and what the others do if one is pinned.
 
 Metals have them: one and the same color towards grazing comes from two edge colors, beside different tints above.
 """
@@ -12,8 +12,8 @@ from .solve import Solution, least_squares
 # What is as alike as this counts as (1 + r) / (1 - r) times fewer residuals; the model's own error is as alike as any.
 MOST_ALIKE = 0.95
 COHERENT_ERROR = MODEL_ERROR * np.sqrt((1.0 + MOST_ALIKE) / (1.0 - MOST_ALIKE))
-# A coordinate that may move so far is loose.
-_LOOSE, _STEPS, _TOLERANCE = 0.15, 8, 1e-4
+# A coordinate that may move so far is weakly determined.
+_WEAK, _STEPS, _TOLERANCE = 0.15, 8, 1e-4
 
 
 def straight(jacobian: np.ndarray, deviation: float = COHERENT_ERROR) -> np.ndarray:
@@ -24,15 +24,15 @@ def straight(jacobian: np.ndarray, deviation: float = COHERENT_ERROR) -> np.ndar
     return deviation * np.sqrt(np.sum(np.square(directions / singular[:, None]), axis=0))
 
 
-def loose(errors: np.ndarray) -> np.ndarray:
+def weakly_determined(errors: np.ndarray) -> np.ndarray:
     """(k,) the coordinates that may move far, of standard errors (p,)."""
-    return np.flatnonzero(errors > _LOOSE)
+    return np.flatnonzero(errors > _WEAK)
 
 
-def held(coarse: Forward, residual: np.ndarray, x: np.ndarray, which: np.ndarray, place: float) -> Solution:
-    """The other values fitted again while coordinates `which` (k,) are held at `place`; `residual` (m,) is that at x (p,).
+def pinned(coarse: Forward, residual: np.ndarray, x: np.ndarray, which: np.ndarray, place: float) -> Solution:
+    """The other values fitted again while coordinates `which` (k,) are pinned at `place`; `residual` (m,) is that at x (p,).
 
-    On the stand-in with what it lacks at x: its own curves reach farther than the model's derivatives at one point.
+    On the stand-in plus its discrepancy at x: its own curves reach farther than the model's derivatives at one point.
     """
     fixed = residual - coarse.compressed(x)
     low, high = np.zeros(len(x)), np.ones(len(x))

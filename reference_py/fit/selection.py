@@ -5,7 +5,7 @@ Structures are judged by the Bayesian information criterion (Schwarz 1978, "Esti
 n log(error^2) + p log(n). n counts pairs of directions as far as their residuals are independent, since what no stack can
 say would ask for ever more layers otherwise. No error counts as less than `MODEL_ERROR`: below the model's own accuracy
 there is nothing to explain. Layers are added as long as the criterion falls; the first that it does not ask for is fitted
-too, to say what it gains. All that is at the model's quick settings, unless what those lack could pass for a layer.
+too, to say what it gains. All that is at the model's quick settings, unless their discrepancy could pass for a layer.
 """
 
 from collections.abc import Callable
@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import LaminaError
 from ..material.schema import DIELECTRIC
 from .certainty import independent_pairs
-from .fitting import SAMPLES, Fit, Progress, corrected, refined, rough_fits, settled, share_of, subsampled
+from .fitting import SAMPLES, Fit, Progress, corrected, polished, rough_fits, share_of, space_mapping_step, subsampled
 from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, require_fittable, stand_in
 from .metric import Metric, percent
 from .parameters import BASES, Parameters, Structure
@@ -29,7 +29,7 @@ _AUTO_LAYERS = 3
 _LOOK_STEPS, _STARTS, _MORE_STARTS = 1, 3, 2
 # Further steps of the best base before counts of layers are compared, and the most of the chosen fit.
 _COMPARED_STEPS, _LAST_STEPS = 2, 4
-# What quick settings lack is at most about half of the first, and cannot pass for a gain as large as the second (a part of the error).
+# The discrepancy of quick settings is at most about half of the first, and cannot pass for a gain as large as the second (a part of the error).
 _CLEAR_ERROR, _CLEAR_GAIN = 0.05, 0.2
 # Bases whose squared rough error is so many times the best's so far are not looked at more closely.
 _FAR = 6.0
@@ -112,7 +112,7 @@ def select(
     chosen = tried[-1]
     if layers == AUTO and len(tried) > 1 and not supported(tried[-1], tried[-2]):
         chosen = tried[-2]
-    best = settled(search.with_best_surfaces(chosen), share_of(progress, begun, 1.0), steps=_LAST_STEPS)
+    best = polished(search.with_best_surfaces(chosen), share_of(progress, begun, 1.0), steps=_LAST_STEPS)
     done(1.0)
     tried = [best if fit is chosen else fit for fit in tried]
     return Selection(best, tuple(tried), _reason(best, tried, layers))
@@ -157,7 +157,7 @@ class _Search:
         return self._by_base
 
     def _quick(self, structure: Structure, x: np.ndarray, steps: int) -> Fit:
-        return refined(self.metric, structure, self.model, x, steps, options=QUICK.get(self.model, {}))
+        return corrected(self.metric, structure, self.model, x, steps, options=QUICK.get(self.model, {}))
 
     def closer(self, fit: Fit) -> Fit:
         """A quick fit continued; more layers begin from it."""
@@ -166,7 +166,7 @@ class _Search:
 
     def at_own_settings(self, fit: Fit) -> Fit:
         """The fit continued at the model's own settings, if it is not one already."""
-        return refined(self.metric, fit.structure, self.model, fit.x, _COMPARED_STEPS) if fit.options else fit
+        return corrected(self.metric, fit.structure, self.model, fit.x, _COMPARED_STEPS) if fit.options else fit
 
     @staticmethod
     def promising(count: int, found: dict[str, Fit], bases: tuple[str, ...]) -> tuple[str, ...]:
@@ -185,9 +185,9 @@ class _Search:
             structure = replace(fit.structure, distributions=other)
             coarse, _ = stand_in(self.model, Parameters(structure, fit.parameters.channels), self.metric)
             target = self.metric.compressed(self.metric.measurement.f).ravel()
-            guess = corrected(coarse, fit.lack, np.zeros(fit.jacobian.shape), fit.x, 0.3, target)
+            guess = space_mapping_step(coarse, fit.discrepancy, np.zeros(fit.jacobian.shape), fit.x, 0.3, target)
             if guess.cost < _BETTER * float(fit.residual @ fit.residual):
-                trial = refined(self.metric, structure, self.model, guess.x, _COMPARED_STEPS, options=fit.options)
+                trial = corrected(self.metric, structure, self.model, guess.x, _COMPARED_STEPS, options=fit.options)
                 fit = min(fit, trial, key=lambda f: f.error)
         return fit
 

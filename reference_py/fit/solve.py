@@ -63,12 +63,12 @@ def least_squares(
         if np.max(np.abs(moved)) < tolerance:
             break
         if new_cost < cost:
-            settled = cost - new_cost < tolerance * cost
+            converged = cost - new_cost < tolerance * cost
             gain = (cost - new_cost) / expected if expected > 0.0 else 0.0
             x, r, cost = trial, new, new_cost
             damping, growth = max(damping * max(1.0 / 3.0, 1.0 - (2.0 * gain - 1.0) ** 3), _LEAST_DAMPING), 2.0
             j = jacobian(x, r)
-            if settled:
+            if converged:
                 break
         else:
             damping, growth = damping * growth, 2.0 * growth

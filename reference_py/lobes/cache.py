@@ -15,6 +15,7 @@ from typing import TypeVar
 from ..atomic import write_text
 from ..errors import LaminaError
 from ..material.coverage import covered_layers
+from ..material.place import Place, places
 from ..material.schema import ANISOTROPY, COVERAGE, NORMAL, THIN_FILM
 from ..material.stack import Stack
 from ..models.adding.model import Adding
@@ -41,27 +42,27 @@ def keep_in(folder: Path | None, complain: Callable[[str], None] = print) -> Non
     _folder, _complain = folder, complain
 
 
-def remembered(key: str, make: Callable[[], T], pack: Callable[[T], dict], unpack: Callable[[dict], T]) -> T:
+def cached(key: str, make: Callable[[], T], pack: Callable[[T], dict], unpack: Callable[[dict], T]) -> T:
     """What `make` gave under this key before, or gives now. `pack` makes JSON's types of it and `unpack` takes them."""
-    found = known(key, unpack)
+    found = get(key, unpack)
     if found is None:
         found = make()
-        _remember(key, found)
+        _keep(key, found)
         _write(key, pack(found))
     return found
 
 
-def known(key: str, unpack: Callable[[dict], T]) -> T | None:
+def get(key: str, unpack: Callable[[dict], T]) -> T | None:
     """What is kept under a key; None if nothing is. A file that cannot be read counts as nothing."""
     if key not in _memory and _folder is not None:
         try:
-            _remember(key, unpack(json.loads(_file(key).read_text(encoding="utf-8"))))
+            _keep(key, unpack(json.loads(_file(key).read_text(encoding="utf-8"))))
         except (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, RecursionError):
             return None
     return _memory.get(key)
 
 
-def _remember(key: str, value) -> None:
+def _keep(key: str, value) -> None:
     if len(_memory) >= _LIMIT:
         _memory.pop(next(iter(_memory)))
     _memory[key] = value
@@ -98,14 +99,13 @@ def _code() -> str:
     return digest.hexdigest()
 
 
-def content(stack: Stack, live: tuple[tuple[int, str], ...] = ()) -> str:
-    """A hash of what a stack is made of. Of values that are live, as (index of the layer or -1, parameter), and of what
-    every shader reads live, only that they are there."""
+def content(stack: Stack, live: tuple[Place, ...] = ()) -> str:
+    """A hash of what a stack is made of. Of values that are live, and of what every shader reads live, only that they are there."""
     elements = [
-        [e.kind, *((name, None if name in ALWAYS_LIVE or (i, name) in live else _rounded(value)) for name, value in sorted(e.values.items()))]
-        for i, e in [*enumerate(stack.layers), (-1, stack.base)]
+        [e.kind, *((name, None if name in ALWAYS_LIVE or Place(i, name) in live else _rounded(value)) for name, value in sorted(e.values.items()))]
+        for i, e in places(stack)
     ]
-    return hashlib.sha256(json.dumps([elements, live]).encode()).hexdigest()
+    return hashlib.sha256(json.dumps([elements, [place.pair() for place in live]]).encode()).hexdigest()
 
 
 def truth_of(stack: Stack):

@@ -10,9 +10,9 @@ import numpy as np
 from ..optics.diffuse import oren_nayar
 from ..optics.frame import normalize, reflect
 from ..optics.fresnel import fresnel_dielectric
+from ..optics.ggx import ggx_visible_normals
 from ..optics.microfacet import GGX, anisotropic_distribution, is_specular, smith_lambda_stretched
 from ..optics.quadrature import cosine_directions, points
-from ..optics.sampling import ggx_visible_normals
 from ..optics.thin_film import film_reflectance
 from .lobe import DielectricCurve, DiffuseLobe, FilmCurve, GlossyLobe, SchlickCurve
 

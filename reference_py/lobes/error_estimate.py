@@ -35,7 +35,7 @@ class Errors:
     shape: np.ndarray
 
     @property
-    def seen(self) -> float:
+    def visible(self) -> float:
         return float(max(np.max(self.albedo), np.mean(self.soft_light)))
 
 

@@ -13,6 +13,7 @@ from functools import reduce
 import numpy as np
 
 from ..errors import LaminaError
+from ..material.place import Place
 from ..material.stack import Stack
 from .closure import unit_energy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
@@ -26,10 +27,9 @@ MIN_ALPHA = 1e-4
 
 @dataclass(frozen=True)
 class Axis:
-    """A live parameter: the index of its layer (-1: the base), its name, and its knots, ascending."""
+    """A live parameter: where it is, and its knots, ascending."""
 
-    index: int
-    parameter: str
+    parameter: Place
     knots: tuple[float, ...]
 
     def place(self, value: float) -> tuple[int, float]:
@@ -38,7 +38,7 @@ class Axis:
         return i, min((value - self.knots[i]) / (self.knots[i + 1] - self.knots[i]), 1.0)
 
     def value_of(self, stack: Stack) -> float:
-        return (stack.base if self.index < 0 else stack.layers[self.index])[self.parameter]
+        return self.parameter.value(stack)
 
 
 @dataclass(frozen=True)
@@ -71,12 +71,6 @@ class LiveLobes:
     axes: tuple[Axis, ...]
     grid: tuple[LiveLobe, ...]
     log_sum: np.ndarray
-
-    tier = "baked"
-
-    @property
-    def resolved(self) -> "LiveLobes":
-        return self
 
     @property
     def lobe_count(self) -> int:

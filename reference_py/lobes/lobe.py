@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..optics.diffuse import OREN_NAYAR_POWER, oren_nayar_shares
-from ..optics.optical_stack import AnisotropicRoughness, Interface
+from ..optics.interface import Interface, Microfacets
 from ..optics.thin_film import Film
 
 
@@ -80,8 +80,9 @@ def top_curve(surface: Interface) -> DielectricCurve | FilmCurve:
     return DielectricCurve(surface.eta) if surface.film is None else FilmCurve(surface.eta, surface.film)
 
 
-def surface_lobe(kind: str, weight: np.ndarray, alpha: float, brushed: AnisotropicRoughness | None = None, fresnel=None) -> GlossyLobe:
-    """The lobe of a surface of this alpha, or, where it is anisotropic, of its own widths and frame."""
-    if brushed is None:
-        return GlossyLobe(kind, weight, alpha, alpha, fresnel=fresnel)
-    return GlossyLobe(kind, weight, brushed.alpha_x, brushed.alpha_y, fresnel=fresnel, frame=brushed.angle)
+def surface_lobe(facets: Microfacets, weight: np.ndarray, fresnel=None) -> GlossyLobe:
+    """The lobe of a surface of these facets: of its alpha, or, where it is anisotropic, of its own widths and frame."""
+    widths = facets.anisotropic
+    if widths is None:
+        return GlossyLobe(facets.distribution, weight, facets.alpha, facets.alpha, fresnel=fresnel)
+    return GlossyLobe(facets.distribution, weight, widths.alpha_x, widths.alpha_y, fresnel=fresnel, frame=widths.angle)

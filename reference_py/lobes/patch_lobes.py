@@ -2,33 +2,22 @@
 """The lobes of a stack with covered layers: those of its patches, weighted by their shares."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..material.coverage import Patch
 from ..material.stack import Stack
 from .lobe import DiffuseLobe, GlossyLobe, SchlickCurve
+from .made import LobeSet
 
 
+@dataclass(frozen=True)
 class PatchLobes:
     """The lobe sets of a stack's patches; lobes that differ in their weight alone are one."""
 
-    def __init__(self, stack: Stack, parts: Sequence[tuple[Patch, object]]):
-        self.stack, self.parts = stack, tuple(parts)
-
-    @property
-    def tier(self) -> str:
-        return self.parts[0][1].tier
-
-    @property
-    def resolved(self) -> "PatchLobes":
-        return self
-
-    @property
-    def reason(self) -> str:
-        """Why the parts are what they are, each reason once."""
-        return "; ".join(dict.fromkeys(lobe_set.reason for _, lobe_set in self.parts))
+    stack: Stack
+    parts: tuple[tuple[Patch, LobeSet], ...]
 
     @property
     def lobe_count(self) -> int:
@@ -43,10 +32,6 @@ class PatchLobes:
             for lobe in lobe_set.lobes(cos_theta_o, phi)
         ]
         return merged(scaled)
-
-    def packed(self) -> list:
-        """The parts as JSON's types, for `PatchTier.remember`."""
-        return [lobe_set.packed() for _, lobe_set in self.parts]
 
 
 def merged(lobes: Sequence[GlossyLobe | DiffuseLobe]) -> list[GlossyLobe | DiffuseLobe]:

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..optics.frame import dot, half_vector, reflect
-from ..optics.microfacet import GGX, distribution
-from ..optics.quadrature import cosine_directions, facet_normals, points
+from ..optics.microfacet import GGX
+from ..optics.quadrature import balanced_directions
 
 # Widths of successive strategies are at most this factor apart.
 _STEP = 3.0
@@ -55,12 +54,6 @@ def _ladder(widths: list[float]) -> list[float]:
 
 def _points(cos_o: float, alphas: list[float]) -> tuple[np.ndarray, np.ndarray]:
     """wi (q, 3) on the half with y >= 0, as f is even in azimuth, and their measure (q,)."""
-    wo = view_of(cos_o)
-    u1, u2 = points(_COUNT)
-    wi = np.concatenate([cosine_directions(u1, u2)] + [reflect(wo, facet_normals(u1, u2, a, GGX)) for a in alphas])
-    wi = wi[wi[:, 2] > 0.0]
+    wi, measure = balanced_directions(view_of(cos_o), [(GGX, alpha) for alpha in alphas], _COUNT)
     wi[:, 1] = np.abs(wi[:, 1])
-    wh = half_vector(wi, wo)
-    jacobian = wh[:, 2] / np.maximum(4.0 * dot(wi, wh), 1e-300)
-    density = wi[:, 2] / np.pi + sum(distribution(wh[:, 2], a, GGX) * jacobian for a in alphas)
-    return wi, wi[:, 2] / (_COUNT * density)
+    return wi, measure

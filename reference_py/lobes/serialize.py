@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..material.place import Place
 from ..material.stack import Stack
 from .live_grid import Axis, LiveLobe, LiveLobes
 from .lobe import DielectricCurve
@@ -47,13 +48,13 @@ def pack_grid(lobe_set: LiveLobes) -> dict:
         }
         for lobe in lobe_set.grid
     ]
-    axes = [[axis.index, axis.parameter, list(axis.knots)] for axis in lobe_set.axes]
+    axes = [[*axis.parameter.pair(), list(axis.knots)] for axis in lobe_set.axes]
     return {"axes": axes, "lobes": lobes, "log_sum": lobe_set.log_sum.tolist()}
 
 
 def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
     """The lobe set of `pack_grid`. Raises ValueError, KeyError or TypeError on anything else."""
-    axes = tuple(Axis(int(index), str(name), tuple(float(k) for k in knots)) for index, name, knots in data["axes"])
+    axes = tuple(Axis(Place.of_pair(index, name), tuple(float(k) for k in knots)) for index, name, knots in data["axes"])
     size = (*(len(axis.knots) for axis in axes), KNOTS)
 
     def grid(values, columns: int = 3):

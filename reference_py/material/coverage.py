@@ -11,6 +11,7 @@ from itertools import product
 from types import MappingProxyType
 
 from ..errors import LaminaError
+from .place import Place
 from .schema import COVERAGE
 from .stack import Element, Stack
 
@@ -28,6 +29,12 @@ class Patch:
     """Every covered layer of the whole stack, and whether it is there."""
     share: float
     """Of the surface."""
+
+    def place(self, place: Place) -> Place | None:
+        """A place of the whole stack in this patch; None where its layer is not there."""
+        if place.layer is None:
+            return place
+        return Place(self.layers.index(place.layer), place.name) if place.layer in self.layers else None
 
 
 def covered_layers(stack: Stack) -> tuple[int, ...]:

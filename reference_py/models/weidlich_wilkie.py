@@ -17,11 +17,11 @@ import numpy as np
 from ..errors import LaminaError
 from ..material.stack import Stack
 from ..optics import microfacet
-from ..optics.diffuse import oren_nayar, oren_nayar_1994
 from ..optics.frame import dot, half_vector
-from ..optics.fresnel import fresnel_conductor, fresnel_dielectric
-from ..optics.microfacet import alpha_from_roughness, is_specular
-from ..optics.optical_stack import channels, conductor_index, interfaces, n_above_base
+from ..optics.fresnel import fresnel_dielectric
+from ..optics.interface import Microfacets
+from ..optics.microfacet import is_specular
+from ..optics.optical_stack import OpticalStack, supports
 from ..optics.quadrature import directional_albedo
 from . import weidlich_wilkie_sampling as sampling
 
@@ -49,21 +49,21 @@ class _Facets:
     """The microfacet statistics of one interface or of a conductor base."""
 
     alpha: float
-    kind: str
+    distribution: str
     v_cavity: bool
 
     def masking(self, wi, wo, wh) -> np.ndarray:
         if self.v_cavity:
             return microfacet.masking_v_cavity(wi[..., 2], wo[..., 2], wh[..., 2], dot(wi, wh))
         # Blinn has no Smith function of its own: Beckmann's of the same alpha is its companion (Walter07)
-        kind = microfacet.BECKMANN if self.kind == microfacet.BLINN else self.kind
-        return microfacet.masking_g2(wi[..., 2], wo[..., 2], self.alpha, kind)
+        distribution = microfacet.BECKMANN if self.distribution == microfacet.BLINN else self.distribution
+        return microfacet.masking_g2(wi[..., 2], wo[..., 2], self.alpha, distribution)
 
     def lobe(self, wi, wo, wh) -> np.ndarray:
         """D G / (4 cos_i cos_o), eq. 1 without Fresnel; 0 for a mirror, which has no finite f."""
         if is_specular(self.alpha):
             return np.zeros(np.broadcast_shapes(wi.shape, wo.shape)[:-1])
-        d = microfacet.distribution(wh[..., 2], self.alpha, self.kind)
+        d = microfacet.distribution(wh[..., 2], self.alpha, self.distribution)
         return d * self.masking(wi, wo, wh) / (4.0 * np.maximum(wi[..., 2] * wo[..., 2], 1e-30))
 
 
@@ -79,6 +79,7 @@ class Level:
     """Product (..., 3) of T12 a t of eq. 2; 0 where `reaches` is false."""
 
 
+@supports("model", bases=None, distributions=None)
 class WeidlichWilkie:
     """Weidlich and Wilkie 2007 as printed; its ambiguities are options.
 
@@ -98,19 +99,14 @@ class WeidlichWilkie:
                 raise LaminaError(f"model {self.name}: unknown {key} {value!r}; choose {', '.join(OPTIONS[key])}")
         self.options = {key: options.get(key, choices[0]) for key, choices in OPTIONS.items()}
         self.stack = stack
-        self.channels = channels(stack)
-        self.interfaces = interfaces(stack)
-        self._facets = tuple(self._make_facets(s.alpha, s.distribution) for s in self.interfaces)
-        self._base_facets = None
-        if stack.base.kind == "conductor":
-            alpha = float(alpha_from_roughness(stack.base["roughness"]))
-            self._base_facets = self._make_facets(alpha, stack.base["distribution"])
-            eta, k = conductor_index(stack.base)
-            self._base_index = eta / n_above_base(stack), k / n_above_base(stack)
+        optics = OpticalStack.of(stack, self)
+        self.channels, self.interfaces, self.base = optics.channels, optics.interfaces, optics.base
+        self._facets = tuple(self._make_facets(s.facets) for s in self.interfaces)
+        self._base_facets = None if self.base.facets is None else self._make_facets(self.base.facets)
 
-    def _make_facets(self, alpha: float, kind: str) -> _Facets:
-        kind = microfacet.BLINN if self.options["distribution"] == "blinn" else kind
-        return _Facets(alpha, kind, self.options["masking"] == "v_cavity")
+    def _make_facets(self, facets: Microfacets) -> _Facets:
+        distribution = microfacet.BLINN if self.options["distribution"] == "blinn" else facets.distribution
+        return _Facets(facets.alpha, distribution, self.options["masking"] == "v_cavity")
 
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """BRDF (..., 3) in 1/sr without cosine; mirror-like components have none and count as 0."""
@@ -162,15 +158,10 @@ class WeidlichWilkie:
         return np.exp(-tau * (1.0 / cos_i + 1.0 / cos_o)[..., None])
 
     def _base(self, wi, wo) -> np.ndarray:
-        base = self.stack.base
-        if base.kind == "lambert":
-            return np.array(base["color"]) / np.pi
-        if base.kind == "oren_nayar":
-            model = oren_nayar_1994 if self.options["oren_nayar"] == "qualitative_1994" else oren_nayar
-            return model(wi, wo, base["color"], base["sigma_deg"])
+        if self._base_facets is None:
+            return self.base.f(wi, wo, qualitative=self.options["oren_nayar"] == "qualitative_1994")
         wh = half_vector(wi, wo)
-        fresnel = fresnel_conductor(dot(wi, wh)[..., None], *self._base_index)
-        return fresnel * self._base_facets.lobe(wi, wo, wh)[..., None]
+        return self.base.reflectance(dot(wi, wh)) * self._base_facets.lobe(wi, wo, wh)[..., None]
 
     def sample(self, wo: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
         """One light direction (..., 3) per wo and whether it is valid, (...): false where it was culled.
@@ -186,8 +177,8 @@ class WeidlichWilkie:
     @property
     def lobes(self) -> tuple[tuple[float, str] | None, ...]:
         """(alpha, distribution) of every component from the top; None for a diffuse base."""
-        base = None if self._base_facets is None else (self._base_facets.alpha, self._base_facets.kind)
-        return (*((f.alpha, f.kind) for f in self._facets), base)
+        base = None if self._base_facets is None else (self._base_facets.alpha, self._base_facets.distribution)
+        return (*((f.alpha, f.distribution) for f in self._facets), base)
 
     def albedo(self, wo: np.ndarray) -> np.ndarray:
         """Directional albedo (..., 3), mirror-like components included."""
@@ -204,8 +195,8 @@ class WeidlichWilkie:
                 fresnel = fresnel_dielectric(level.wo[..., 2], surface.eta)
                 total = total + level.carried * (fresnel * self._delta_energy(level.wo, top_cos, surface.n_above))[..., None]
         if self._base_facets and is_specular(self._base_facets.alpha):
-            fresnel = fresnel_conductor(bottom.wo[..., 2, None], *self._base_index)
-            total = total + bottom.carried * fresnel * self._delta_energy(bottom.wo, top_cos, n_above_base(self.stack))[..., None]
+            fresnel = self.base.reflectance(bottom.wo[..., 2])
+            total = total + bottom.carried * fresnel * self._delta_energy(bottom.wo, top_cos, self.base.n_above)[..., None]
         return total
 
     def _delta_energy(self, wo, top_cos, n_above):

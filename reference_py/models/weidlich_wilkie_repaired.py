@@ -20,6 +20,7 @@ import numpy as np
 
 from ..errors import LaminaError
 from ..material.stack import Stack
+from ..optics.optical_stack import supports
 from ..optics.quadrature import cosine_directions, points
 from . import weidlich_wilkie_sampling as sampling
 from .weidlich_wilkie import Level, WeidlichWilkie
@@ -29,6 +30,7 @@ WEIGHTS = ("energy", "constant")
 _VIEWS, _POINTS = 24, 64
 
 
+@supports("model", bases=None, distributions=None)
 class WeidlichWilkieRepaired(WeidlichWilkie):
     """Weidlich and Wilkie 2007 with the solid angle of crossing accounted for.
 

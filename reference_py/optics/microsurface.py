@@ -23,10 +23,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import LaminaError
+from .directions import components, take, vectors
 from .frame import dot
 from .fresnel import cos_theta_t, fresnel_dielectric
 from .microfacet import facet_distribution
-from .sampling import components, projected_area, sample_visible_normals, take, vectors
+from .sampling import projected_area, sample_visible_normals
 from .thin_film import FilmInterface
 
 SURFACES = ("multiple", "single")

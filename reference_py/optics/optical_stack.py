@@ -1,129 +1,113 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A stack in optical terms: relative indices, alphas, optical depths, complex index of the base."""
+"""A stack resolved, once, into optical terms. The one place that asks which kind a layer or a base is.
 
+`LAYERS` and `BASES` name the class of each kind. Models and methods say by `supports` which classes they compute, which distributions
+and which features; what one does not know is refused here, in one line that names who does.
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..material.schema import ANISOTROPY, THIN_FILM
+from ..errors import LaminaError
+from ..material.schema import ANISOTROPY, CONDUCTOR, DIELECTRIC, LAMBERT, OREN_NAYAR, THIN_FILM, Feature
 from ..material.stack import Element, Stack
-from .colour import artist_index, conductor_rgb
-from .fresnel import fresnel_dielectric
-from .microfacet import alpha_from_roughness, is_specular
-from .thin_film import THINNEST_NM, Film, film_reflectance
+from .bases import ConductorBase, DiffuseBase
+from .interface import Interface
+from .microfacet import BECKMANN, GGX, is_specular
 
-# A tint of 0 means black after any thickness; the floor keeps tau finite in float32 too.
-TINT_FLOOR = 1e-30
-
-
-@dataclass(frozen=True)
-class AnisotropicRoughness:
-    """Widths of an anisotropic surface, along and across a direction that is `angle` in radians from the tangent."""
-
-    alpha_x: float
-    alpha_y: float
-    angle: float
-
-    @property
-    def alpha(self) -> float:
-        """That of the isotropic surface that stands for it, of as much variance of slopes."""
-        return float(np.sqrt(0.5 * (self.alpha_x**2 + self.alpha_y**2)))
+LAYERS: dict[str, type] = {DIELECTRIC.name: Interface}
+BASES: dict[str, type] = {LAMBERT.name: DiffuseBase, OREN_NAYAR.name: DiffuseBase, CONDUCTOR.name: ConductorBase}
+# Features that change what a model computes. Coverage makes patches, and normals are the renderer's.
+_OPTICAL = (ANISOTROPY, THIN_FILM)
 
 
 @dataclass(frozen=True)
-class Interface:
-    """One dielectric interface and the medium below it."""
+class Support:
+    """What a model or method computes: classes of layers and bases, names of distributions, features.
 
-    n_above: float
-    n_below: float
-    alpha: float
-    """The root of both's mean square where the surface is anisotropic."""
-    distribution: str
-    tau: np.ndarray
-    """Optical depth (3,) of one perpendicular crossing of the medium below."""
-    brushed: AnisotropicRoughness | None = None
-    film: Film | None = None
+    None stands for all that has the methods it calls.
+    """
+
+    layers: tuple[type, ...] = (Interface,)
+    bases: tuple[type, ...] | None = (DiffuseBase, ConductorBase)
+    distributions: tuple[str, ...] | None = (GGX, BECKMANN)
+    features: tuple[Feature, ...] = ()
+
+
+# Who supports what: by role, "model", "method" or "lobe set", and by name.
+USERS: dict[str, dict[str, Support]] = {}
+
+
+def supports(role: str, **what) -> Callable[[type], type]:
+    """Decorates a class that has a `name`: states its role, "model" or "lobe set", and its `Support`, as keywords of that."""
+
+    def decorate(cls: type) -> type:
+        cls.role, cls.support = role, Support(**what)
+        USERS.setdefault(role, {})[cls.name] = cls.support
+        return cls
+
+    return decorate
+
+
+@dataclass(frozen=True)
+class OpticalStack:
+    """Interfaces from the top, vacuum above the first, each with the medium below it; and the base."""
+
+    interfaces: tuple[Interface, ...]
+    base: DiffuseBase | ConductorBase
+
+    @classmethod
+    def of(cls, stack: Stack, user=None) -> "OpticalStack":
+        """Resolve a stack for a model or method, a class or an instance decorated by `supports`.
+
+        Raises LaminaError naming the layer or base, its kind, distribution or feature, and who knows it.
+        """
+        elements = [*((f"layer {i}", e) for i, e in enumerate(stack.layers)), ("base", stack.base)]
+        for where, element in elements:
+            kind = _class_of(element, where, BASES if element is stack.base else LAYERS)
+            if user is not None:
+                _require(user, where, element, kind, "bases" if element is stack.base else "layers")
+        interfaces, n = [], 1.0
+        for layer in stack.layers:
+            interfaces.append(LAYERS[layer.kind].of(layer, n))
+            n = interfaces[-1].n_below
+        return cls(tuple(interfaces), BASES[stack.base.kind].of(stack.base, n))
 
     @property
-    def eta(self) -> float:
-        """n_below / n_above."""
-        return self.n_below / self.n_above
+    def channels(self) -> int:
+        """Length of the colour axis: 3 for RGB, the number of wavelengths for a stack of `spectral`."""
+        return self.base.channels
 
-    def reflectance(self, cos_theta_i: np.ndarray) -> np.ndarray:
-        """Fresnel reflectance for light from above, (..., 1), or (..., 3) with a film."""
-        if self.film is None:
-            return fresnel_dielectric(cos_theta_i, self.eta)[..., None]
-        return film_reflectance(cos_theta_i, self.n_above, self.film, self.n_below)
+    def rough_surfaces(self) -> list[tuple[str, float]]:
+        """(distribution, alpha) of every surface that does something and is not smooth, from the top: where f can be narrow."""
+        facets = [s.facets for s in self.interfaces if s.eta != 1.0] + ([self.base.facets] if self.base.facets else [])
+        return [(f.distribution, f.alpha) for f in facets if not is_specular(f.alpha)]
 
-
-def brushed(element: Element) -> AnisotropicRoughness | None:
-    """How an element's surface is anisotropic, in Blender's convention; None if it is not. Cycles takes no alpha above 1."""
-    if not element.has(ANISOTROPY):
-        return None
-    alpha = float(alpha_from_roughness(element["roughness"]))
-    aspect = float(np.sqrt(1.0 - 0.9 * element["anisotropy"]))
-    return AnisotropicRoughness(min(alpha / aspect, 1.0), alpha * aspect, 2.0 * np.pi * element["rotation"])
-
-
-def film_of(element: Element) -> Film | None:
-    """The thin film on an element's surface; None if it has none that Cycles would see."""
-    if not element.has(THIN_FILM) or element["film_thickness"] <= THINNEST_NM:
-        return None
-    return Film(element["film_thickness"], element["film_ior"])
-
-
-def mean_alpha(element: Element) -> float:
-    """Alpha of an element's surface, or of the isotropic one that stands for it."""
-    widths = brushed(element)
-    return float(alpha_from_roughness(element["roughness"])) if widths is None else widths.alpha
-
-
-def optical_depth(tint, thickness: float) -> np.ndarray:
-    """tau (3,) of one perpendicular crossing: tint ** thickness is what it leaves (Weidlich07, eq. 5)."""
-    return -np.log(np.maximum(np.asarray(tint, float), TINT_FLOOR)) * thickness
-
-
-def interfaces(stack: Stack) -> tuple[Interface, ...]:
-    """The dielectric interfaces from the top; vacuum above the first."""
-    result, n_above = [], 1.0
-    for layer in stack.layers:
-        result.append(
-            Interface(
-                n_above=n_above,
-                n_below=layer["ior"],
-                alpha=mean_alpha(layer),
-                distribution=layer["distribution"],
-                tau=optical_depth(layer["tint"], layer["thickness"]),
-                brushed=brushed(layer),
-                film=film_of(layer),
-            )
-        )
-        n_above = layer["ior"]
-    return tuple(result)
+    def round_trip(self) -> np.ndarray:
+        """(channels,) what two perpendicular crossings of all media leave."""
+        return np.exp(-2.0 * sum((s.tau for s in self.interfaces), np.zeros(self.channels)))
 
 
 def rough_surfaces(stack: Stack) -> list[tuple[str, float]]:
-    """(distribution, alpha) of every surface that does something and is not smooth, from the top: where f can be narrow."""
-    surfaces = [(s.distribution, s.alpha) for s in interfaces(stack) if s.eta != 1.0]
-    if stack.base.kind == "conductor":
-        surfaces.append((stack.base["distribution"], mean_alpha(stack.base)))
-    return [(kind, alpha) for kind, alpha in surfaces if not is_specular(alpha)]
+    """`OpticalStack.rough_surfaces` of a stack."""
+    return OpticalStack.of(stack).rough_surfaces()
 
 
-def n_above_base(stack: Stack) -> float:
-    """Absolute index of the medium in contact with the base."""
-    return stack.layers[-1]["ior"] if stack.layers else 1.0
+def _class_of(element: Element, where: str, classes: dict[str, type]) -> type:
+    if element.kind not in classes:
+        raise LaminaError(f"{where}: the kind {element.kind} has no optics; choose {', '.join(classes)}")
+    return classes[element.kind]
 
 
-def channels(stack: Stack) -> int:
-    """Length of the colour axis: 3 for RGB, the number of wavelengths for a stack of `spectral`."""
-    return len(stack.base["color"] if "color" in stack.base else conductor_index(stack.base)[0])
-
-
-def conductor_index(base: Element) -> tuple[np.ndarray, np.ndarray]:
-    """Absolute complex index (eta, k), each (3,), of a conductor base."""
-    if "metal" in base:
-        return conductor_rgb(base["metal"])
-    if "eta" in base:
-        return np.array(base["eta"]), np.array(base["k"])
-    return artist_index(np.array(base["reflectance"]), np.array(base["edge_color"]))
+def _require(user, where: str, element: Element, kind: type, place: str) -> None:
+    wanted = [(f"{'base' if place == 'bases' else 'layer'} {element.kind}", lambda s: getattr(s, place) is None or issubclass(kind, getattr(s, place)))]
+    if "distribution" in element:
+        name = element["distribution"]
+        wanted.append((f"distribution {name}", lambda s: s.distributions is None or name in s.distributions))
+    wanted += [(feature.name, lambda s, f=feature: f in s.features) for feature in _OPTICAL if element.has(feature)]
+    for what, knows in wanted:
+        if not knows(user.support):
+            able = ", ".join(name for name, support in USERS[user.role].items() if knows(support))
+            raise LaminaError(f"{user.role} {user.name} knows no {what}, which {where} has; {f'choose {able}' if able else f'no {user.role} does'}")

@@ -29,10 +29,7 @@ def points(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 def facet_normals(u1: np.ndarray, u2: np.ndarray, alpha: float, kind: str) -> np.ndarray:
     """Facet normals (n, 3) of density D(wm) cos(wm) for uniform u1, u2 (Walter07, eqs. 28 and 35; Weidlich07, eq. 7)."""
-    if kind == microfacet.BLINN:
-        return _around_normal(np.power(1.0 - u1, 1.0 / (microfacet.blinn_exponent(alpha) + 2.0)), u2)
-    tan2 = alpha**2 * (u1 / (1.0 - u1) if kind == microfacet.GGX else -np.log1p(-u1))
-    return _around_normal(1.0 / np.sqrt(1.0 + tan2), u2)
+    return _around_normal(microfacet.distribution_of(kind).cosine_quantile(u1, alpha), u2)
 
 
 def cosine_directions(u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
@@ -60,19 +57,24 @@ def directional_albedo(
     wo = np.asarray(wo, float)
     flat = wo.reshape(-1, 3)
     lobes = sorted({(kind, alpha) for kind, alpha in lobes if not microfacet.is_specular(alpha)})
-    u1, u2 = points(count)
-    result = np.array([_albedo_of_view(f, view, lobes, u1, u2) for view in flat])
+    result = np.array([_albedo_of_view(f, view, lobes, count) for view in flat])
     return result.reshape(wo.shape[:-1] + result.shape[-1:])
 
 
-def _albedo_of_view(f, wo, lobes, u1, u2) -> np.ndarray:
-    samples = [cosine_directions(u1, u2)] + [reflect(wo, facet_normals(u1, u2, alpha, kind)) for kind, alpha in lobes]
-    total = 0.0
-    for wi in samples:
-        wi = wi[wi[:, 2] > 0.0]
-        value = f(np.broadcast_to(wo, wi.shape), wi) * wi[:, 2:]
-        total = total + np.sum(value / _mixture_density(wo, wi, lobes)[:, None], axis=0)
-    return total / len(u1)
+def _albedo_of_view(f, wo, lobes, count) -> np.ndarray:
+    wi, measure = balanced_directions(wo, lobes, count)
+    return measure @ f(np.broadcast_to(wo, wi.shape), wi)
+
+
+def balanced_directions(wo: np.ndarray, lobes: Sequence[tuple[str, float]], count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Directions wi (q, 3) above the surface for a view wo (3,), and the measure cos(theta_i) dw (q,) of each.
+
+    `count` points are spent on the cosine and on each (distribution, alpha), weighted by the balance heuristic (Veach95).
+    """
+    u1, u2 = points(count)
+    wi = np.concatenate([cosine_directions(u1, u2)] + [reflect(wo, facet_normals(u1, u2, alpha, kind)) for kind, alpha in lobes])
+    wi = wi[wi[:, 2] > 0.0]
+    return wi, wi[:, 2] / (count * _mixture_density(wo, wi, lobes))
 
 
 def _mixture_density(wo, wi, lobes) -> np.ndarray:

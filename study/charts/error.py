@@ -12,14 +12,15 @@ from ...reference_py.atomic import require_writable
 from ...reference_py.material import presets
 from ...reference_py.optics.frame import spherical
 from ...reference_py.registry import make_model
-from ..stress import SUBJECTS, make_subject
-from .output import Report, print_table, pyplot, save_picture, write_table
+from ..stress import MODELS_AND_TIERS, make_model_or_tier
+from ..tables import Report, write_table
+from .output import print_table, pyplot, save_picture
 
 THETA_DEG = np.array([0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 75.0, 80.0, 85.0])
 TRUTHS = ("adding", "position_free")
 # A fit to one measured paint knows no stack, so that it has no error against one.
 FITS = ("lafortune",)
-COMPARED = tuple(name for name in SUBJECTS if name not in TRUTHS + FITS)
+COMPARED = tuple(name for name in MODELS_AND_TIERS if name not in TRUTHS + FITS)
 _PEERS_FROM = COMPARED.index("torrance_sparrow")
 
 _OURS = ("black", "orangered", "gold", "deepskyblue", "limegreen")
@@ -38,7 +39,7 @@ def chart(folder: Path, report: Report) -> None:
         stack = presets.load(preset)
         exact = make_model("adding", stack).albedo(wo)
         for name in COMPARED:
-            errors[preset, name] = worst_channel(make_subject(name, stack).albedo(wo), exact)
+            errors[preset, name] = worst_channel(make_model_or_tier(name, stack).albedo(wo), exact)
     rows = [[*key, *(f"{v:.4f}" for v in error)] for key, error in errors.items()]
     write_table(table, _HEADING, ("preset", "model", *(f"{t:g}deg" for t in THETA_DEG)), rows, report)
     print_table(("model", "worst", "where", "at", "worst to 60", "mean |error|"), [_summary(name, errors) for name in COMPARED])
@@ -75,7 +76,7 @@ def _draw(path: Path, errors: dict, report: Report) -> None:
             if peer >= 0:
                 style = {"linewidth": 1.2, "marker": _MARKERS[peer % len(_MARKERS)], "markersize": 4}
             else:  # dashes, as the mirror should hide the model that it follows
-                style = {"linewidth": 3.0, "zorder": 3 + i, "linestyle": (0, (1.5, 1.5)) if name == "mirror:weidlich_wilkie" else "-"}
+                style = {"linewidth": 3.0, "zorder": 3 + i, "linestyle": (0, (1.5, 1.5)) if name == "closure_model:weidlich_wilkie" else "-"}
             axis.plot(THETA_DEG, 100.0 * errors[preset, name], color=color, label=name, **style)
         axis.set_yscale("symlog", linthresh=10.0, linscale=1.5)
         axis.set(title=presets.label(preset), xlim=(0.0, 85.0), ylim=(-100.0, 150.0), xticks=range(0, 91, 15))

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`lamina chart fit`: how well stacks are found from measurements: random ones, and a blue paint against other models."""
 
-import csv
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +11,7 @@ from ...reference_py.atomic import require_writable
 from ...reference_py.fit import fit_structure, select
 from ...reference_py.fit.baseline_fits import BASELINE_MODELS, fit_baseline
 from ...reference_py.fit.compare import compare
-from ...reference_py.fit.fitting import refined, rough_fits, subsampled
+from ...reference_py.fit.fitting import corrected, rough_fits, subsampled
 from ...reference_py.fit.forward import evaluate
 from ...reference_py.fit.metric import METRICS, Metric, shape_error
 from ...reference_py.fit.parameters import Structure
@@ -24,7 +23,9 @@ from ...reference_py.models.weidlich_wilkie import WeidlichWilkie
 from ..fit_bound import least_error
 from ..fit_recovery import data_of, judged, random_stack, random_structure, recovery
 from ..paper.figure9 import PRINTED, blue_paint
-from .output import Report, print_table, pyplot, save_picture, write_table
+from ..stamp import stamp
+from ..tables import Report, read_heading, read_rows, write_table
+from .output import print_table, pyplot, save_picture
 
 # Layers, noise and number of random stacks.
 CASES = ((1, 0.0, 30), (2, 0.0, 30), (1, 0.05, 30), (2, 0.05, 30))
@@ -65,6 +66,7 @@ def _recoveries(folder: Path, report: Report, cases) -> None:
     path = folder / "fit_recovery.csv"
     order = sorted((i, case) for case, (_, _, stacks) in enumerate(cases) for i in range(stacks))
     rows = _begun(path, heading, len(order))
+    before = read_heading(path)[1] if rows else []
     if rows:
         report(f"going on after {len(rows)} of {len(order)} stacks of {path}; delete it to begin anew")
     for i, case in order[len(rows) :]:
@@ -91,7 +93,7 @@ def _recoveries(folder: Path, report: Report, cases) -> None:
             )
         )
         report(f"{layers} layers, noise {noise:g}, {i + 1} of {stacks}: {100 * r.shape:.3f} %")
-        write_table(path, heading, _RECOVERY_COLUMNS, rows, lambda sentence: None)
+        write_table(path, heading, _RECOVERY_COLUMNS, rows, stamps=list(dict.fromkeys([*before, stamp()])))
     report(f"wrote {path}")
     print_table(
         ("random stacks", "count", "f within 1 %", "f within 3 %", "all determined values within 3 %", "of them determined", "median f", "worst f", "CPU s"),
@@ -104,9 +106,8 @@ def _begun(path: Path, heading: tuple[str, str], whole: int) -> list[tuple[str, 
     """The rows of a table that has not ended, if it is of this study."""
     if not path.exists():
         return []
-    first, *lines = path.read_text(encoding="utf-8").splitlines()
-    rows = [tuple(row) for row in csv.reader(lines)]
-    if next(csv.reader([first]), [])[-1:] != [heading[1]] or not rows or rows[0] != _RECOVERY_COLUMNS or len(rows) > whole:
+    rows = [tuple(row) for row in read_rows(path)]
+    if read_heading(path)[0] != [*heading] or rows[:1] != [_RECOVERY_COLUMNS] or len(rows) > whole:
         return []
     return rows[1:]
 
@@ -141,7 +142,7 @@ def _metrics(folder: Path, report: Report) -> None:
                 data, clean = data_of(stack, "weidlich_wilkie", noise, np.random.default_rng(i), floor)
                 metric = Metric(data, metric_kind)
                 rough = rough_fits(metric, structure, "weidlich_wilkie", 4, np.random.default_rng(i))
-                fit = refined(metric, structure, "weidlich_wilkie", rough[0].x)
+                fit = corrected(metric, structure, "weidlich_wilkie", rough[0].x)
                 r = judged(fit, stack, clean, "weidlich_wilkie", noise)
                 truth = fit.parameters.coordinates(stack)
                 shapes.append(r.shape)

@@ -10,11 +10,12 @@ from ...reference_py.lobes.methods import PaperLobes
 from ...reference_py.material import presets
 from ...reference_py.models.distance import Distance, distance
 from ...reference_py.registry import make_model
-from .output import Report, pyplot, save_picture, write_table
+from ..tables import Report, write_table
+from .output import pyplot, save_picture
 
 THETA_DEG = np.array([0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0])
 
-_TIER = PaperLobes.tier
+_TIER = PaperLobes.name
 _HEADING = ("lamina chart lobes", f"tier {_TIER} against model weidlich_wilkie")
 
 

@@ -1,26 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every chart writes: a table as CSV, and a picture where matplotlib is installed."""
+"""What every chart shows: its table (`study.tables` writes it), and a picture where matplotlib is installed."""
 
-import csv
-import io
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
-from ...reference_py.atomic import replacing, write_text
-
-Report = Callable[[str], None]
-
-
-def write_table(path: Path, heading: Sequence[str], columns: Sequence[str], rows: Iterable[Sequence[str]], report: Report) -> str:
-    """Write a CSV whose first line is a comment that starts with the command; returns its text."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([f"# {heading[0]}", *heading[1:]])
-    writer.writerow(columns)
-    writer.writerows(rows)
-    write_text(path, text.getvalue())
-    report(f"wrote {path}")
-    return text.getvalue()
+from ...reference_py.atomic import replacing
+from ..tables import Report
 
 
 def print_table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

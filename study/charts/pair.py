@@ -7,16 +7,19 @@ from ...addon.session import blender
 from ...reference_py.atomic import require_writable
 from ...reference_py.material import presets
 from ...reference_py.models.adding.model import Adding
-from .output import Report, print_table
+from ..colorimetry import colour_science
+from ..tables import Report
+from .output import print_table
 
 SURFACE, SIZE = "metallic_car_paint", 160
 SAMPLES, SLAB_SAMPLES = 144, 256
 
 
 def chart(folder: Path, report: Report) -> None:
-    """Write pair.png and print each picture's mean CIEDE2000 against the truth's. Raises LaminaError without Blender."""
+    """Write pair.png and print each picture's mean CIEDE2000 against the truth's. Raises LaminaError without Blender or colour-science."""
     path = folder / "pair.png"
     require_writable(path)
+    colour_science()
     with blender(lambda text: None):
         errors = _render(path, report)
     report(f"wrote {path}")
@@ -45,7 +48,7 @@ def _render(path: Path, report: Report) -> list[tuple[str, str, str]]:
     apply_stack(lamina, stack)
     refresh(lamina, settle=True)
     surface = ball()
-    subjects = {
+    samples = {
         "Cycles' layer()": ([with_material(surface, script_material("layered", layer_text(stack, "layered")))], SAMPLES),
         "Lamina": ([with_material(surface, lamina)], SAMPLES),
         "Explicit geometry": (slab_objects(stack, ball), SLAB_SAMPLES),
@@ -53,12 +56,12 @@ def _render(path: Path, report: Report) -> list[tuple[str, str, str]]:
     pictures, tiles, errors = [], [], []
     inside = np.isfinite(exact[..., :1])
     with studio_stage(SIZE, surroundings) as stage:
-        for label, (objects, samples) in subjects.items():
+        for label, (objects, spp) in samples.items():
             report(label)
             stage.show(objects)
-            picture = stage.picture(samples)
+            picture = stage.picture(spp)
             error = difference(picture, exact, surroundings)
-            errors.append((label, str(samples), f"{error:.2f}"))
+            errors.append((label, str(spp), f"{error:.2f}"))
             pictures.append(encoded(shown(np.where(inside, picture, 0.0) * surroundings.exposure)))
             tiles.append(Tile(label, lamina, f"CIEDE2000 {error:.1f}"))
     pictures.append(encoded(shown(np.where(inside, exact, 0.0) * surroundings.exposure)))

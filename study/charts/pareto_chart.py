@@ -7,37 +7,37 @@ from pathlib import Path
 
 from ...addon.session import blender
 from ...reference_py.atomic import require_writable
+from ..colorimetry import colour_science
 from ..pareto.draw import draw
-from ..pareto.effort import Effort
+from ..pareto.quality import Quality
 from ..pareto.surfaces import SURFACES, label, load_surface
-from .output import Report, print_table, pyplot, save_picture, write_table
+from ..tables import Report, write_table
+from .output import print_table, pyplot, save_picture
 
 COLUMNS = (
     "surface", "method", "label", "closures", "cost", "cost_low", "cost_high", "scene_cost", "albedo", "shape", "shape_mean",
     "delta_e", "delta_e_render", "over_slab", "memory_mb", "shader_bytes", "compile_s", "bake_s",
 )  # fmt: skip
-FULL = Effort()
+FULL = Quality()
 _SHOWN = ("surface", "method", "closures", "cost", "scene_cost", "albedo", "shape", "delta_e", "over_slab", "memory_mb", "shader_bytes", "compile_s")
 
 
-def chart(folder: Path, report: Report, surface: Sequence[str] = tuple(SURFACES), rounds: int = Effort.rounds, effort: Effort = FULL) -> None:
-    """Write pareto.csv and .png and print the table. Raises LaminaError on an unknown surface or without Blender."""
+def chart(folder: Path, report: Report, surface: Sequence[str] = tuple(SURFACES), rounds: int = Quality.rounds, quality: Quality = FULL) -> None:
+    """Write pareto.csv and .png and print the table. Raises LaminaError on an unknown surface, without Blender or colour-science."""
     table = folder / "pareto.csv"
     require_writable(table)
+    colour_science()
     stacks = {name: load_surface(name) for name in surface}
-    effort = replace(effort, rounds=rounds)
+    quality = replace(quality, rounds=rounds)
     rows = []
     with blender(lambda text: None):
-        import bpy
-
         from ..pareto.measure import measure
 
         for i, (name, stack) in enumerate(stacks.items()):
             share = f"{100 * i // len(stacks):3} % {name}"
-            results, _ = measure(name, stack, effort, lambda text: report(f"{share}: {text}"))
+            results, _ = measure(name, stack, quality, lambda text: report(f"{share}: {text}"))
             rows += [dict(zip(COLUMNS, _cells(name, result))) for result in results]
-        version = bpy.app.version_string
-    heading = ("lamina chart pareto", f"Blender {version}", f"{effort.rounds} rounds", "columns as in figures/README.md")
+    heading = ("lamina chart pareto", f"{quality.rounds} rounds", "columns as in figures/README.md")
     write_table(table, heading, COLUMNS, [[row[c] for c in COLUMNS] for row in rows], report)
     print_table(_SHOWN, [[row[c] for c in _SHOWN] for row in rows])
     if plot := pyplot(report):

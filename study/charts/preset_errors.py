@@ -5,14 +5,15 @@ from pathlib import Path
 
 from ...addon.cli.stack_errors import THETA_DEG, StackErrors, errors_of
 from ...reference_py.atomic import require_writable
-from ...reference_py.lobes.methods import DEFAULT_TIER
+from ...reference_py.lobes.methods import DEFAULT_METHOD
 from ...reference_py.material import presets
-from .output import Report, print_table, write_table
+from ..tables import Report, write_table
+from .output import print_table
 
 COLUMNS = ("preset", "chosen", "closures", "truth", "albedo_worst", "albedo_stderr", "shape_worst")
 _HEADING = (
     "lamina chart presets",
-    f"tier {DEFAULT_TIER} at {', '.join(f'{t:g}' for t in THETA_DEG)} degrees",
+    f"tier {DEFAULT_METHOD} at {', '.join(f'{t:g}' for t in THETA_DEG)} degrees",
     "albedo: relative, worst view and channel",
     "shape: cosine-weighted L1 over albedo, worst view and channel",
     "with coverage: the worst patch",

@@ -13,7 +13,9 @@ from ...reference_py.atomic import require_writable
 from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.cache import FOLDER_VARIABLE, keep_in
 from ...reference_py.lobes.methods.bake_process import ENVIRONMENT
-from .output import Report, pyplot, save_picture, write_table
+from ..stamp import module_blender, numpy_version, stamp
+from ..tables import Report, write_table
+from .output import pyplot, save_picture
 
 _THOUSAND, _LAYERS = (1, 10, 100, 1000), (1, 2, 4, 8, 12, 16, 20)
 POINTS = {
@@ -50,7 +52,7 @@ def chart(folder: Path, report: Report) -> None:
             runs = [_in_a_process(study, n, cache) for _ in range(3 if study.startswith("layers") else 1)]
             measured = {c: sorted(run[c] for run in runs)[len(runs) // 2] for c in runs[0]}
             rows.append([study, str(n), *("" if measured.get(c) is None else f"{measured[c]:.4g}" for c in _COLUMNS[2:])])
-    print(write_table(table, _HEADING, _COLUMNS, rows, report), end="")
+    print(write_table(table, _HEADING, _COLUMNS, rows, report, [stamp(module_blender(), numpy_version())]), end="")
     _draw(folder / "scale.png", rows, report)
 
 

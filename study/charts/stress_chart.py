@@ -4,8 +4,9 @@
 from pathlib import Path
 
 from ...reference_py.atomic import require_writable
-from ..stress import CASES, COLUMNS, REFUSED, SUBJECTS, is_refused, measure
-from .output import Report, print_table, write_table
+from ..stress import CASES, COLUMNS, MODELS_AND_TIERS, REFUSED, is_refused, measure
+from ..tables import Report, write_table
+from .output import print_table
 
 _HEADING = ("lamina chart stress", "worst of each case, beyond 4 standard errors; columns as in study/stress.py")
 
@@ -15,8 +16,8 @@ def chart(folder: Path, report: Report) -> None:
     table = folder / "stress.csv"
     require_writable(table)
     rows = []
-    for i, name in enumerate(SUBJECTS):
-        report(f"{100 * i // len(SUBJECTS):3} % {name}")
+    for i, name in enumerate(MODELS_AND_TIERS):
+        report(f"{100 * i // len(MODELS_AND_TIERS):3} % {name}")
         for case in CASES:
             result = measure(name, CASES[case])
             rows.append([name, case, *(_cell(getattr(result, column)) for column in COLUMNS)])

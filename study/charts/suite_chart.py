@@ -6,7 +6,8 @@ from pathlib import Path
 from ...reference_py.atomic import require_writable
 from ..agreement import COLUMNS, Agreement, agreement
 from ..suite import suite
-from .output import Report, print_table, write_table
+from ..tables import Report, write_table
+from .output import print_table
 
 _HEADING = ("lamina chart suite", "adding against position_free: seed 1; relative errors; columns as in study/agreement.py")
 

@@ -6,14 +6,16 @@ from pathlib import Path
 import numpy as np
 
 from ...reference_py.atomic import require_writable
-from ...reference_py.lobes.baked import Baker, is_bare_oren_nayar
+from ...reference_py.lobes.baked import Baker
 from ...reference_py.lobes.error_estimate import ErrorEstimator, Errors
-from ...reference_py.lobes.methods import HOLD_VALUES, TIERS, AnalyticLobes, make_lobe_set
+from ...reference_py.lobes.methods import METHODS, AnalyticLobes, holds_values, make_lobe_set
+from ...reference_py.lobes.methods.baking import is_bare_oren_nayar
 from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.adding.model import Adding
 from ..suite import suite
-from .output import Report, print_table, write_table
+from ..tables import Report, write_table
+from .output import print_table
 
 # Views of the albedo; shapes are judged at the same.
 THETA_DEG = np.array([0.0, 20.0, 40.0, 60.0, 75.0, 80.0])
@@ -44,7 +46,7 @@ def chart(folder: Path, report: Report) -> None:
 def _rows(stack: Stack) -> list[list[str]]:
     truth = Adding(stack)
     estimator = ErrorEstimator(stack, truth, np.cos(np.radians(THETA_DEG)))
-    lobe_sets = {tier: make_lobe_set(stack, tier) for tier in TIERS if tier not in HOLD_VALUES}
+    lobe_sets = {method: make_lobe_set(stack, method) for method in METHODS if not holds_values(method)}
     baker = Baker(stack, truth)
     exact = AnalyticLobes(stack) if is_bare_oren_nayar(stack) else None
     lobe_sets |= {f"baked, {count} glossy": exact or baker.bake(count).lobe_set for count in GLOSSY}

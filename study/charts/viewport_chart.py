@@ -9,24 +9,27 @@ import numpy as np
 from ...addon.session import blender
 from ...reference_py.atomic import require_writable
 from ...reference_py.material import presets
-from .output import Report, print_table, write_table
+from ..colorimetry import colour_science
+from ..tables import Report, write_table
+from .output import print_table
 
 SIZE = 96
 SAMPLES, EEVEE_SAMPLES = 64, 128
 COLUMNS = ("material", "closures", "eevee_delta_e", "eevee_energy", "nodes_delta_e", "nodes_energy")
 # Those of the paper, one that is anisotropic and one of pearls: a material takes a minute without a graphics card.
-SUBJECTS = (*presets.PAPER, "brushed_nickel", "pearl_coating")
+MATERIALS = (*presets.PAPER, "brushed_nickel", "pearl_coating")
 _IN_A_ROW = 4
 
 
-def chart(folder: Path, report: Report, surface: Sequence[str] = SUBJECTS) -> None:
+def chart(folder: Path, report: Report, surface: Sequence[str] = MATERIALS) -> None:
     """Write viewport.csv and viewport.png of presets or stacks of the suite.
 
-    Raises LaminaError without OSL, and without a Blender that has EEVEE.
+    Raises LaminaError without OSL, without colour-science, and without a Blender that has EEVEE.
     """
     table, sheet = folder / "viewport.csv", folder / "viewport.png"
     for path in (table, sheet):
         require_writable(path)
+    colour_science()
     with blender(lambda text: None):
         heading, rows = _measure(surface, sheet, report)
     report(f"wrote {sheet}")
@@ -35,33 +38,31 @@ def chart(folder: Path, report: Report, surface: Sequence[str] = SUBJECTS) -> No
 
 
 def _measure(names: Sequence[str], sheet: Path, report: Report) -> tuple[tuple[str, ...], list[list[str]]]:
-    import bpy
-
     from ...addon.blender.images import write_png
     from ...addon.material.backend import require_osl
     from ...addon.rendering.sheet import Tile, compose
     from ..pareto.appearance import Surroundings, ball_normals, difference, encoded, shown
     from ..pareto.bench import ball, with_material
     from ..viewport.eevee import blender_version, eevee_pictures
-    from ..viewport.subjects import lit_stage, subjects
+    from ..viewport.samples import lit_stage, samples
 
     require_osl()
     heading = ("lamina chart viewport", f"EEVEE of Blender {blender_version()}, {EEVEE_SAMPLES} samples",
-               f"Cycles of Blender {bpy.app.version_string}, {SAMPLES} samples", "against Cycles with OSL")  # fmt: skip
+               f"Cycles, {SAMPLES} samples", "against Cycles with OSL")  # fmt: skip
     surroundings = Surroundings()
     inside = np.isfinite(ball_normals(SIZE)[..., :1])
-    made = subjects(names, report)
+    made = samples(names, report)
     item = with_material(ball(), made[0].nodes)
     rows, pictures = [], []
     with lit_stage(SIZE, surroundings, item) as stage:
         by_eevee = eevee_pictures(stage.scene, item, [s.nodes for s in made], EEVEE_SAMPLES, report)
-        for subject, eevee in zip(made, by_eevee):
-            report(f"Cycles, {subject.label}")
-            osl = _render(stage, item, subject.osl)
-            nodes = osl if subject.closures is None else _render(stage, item, subject.nodes)
+        for sample, eevee in zip(made, by_eevee):
+            report(f"Cycles, {sample.label}")
+            osl = _render(stage, item, sample.osl)
+            nodes = osl if sample.closures is None else _render(stage, item, sample.nodes)
             eevee, nodes, osl = (np.where(inside, picture, np.nan) for picture in (eevee, nodes, osl))
             cells = [f"{value:.4f}" for told in (eevee, nodes) for value in (difference(told, osl, surroundings), _energy(told, osl))]
-            rows.append([subject.label, "" if subject.closures is None else str(subject.closures), *cells])
+            rows.append([sample.label, "" if sample.closures is None else str(sample.closures), *cells])
             pictures.append(encoded(shown(np.nan_to_num(np.concatenate([eevee, nodes, osl], axis=1)) * surroundings.exposure)))
     tiles = [Tile(row[0], made[0].nodes, f"CIEDE2000 of EEVEE: {float(row[2]):.1f}") for row in rows]
     write_png(sheet, compose(pictures, tiles, _IN_A_ROW, "EEVEE, Cycles with stock nodes, Cycles with OSL"))

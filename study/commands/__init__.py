@@ -4,8 +4,10 @@
 # What `lamina chart` calls its charts, and the modules of `study.charts` that make them.
 CHARTS = {
     "lobes": "lobe_errors", "presets": "preset_errors", "tiers": "tiers", "error": "error", "stress": "stress_chart", "suite": "suite_chart",
-    "pareto": "pareto_chart", "pair": "pair", "levers": "levers", "fit": "fit_charts", "scale": "scale", "viewport": "viewport_chart",
+    "pareto": "pareto_chart", "pair": "pair", "cost_factors": "cost_factors", "fit": "fit_charts", "scale": "scale", "viewport": "viewport_chart",
 }  # fmt: skip
+# Names that charts had before, and still answer to.
+OLD_NAMES = {"network": "lobes", "levers": "cost_factors"}
 
 
 def add_commands(commands) -> None:
@@ -14,14 +16,15 @@ def add_commands(commands) -> None:
     chart.set_defaults(module=f"{__name__}.chart")
     chart.add_argument(
         "chart",
+        type=lambda name: OLD_NAMES.get(name, name),
         choices=tuple(CHARTS),
         help=(
-            "lobes: what Cycles is told against the exact model; presets: what Cycles renders of every preset against the truth; "
+            "lobes (also network): what Cycles is told against the exact model; presets: what Cycles renders of every preset against the truth; "
             "tiers: the same in every tier, for the presets of the paper and a suite of stacks; "
             "error: every model against the truth, by angle; "
             "stress: every model in every hard case; suite: the two truths against each other; "
             "pareto: error against cost of every way to render a surface in Cycles; "
-            "levers: what lobes and closures cost in Cycles; "
+            "cost_factors (also levers): what lobes and closures cost in Cycles; "
             "scale: time and memory over the number of materials, layers, samples and pictures; "
             "fit: how well stacks are found from measurements, and a blue paint by other models; "
             "viewport: how EEVEE shows every preset; LAMINA_BLENDER names a Blender that has it; "

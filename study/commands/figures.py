@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command `figures`: the paper's figures, computed, drawn and held against its sentences."""
 
-import csv
-import io
 import json
 from dataclasses import asdict
 from importlib.util import find_spec
@@ -12,6 +10,7 @@ from ...addon.session import say
 from ...reference_py.atomic import output_folder, replacing, write_text
 from ...reference_py.errors import LaminaError
 from ..paper import FIGURES, FigureData, module
+from ..tables import write_table
 
 
 def figures(options) -> None:
@@ -44,12 +43,8 @@ def _has_matplotlib(report) -> bool:
 
 
 def _write_numbers(folder: Path, data: FigureData) -> None:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(data.columns)
-    for row in data.rows:
-        writer.writerow([value if isinstance(value, str) else f"{value:.5g}" for value in row])
-    write_text(folder / f"{data.name}.csv", text.getvalue())
+    rows = [[value if isinstance(value, str) else f"{value:.5g}" for value in row] for row in data.rows]
+    write_table(folder / f"{data.name}.csv", ("lamina figures",), data.columns, rows)
     statements = [{**asdict(s), "holds": bool(s.holds), "numbers": {k: float(f"{v:.5g}") for k, v in s.numbers.items()}} for s in data.statements]
     record = {"figure": data.title, "statements": statements}
     write_text(folder / f"{data.name}.json", json.dumps(record, indent=1, ensure_ascii=False) + "\n")

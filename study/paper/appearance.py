@@ -5,10 +5,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...reference_py.errors import LaminaError
 from ...reference_py.material.stack import Stack
 from ...reference_py.optics.colour import reflectance_to_xyz, xyz_to_rgb
 from ...reference_py.registry import make_model
+from ..colorimetry import colour_science, lab, white, xyz_of_linear
 from .sphere import radiance
 
 BANDS_DEG = (0.0, 30.0, 50.0, 70.0, 90.0)
@@ -36,7 +36,7 @@ def white_level() -> float:
 
 def xyz_of_rgb(rgb: np.ndarray) -> np.ndarray:
     """XYZ (..., 3) of linear Rec.709 radiance (..., 3), white being `white_level`."""
-    return rgb / white_level() @ np.linalg.inv(xyz_to_rgb(np.eye(3)))
+    return xyz_of_linear(rgb / white_level())
 
 
 def xyz_of_spectra(spectra: np.ndarray, wavelength_nm: np.ndarray) -> np.ndarray:
@@ -52,13 +52,13 @@ def displayed(xyz: np.ndarray) -> np.ndarray:
 
 def lightness_chroma_hue(xyz: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """L*, C*ab (...) and hue angle h_ab (...) in degrees of XYZ (..., 3)."""
-    lab = _lab(xyz)
-    return lab[..., 0], np.hypot(lab[..., 1], lab[..., 2]), np.degrees(np.arctan2(lab[..., 2], lab[..., 1])) % 360.0
+    lightness, a, b = np.moveaxis(lab(xyz), -1, 0)
+    return lightness, np.hypot(a, b), np.degrees(np.arctan2(b, a)) % 360.0
 
 
 def hue_difference(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """CIE 1976 Delta H*ab (...), comparable with Delta C* and Delta L*, of XYZ (..., 3)."""
-    a, b = _lab(first), _lab(second)
+    a, b = lab(first), lab(second)
     cross = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
     chroma = np.hypot(a[..., 1], a[..., 2]) * np.hypot(b[..., 1], b[..., 2])
     along = a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
@@ -67,26 +67,5 @@ def hue_difference(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 def saturation(xyz: np.ndarray) -> np.ndarray:
     """CIE 1976 saturation s_uv (...) of XYZ (..., 3): chroma over lightness in L*u*v*."""
-    luv = _colour().XYZ_to_Luv(xyz, _white())
+    luv = colour_science().XYZ_to_Luv(xyz, white())
     return np.hypot(luv[..., 1], luv[..., 2]) / np.maximum(luv[..., 0], 1e-6)
-
-
-def delta_e_2000(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """CIEDE2000 (...) of XYZ (..., 3)."""
-    return _colour().delta_E(_lab(first), _lab(second), method="CIE 2000")
-
-
-def _lab(xyz: np.ndarray) -> np.ndarray:
-    return _colour().XYZ_to_Lab(xyz, _white())
-
-
-def _white() -> np.ndarray:
-    return _colour().XYZ_to_xy(np.linalg.inv(xyz_to_rgb(np.eye(3))).sum(axis=0))
-
-
-def _colour():
-    try:
-        import colour
-    except ImportError:
-        raise LaminaError("colour differences need colour-science: pip install lamina[figures]") from None
-    return colour

@@ -10,7 +10,8 @@ from ...reference_py.fit.plot import new_figure, style
 from ...reference_py.optics.colour import reflectance_to_rgb
 from ...reference_py.optics.frame import spherical
 from ...reference_py.registry import make_model
-from .appearance import band_means, band_names, delta_e_2000
+from ..colorimetry import delta_e_2000
+from .appearance import band_means, band_names
 from .data import FigureData, Statement
 from .show import show_sphere
 from .varnish import THICKNESS, WAVELENGTH_NM, spectral_varnish, varnished_sphere

@@ -10,9 +10,10 @@ from functools import cached_property
 import numpy as np
 
 from ...reference_py.lobes.samples import view_of
-from ...reference_py.optics.frame import dot, half_vector, reflect
-from ...reference_py.optics.microfacet import GGX, distribution
-from ...reference_py.optics.quadrature import cosine_directions, facet_normals, points
+from ...reference_py.optics.frame import reflect
+from ...reference_py.optics.microfacet import GGX
+from ...reference_py.optics.quadrature import balanced_directions, cosine_directions, points
+from ..colorimetry import delta_e_2000, xyz_of_linear
 from ..paper.environment import STUDIO, Environment
 from .reflectance import Reflectance
 
@@ -21,8 +22,6 @@ _RINGS, _AZIMUTHS = 40, 72
 _COUNT = 1000
 # Pixels nearer to the edge see more of the pixel's other half than of the ball.
 EDGE = 0.97
-# XYZ of linear sRGB (IEC 61966-2-1), and of its white.
-_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
 # What a white, matte ball shows at its brightest.
 _WHITE_SHOWN = 0.8
 
@@ -110,13 +109,8 @@ def ball_picture(reflectance: Reflectance, widths: list[float], size: int, surro
 def _ring(reflectance, angle: float, widths: list[float], surroundings: Surroundings) -> np.ndarray:
     """Radiance (_AZIMUTHS, 3) of the rough part, by directions of light warped by each width and by the cosine."""
     wo = view_of(np.cos(angle))
-    u1, u2 = points(_COUNT)
-    wi = np.concatenate([cosine_directions(u1, u2)] + [reflect(wo, facet_normals(u1, u2, a, GGX)) for a in widths])
-    wi = wi[wi[:, 2] > 0.0]
-    wh = half_vector(wi, wo)
-    jacobian = wh[:, 2] / np.maximum(4.0 * dot(wi, wh), 1e-300)
-    density = wi[:, 2] / np.pi + sum(distribution(wh[:, 2], a, GGX) * jacobian for a in widths)
-    scattered = reflectance.f(np.broadcast_to(wo, wi.shape), wi) * (wi[:, 2] / (_COUNT * density))[:, None]
+    wi, measure = balanced_directions(wo, [(GGX, alpha) for alpha in widths], _COUNT)
+    scattered = reflectance.f(np.broadcast_to(wo, wi.shape), wi) * measure[:, None]
     ring = np.empty((_AZIMUTHS, 3))
     for k, phi in enumerate(2.0 * np.pi * np.arange(_AZIMUTHS) / _AZIMUTHS):
         normal = np.array([np.sin(angle) * np.cos(phi), np.sin(angle) * np.sin(phi), np.cos(angle)])
@@ -143,45 +137,8 @@ def encoded(linear: np.ndarray) -> np.ndarray:
     return (value.clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
 
 
-def lab(linear: np.ndarray) -> np.ndarray:
-    """CIE 1976 L*a*b* (..., 3) of linear sRGB (..., 3), its white the reference."""
-    t = linear @ _XYZ.T / _XYZ.sum(axis=1)
-    root = np.where(t > (6.0 / 29.0) ** 3, np.cbrt(t), t * (29.0 / 6.0) ** 2 / 3.0 + 4.0 / 29.0)
-    x, y, z = np.moveaxis(root, -1, 0)
-    return np.stack([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)], axis=-1)
-
-
-def delta_e_2000(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """CIEDE2000 (...) of two L*a*b* (..., 3) (Sharma, Wu and Dalal 2005, eqs. 2 to 22)."""
-    l1, a1, b1 = np.moveaxis(first, -1, 0)
-    l2, a2, b2 = np.moveaxis(second, -1, 0)
-    c7 = (0.5 * (np.hypot(a1, b1) + np.hypot(a2, b2))) ** 7
-    stretch = 1.5 - 0.5 * np.sqrt(c7 / (c7 + 25.0**7))
-    a1, a2 = a1 * stretch, a2 * stretch
-    c1, c2 = np.hypot(a1, b1), np.hypot(a2, b2)
-    h1, h2 = np.degrees(np.arctan2(b1, a1)) % 360.0, np.degrees(np.arctan2(b2, a2)) % 360.0
-    grey = c1 * c2 == 0.0
-    turn = np.where(grey, 0.0, (h2 - h1 + 180.0) % 360.0 - 180.0)
-    dh = 2.0 * np.sqrt(c1 * c2) * np.sin(np.radians(0.5 * turn))
-    mean_l, mean_c = 0.5 * (l1 + l2), 0.5 * (c1 + c2)
-    far = np.abs(h1 - h2) > 180.0
-    mean_h = np.where(grey, h1 + h2, 0.5 * (h1 + h2) + np.where(far, np.where(h1 + h2 < 360.0, 180.0, -180.0), 0.0))
-
-    def cos(degrees):
-        return np.cos(np.radians(degrees))
-
-    t = 1.0 - 0.17 * cos(mean_h - 30.0) + 0.24 * cos(2.0 * mean_h) + 0.32 * cos(3.0 * mean_h + 6.0) - 0.2 * cos(4.0 * mean_h - 63.0)
-    away = (mean_l - 50.0) ** 2
-    s_l = 1.0 + 0.015 * away / np.sqrt(20.0 + away)
-    s_c, s_h = 1.0 + 0.045 * mean_c, 1.0 + 0.015 * mean_c * t
-    c7 = mean_c**7
-    rotation = -2.0 * np.sqrt(c7 / (c7 + 25.0**7)) * np.sin(np.radians(60.0 * np.exp(-(((mean_h - 275.0) / 25.0) ** 2))))
-    dl, dc, dh = (l2 - l1) / s_l, (c2 - c1) / s_c, dh / s_h
-    return np.sqrt(np.maximum(dl * dl + dc * dc + dh * dh + rotation * dc * dh, 0.0))
-
-
 def difference(picture: np.ndarray, truth: np.ndarray, surroundings: Surroundings) -> float:
     """Mean CIEDE2000 of two pictures of radiance as they are displayed, over the pixels of the ball."""
     inside = np.isfinite(truth[..., 0])
-    first, second = (lab(shown(p[inside] * surroundings.exposure)) for p in (picture, truth))
+    first, second = (xyz_of_linear(shown(p[inside] * surroundings.exposure)) for p in (picture, truth))
     return float(np.mean(delta_e_2000(first, second)))

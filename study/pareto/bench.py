@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scenes of the measurements, where one subject stands at a time, and what a render of them costs."""
+"""The scenes of the measurements, where one sample stands at a time, and what a render of them costs."""
 
 import tempfile
 import time
@@ -29,11 +29,11 @@ _FILLING = 1.4
 
 
 class Stage:
-    """A scene whose subject, a list of objects, can be changed."""
+    """A scene whose sample, a list of objects, can be changed."""
 
     def __init__(self, scene: bpy.types.Scene, size: int):
         self.scene, self.size = scene, size
-        self._subject: list[bpy.types.Object] = []
+        self._sample: list[bpy.types.Object] = []
         data = bpy.data.cameras.new("Pareto")
         data.type, data.ortho_scale, data.clip_end = "ORTHO", 2.0, 1e4
         scene.camera = add_object(scene, "Pareto", data)
@@ -41,16 +41,16 @@ class Stage:
         scene.world = bpy.data.worlds.new("Pareto")
         node_tree(scene.world)
 
-    def show(self, subject: list[bpy.types.Object]) -> None:
+    def show(self, sample: list[bpy.types.Object]) -> None:
         objects = self.scene.collection.objects
-        for item in self._subject:
+        for item in self._sample:
             objects.unlink(item)
-        for item in subject:
+        for item in sample:
             objects.link(item)
-        self._subject = subject
+        self._sample = sample
 
     def clear(self) -> None:
-        """Let the subjects outlive the scene."""
+        """Let the samples outlive the scene."""
         self.show([])
 
     def settings(self, samples: int, seed: int = 0, size: int | None = None) -> None:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials of the ways that are compared, besides Lamina's own."""
 
-from typing import NamedTuple
-
 import bpy
 import numpy as np
 
@@ -10,11 +8,13 @@ from ...addon.blender.versions import node_tree
 from ...addon.material.script_node import set_script
 from ...addon.shader.nodes.node_groups import lobe_group
 from ...addon.shader.osl.generate import Shader, generate
+from ...reference_py.lobes.made import Made
 from ...reference_py.lobes.view_table import TableLobes
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.baselines.principled_coat import PrincipledCoat
+from ...reference_py.optics.bases import ConductorBase, DiffuseBase
 from ...reference_py.optics.diffuse import fujii_roughness
-from ...reference_py.optics.optical_stack import conductor_index, interfaces, n_above_base
+from ...reference_py.optics.optical_stack import OpticalStack
 
 
 def node_material(kind: str, output: str = "Surface") -> tuple[bpy.types.Material, bpy.types.Node, bpy.types.Node]:
@@ -36,17 +36,9 @@ def script_material(name: str, text: str, closures: int = 1) -> bpy.types.Materi
     return material
 
 
-class _Told(NamedTuple):
-    """Any lobe set in tables as `generate` takes one."""
-
-    resolved: TableLobes
-    stack: Stack
-    tier: str = "baked"
-
-
 def table_material(lobe_set: TableLobes, stack: Stack, name: str) -> bpy.types.Material:
     """A lobe set in tables as Lamina writes it in OSL, its shader called `name`."""
-    shader = generate(_Told(lobe_set, stack))
+    shader = generate(Made("baked", stack, lobe_set))
     return script_material(name, shader.text.replace(shader.name, name), shader.lobe_count)
 
 
@@ -78,7 +70,7 @@ def principled_material(model: PrincipledCoat) -> bpy.types.Material:
 def layer_text(stack: Stack, name: str) -> str:
     """The stack as a user of OSL's layer() would write it."""
     text = base_closure(stack)
-    for s in reversed(interfaces(stack)):
+    for s in reversed(OpticalStack.of(stack).interfaces):
         top = f"dielectric_bsdf(N, U, color(1), color(0), {s.alpha:.9g}, {s.alpha:.9g}, {s.eta:.9g}, {_distribution(s.distribution)})"
         text = f"layer({top}, {_triple(np.exp(-2.0 * s.tau))} * {text})"
     return f"shader {name}(output closure color BSDF = 0) {{ vector U = vector(0); BSDF = {text}; }}"
@@ -86,14 +78,15 @@ def layer_text(stack: Stack, name: str) -> str:
 
 def base_closure(stack: Stack) -> str:
     """OSL of the base under its medium; U is a tangent."""
-    base = stack.base
-    if base.kind == "lambert":
-        return f"{_triple(base['color'])} * diffuse(N)"
-    if base.kind == "oren_nayar":
-        return f"oren_nayar_diffuse_bsdf(N, {_triple(base['color'])}, {fujii_roughness(base['sigma_deg']):.9g})"
-    eta, k = conductor_index(base)
-    n, alpha = n_above_base(stack), base["roughness"] ** 2
-    return f"conductor_bsdf(N, U, {alpha:.9g}, {alpha:.9g}, {_triple(eta / n)}, {_triple(k / n)}, {_distribution(base['distribution'])})"
+    base = OpticalStack.of(stack).base
+    match base:
+        case DiffuseBase(sigma_deg=0.0):
+            return f"{_triple(base.color)} * diffuse(N)"
+        case DiffuseBase():
+            return f"oren_nayar_diffuse_bsdf(N, {_triple(base.color)}, {fujii_roughness(base.sigma_deg):.9g})"
+        case ConductorBase():
+            (eta, k), alpha = base.relative_index, base.facets.alpha
+            return f"conductor_bsdf(N, U, {alpha:.9g}, {alpha:.9g}, {_triple(eta)}, {_triple(k)}, {_distribution(base.facets.distribution)})"
 
 
 def _distribution(distribution: str) -> str:

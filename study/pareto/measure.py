@@ -12,9 +12,9 @@ from ...reference_py.models.adding.model import Adding
 from ...reference_py.optics.optical_stack import rough_surfaces
 from .appearance import Surroundings, ball_picture, difference
 from .bench import ball, furnace_stage, plane, studio_stage, sun_stage, with_material
-from .effort import Effort
 from .methods import GLOSSY, SLAB, Method, methods
-from .reflectance import Errors, TruthReflectance, Yardstick
+from .quality import Quality
+from .reflectance import Errors, Reference, TruthReflectance
 from .slab import slab_objects
 from .slab_truth import slab_errors
 from .timing import Cost, compiled, filling_costs, memory_per_material, noise, scene_costs
@@ -42,44 +42,44 @@ class Result:
     picture: np.ndarray
 
 
-def measure(name: str, stack: Stack, effort: Effort, report: Callable[[str], None]) -> tuple[list[Result], np.ndarray]:
+def measure(name: str, stack: Stack, quality: Quality, report: Callable[[str], None]) -> tuple[list[Result], np.ndarray]:
     """A result for each method, and the truth's picture, radiance (size, size, 3). Removes what it makes."""
     before = {kind: set(getattr(bpy.data, kind)) for kind in ("materials", "meshes", "objects", "texts", "node_groups")}
     try:
-        return _measure(name, stack, effort, report)
+        return _measure(name, stack, quality, report)
     finally:
         for kind, present in before.items():
             bpy.data.batch_remove([block for block in getattr(bpy.data, kind) if block not in present])
 
 
-def _measure(name, stack, effort, report):
+def _measure(name, stack, quality, report):
     truth = Adding(stack)
     ways = {method.name: method for method in methods(stack, truth, report)}
     made = {way: compiled(m.material, f"{name}_{way}") for way, m in ways.items() if m.material}
     surface = ball()
-    subjects = {way: [with_material(surface, material)] for way, (material, _, _) in made.items()}
+    samples = {way: [with_material(surface, material)] for way, (material, _, _) in made.items()}
     if SLAB in ways:
-        subjects[SLAB] = slab_objects(stack, ball)
-    with sun_stage(effort.time_size) as stage:
-        costs = filling_costs(stage, subjects, effort.rounds, effort.time_samples, report)
+        samples[SLAB] = slab_objects(stack, ball)
+    with sun_stage(quality.time_size) as stage:
+        costs = filling_costs(stage, samples, quality.rounds, quality.time_samples, report)
         report("memory")
-        memory = {w: memory_per_material(stage, ways[w].material, f"{name}_{w}_copy") for w in made if w != GLOSSY} if effort.memory else {}
+        memory = {w: memory_per_material(stage, ways[w].material, f"{name}_{w}_copy") for w in made if w != GLOSSY} if quality.memory else {}
     report("demo scene")
-    scenes = scene_costs({way: material for way, (material, _, _) in made.items()}, effort.rounds, effort.scene_size, effort.scene_samples, report)
+    scenes = scene_costs({way: material for way, (material, _, _) in made.items()}, quality.rounds, quality.scene_size, quality.scene_samples, report)
     report("pictures")
     surroundings, widths = Surroundings(), widths_of(stack)
-    exact = ball_picture(TruthReflectance(truth), widths, effort.picture_size, surroundings)
-    pictures, spent = _pictures(subjects, exact, surroundings, effort)
-    yardstick = Yardstick(stack, truth)
+    exact = ball_picture(TruthReflectance(truth), widths, quality.picture_size, surroundings)
+    pictures, spent = _pictures(samples, exact, surroundings, quality)
+    reference = Reference(stack, truth)
     results = []
     for way, method in ways.items():
         if method.reflectance:
-            errors = yardstick.errors(method.reflectance)
-            picture = ball_picture(method.reflectance, widths, effort.picture_size, surroundings)
+            errors = reference.errors(method.reflectance)
+            picture = ball_picture(method.reflectance, widths, quality.picture_size, surroundings)
         else:
             report("where the slab's paths go")
             with furnace_stage(256) as stage:
-                errors = slab_errors(stage, slab_objects(stack, plane), stack, truth, effort.slab_renders)
+                errors = slab_errors(stage, slab_objects(stack, plane), stack, truth, quality.slab_renders)
             picture = pictures[way]
         _, size, seconds = made.get(way, (None, None, None))
         results.append(Result(
@@ -90,16 +90,16 @@ def _measure(name, stack, effort, report):
     return results, exact
 
 
-def _pictures(subjects, exact, surroundings, effort):
-    """Renders of all subjects, and their variance times CPU time over the pixels that `exact` has."""
+def _pictures(samples, exact, surroundings, quality):
+    """Renders of all samples, and their variance times CPU time over the pixels that `exact` has."""
     inside = np.isfinite(exact[..., 0])
     pictures, spent = {}, {}
-    with studio_stage(effort.picture_size, surroundings) as stage:
-        for way, subject in subjects.items():
-            samples = effort.slab_samples if way == SLAB else effort.picture_samples
-            stage.show(subject)
-            pictures[way] = stage.picture(samples)
-            spent[way] = noise(stage, subject, pictures[way], inside, samples, effort.noise_samples)
+    with studio_stage(quality.picture_size, surroundings) as stage:
+        for way, sample in samples.items():
+            spp = quality.slab_samples if way == SLAB else quality.picture_samples
+            stage.show(sample)
+            pictures[way] = stage.picture(spp)
+            spent[way] = noise(stage, sample, pictures[way], inside, spp, quality.noise_samples)
     return pictures, spent
 
 

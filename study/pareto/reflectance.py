@@ -16,8 +16,8 @@ from ...reference_py.lobes.samples import truth_at
 from ...reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines
 from ...reference_py.material.stack import Stack
 from ...reference_py.optics.frame import spherical
-from ...reference_py.optics.microfacet import GGX, is_specular
-from ...reference_py.optics.optical_stack import interfaces, rough_surfaces
+from ...reference_py.optics.microfacet import GGX
+from ...reference_py.optics.optical_stack import OpticalStack, rough_surfaces
 from ...reference_py.optics.quadrature import directional_albedo
 
 THETA_DEG = np.array([0.0, 20.0, 40.0, 60.0, 75.0, 80.0])
@@ -85,8 +85,8 @@ def _views(cos_theta_o) -> np.ndarray:
 
 def has_mirror(stack: Stack) -> bool:
     """Whether light can come back as from a mirror."""
-    base = stack.base
-    return any(is_specular(s.alpha) for s in interfaces(stack)) or (base.kind == "conductor" and is_specular(base["roughness"] ** 2))
+    optics = OpticalStack.of(stack)
+    return optics.base.is_specular or any(s.facets.is_specular for s in optics.interfaces)
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class Errors:
     shape_mean: float
 
 
-class Yardstick:
+class Reference:
     """The truth at THETA_DEG. Light that leaves as from a mirror counts in the shape as one more direction."""
 
     def __init__(self, stack: Stack, truth):
@@ -119,8 +119,8 @@ class Yardstick:
 def plain_glossy(stack: Stack, truth) -> tuple[np.ndarray, float]:
     """(color (3,), alpha) of the one glossy node that comes closest: the truth's mean color, and the best of _GUESSES."""
     cosines = np.sqrt((np.arange(8) + 0.5) / 8.0)
-    color, yardstick = TruthReflectance(truth).albedo(cosines).mean(axis=0), Yardstick(stack, truth)
-    alpha = min(_GUESSES, key=lambda a: yardstick.errors(LobeReflectance(glossy_lobes(color, a))).shape_mean)
+    color, reference = TruthReflectance(truth).albedo(cosines).mean(axis=0), Reference(stack, truth)
+    alpha = min(_GUESSES, key=lambda a: reference.errors(LobeReflectance(glossy_lobes(color, a))).shape_mean)
     return color, float(alpha)
 
 

@@ -11,7 +11,8 @@ import bpy
 import numpy as np
 
 from ...reference_py.material.stack import Stack
-from ...reference_py.optics.optical_stack import Interface, interfaces
+from ...reference_py.optics.interface import Interface
+from ...reference_py.optics.optical_stack import OpticalStack
 from .materials import base_closure, node_material, script_material
 
 # Between two surfaces, in radii of the ball.
@@ -49,7 +50,7 @@ def slab_objects(stack: Stack, surface: Surface) -> list[bpy.types.Object]:
 def _merged(stack: Stack) -> list[Interface]:
     """Interfaces that do something; the medium of one that does nothing belongs to the one above."""
     merged: list[Interface] = []
-    for s in interfaces(stack):
+    for s in OpticalStack.of(stack).interfaces:
         if merged and s.eta == 1.0:
             last = merged[-1]
             merged[-1] = Interface(last.n_above, last.n_below, last.alpha, last.distribution, last.tau + s.tau)

@@ -18,11 +18,11 @@ _WALKS = 200_000
 _OFFSET = 2.0
 
 
-def slab_errors(stage: Stage, subject, stack: Stack, truth, renders: int) -> Errors:
-    """Errors of a subject on a furnace stage; `renders` pictures of one sample per view. Histograms see a shape coarsely."""
+def slab_errors(stage: Stage, sample, stack: Stack, truth, renders: int) -> Errors:
+    """Errors of a sample on a furnace stage; `renders` pictures of one path a pixel for each view. Histograms see a shape coarsely."""
     phi_edges = (np.arange(_AZIMUTHS + 1) - 0.5) * 2.0 * np.pi / _AZIMUTHS
     walker = make_model("position_free", stack, walks=_WALKS)
-    stage.show(subject)
+    stage.show(sample)
     albedo, shape = [], []
     for theta in THETA_DEG:
         look_along(stage, theta)

@@ -15,7 +15,7 @@ from ...addon.rendering.studio import build_ball_scene
 from .bench import Stage, plane, render_seconds, with_material
 from .methods import GLOSSY
 
-Subjects = dict[str, list[bpy.types.Object]]
+Samples = dict[str, list[bpy.types.Object]]
 _COPIES = 6
 
 
@@ -48,14 +48,14 @@ def interleaved(seconds: Callable[[str, bool], float], names: list[str], rounds:
     return {name: Cost(median(r), min(r), max(r), start[name]) for name, r in ratios.items()} | {GLOSSY: Cost(1.0, 1.0, 1.0, start[GLOSSY])}
 
 
-def filling_costs(stage: Stage, subjects: Subjects, rounds: int, samples: int, report) -> dict[str, Cost]:
-    """Costs of subjects that fill the frame."""
+def filling_costs(stage: Stage, samples: Samples, rounds: int, spp: int, report) -> dict[str, Cost]:
+    """Costs of samples that fill the frame, rendered with `spp` samples per pixel."""
 
     def seconds(name: str, whole: bool) -> float:
-        stage.show(subjects[name])
-        return stage.seconds(samples) if whole else stage.seconds(1, 8)
+        stage.show(samples[name])
+        return stage.seconds(spp) if whole else stage.seconds(1, 8)
 
-    return interleaved(seconds, [n for n in subjects if n != GLOSSY], rounds, report)
+    return interleaved(seconds, [n for n in samples if n != GLOSSY], rounds, report)
 
 
 def scene_costs(materials: dict[str, bpy.types.Material], rounds: int, size: int, samples: int, report) -> dict[str, Cost]:
@@ -87,8 +87,8 @@ def memory_per_material(stage: Stage, material: Callable[[str], bpy.types.Materi
         item.scale, item.location = (1e-4,) * 3, (0.2 * i - 0.6, 0.0, 1.0)
         items.append(item)
     peaks = []
-    for subject in (items[:1], items, items[:1], items):
-        stage.show(subject)
+    for sample in (items[:1], items, items[:1], items):
+        stage.show(sample)
         peaks.append(_peak(stage))
     stage.clear()
     for item in items:
@@ -128,12 +128,12 @@ def compiled(material: Callable[[str], bpy.types.Material], tag: str) -> tuple[b
     return made, sum(len(text.encode()) for text in texts), spent
 
 
-def noise(stage: Stage, subject: list[bpy.types.Object], converged: np.ndarray, inside: np.ndarray, converged_samples: int, samples: int) -> float:
-    """Variance of one sample per pixel (mean over pixels and channels) times the CPU time in seconds that it takes."""
-    stage.show(subject)
+def noise(stage: Stage, sample: list[bpy.types.Object], converged: np.ndarray, inside: np.ndarray, converged_spp: int, spp: int) -> float:
+    """Variance at one sample per pixel (mean over pixels and channels) times the CPU time in seconds that it takes."""
+    stage.show(sample)
     start = stage.seconds(1, 8)
     before = time.process_time()
-    noisy = stage.picture(samples, seed=1)
+    noisy = stage.picture(spp, seed=1)
     spent = time.process_time() - before - start
-    variance = np.mean(np.square(noisy - converged)[inside]) / (1.0 / samples + 1.0 / converged_samples)
-    return float(variance * spent / samples)
+    variance = np.mean(np.square(noisy - converged)[inside]) / (1.0 / spp + 1.0 / converged_spp)
+    return float(variance * spent / spp)

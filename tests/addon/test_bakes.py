@@ -19,6 +19,7 @@ from lamina.addon.material.state import is_settled, is_stale, lags, wanted_lobes
 from lamina.addon.shader.nodes.node_groups import lobe_group
 from lamina.addon.shader.nodes.stock_nodes import stock_tables
 from lamina.reference_py.lobes import cache
+from lamina.reference_py.material.place import Place
 from lamina.study.suite import suite_stack
 
 pytestmark = pytest.mark.blender
@@ -159,7 +160,7 @@ def test_a_texture_on_a_layer_is_followed(window):
     tree = owner.node_tree
     noise = tree.nodes.new("ShaderNodeTexNoise")
     tree.links.new(noise.outputs["Color"], elements.node_of(owner.lamina.base).inputs["Color"])
-    assert live_values(owner) == ((-1, "color"),)
+    assert live_values(owner) == (Place(None, "color"),)
     rest(owner)
     assert is_live(owner) and is_settled(owner)
     assert "a bake cannot follow the color of the base" in owner.lamina.note
@@ -170,7 +171,7 @@ def test_keyframes_and_drivers_are_live_values(window):
     node = elements.node_of(owner.lamina.layers[0])
     node.inputs["Roughness"].keyframe_insert("default_value", frame=1)
     node.inputs["Thickness"].driver_add("default_value")
-    assert live_values(owner) == ((0, "roughness"), (0, "thickness"))
+    assert live_values(owner) == (Place(0, "roughness"), Place(0, "thickness"))
 
 
 def test_opening_an_older_file_changes_nothing_until_an_edit(window):

@@ -12,6 +12,7 @@ import pytest
 
 pytest.importorskip("bpy")
 
+from lamina.addon.blender import versions
 from lamina.addon.blender.images import read_exr
 from lamina.addon.material import material as materials
 from lamina.addon.rendering import settings
@@ -80,7 +81,7 @@ def pixels(bpy, tmp_path, material, data, samples: int = 32, size: int = 48):
         scene.render.film_transparent = True
         scene.cycles_curves.shape = "RIBBONS"
         scene.world = bpy.data.worlds.new("white")
-        background = next(n for n in settings.node_tree(scene.world).nodes if n.type == "BACKGROUND")
+        background = next(n for n in versions.node_tree(scene.world).nodes if n.type == "BACKGROUND")
         background.inputs["Color"].default_value, background.inputs["Strength"].default_value = (1.0, 1.0, 1.0, 1.0), 1.0
         camera = bpy.data.cameras.new("camera")
         camera.type, camera.ortho_scale = "ORTHO", 2.6

@@ -13,6 +13,7 @@ from lamina.addon.material.elements import node_of
 from lamina.addon.material.roles import node_with
 from lamina.addon.material.shader_node import shader_of, surface_of
 from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.material.place import Place
 from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
@@ -253,7 +254,7 @@ def test_a_deleted_node_comes_back_with_its_values_and_its_texture(owner):
     check.mend(owner, bpy.context.scene, bpy.context.preferences, finding.key)
     assert coat(owner).inputs["Roughness"].default_value == pytest.approx(0.37)
     assert coat(owner).inputs["Tint"].links[0].from_node == noise
-    assert material.live_values(owner) == ((0, "tint"),)
+    assert material.live_values(owner) == (Place(0, "tint"),)
 
 
 def test_several_deleted_nodes_come_back_at_once(owner):

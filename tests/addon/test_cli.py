@@ -87,7 +87,9 @@ def test_explain_says_what_was_tried_and_chosen():
 
 def test_tables_name_their_model():
     assert lamina("albedo", "clean_copper")[0].startswith("adding: ")
-    assert lamina("eval", "clean_copper", "--model", "mirror", "--option", "tier=analytic", "--wo", "30,0", "--wi", "30,180")[0].startswith("mirror: f in 1/sr")
+    assert lamina("eval", "clean_copper", "--model", "mirror", "--option", "tier=analytic", "--wo", "30,0", "--wi", "30,180")[0].startswith(
+        "closure_model: f in 1/sr"
+    )
 
 
 def test_lists():

@@ -122,19 +122,6 @@ def test_the_report_is_a_picture(matte):
     assert (matte.parent / "matte.png").read_bytes()[:4] == b"\x89PNG"
 
 
-def test_a_study_goes_on_where_it_stopped_and_an_ended_one_begins_anew(tmp_path):
-    from lamina.study.charts import fit_charts as chart
-    from lamina.study.charts.output import write_table
-
-    path, heading = tmp_path / "fit_recovery.csv", ("lamina chart fit", "random stacks, with a comma")
-    rows = [tuple(f"{i}" for _ in chart._RECOVERY_COLUMNS) for i in range(3)]
-    assert chart._begun(path, heading, 4) == []
-    write_table(path, heading, chart._RECOVERY_COLUMNS, rows, lambda text: None)
-    assert chart._begun(path, heading, 4) == rows
-    assert chart._begun(path, heading, 3) == []
-    assert chart._begun(path, ("lamina chart fit", "another study"), 4) == []
-
-
 # --- in Blender ---
 
 

@@ -216,13 +216,13 @@ def test_a_file_whose_shader_was_edited_by_hand_opens_and_keeps_the_edit(tmp_pat
     "text", ["", "{", "null", "[1]", '{"chosen": 99}', '{"chosen": 0, "lobe_set": {"a": []}, "tried": [{}], "reason": 1}', "[" * 100_000, "\x00"]
 )
 def test_a_broken_cache_counts_as_none(tmp_path, monkeypatch, text):
-    from lamina.reference_py.lobes.methods import AutoLobes
+    from lamina.reference_py.lobes import methods
 
     monkeypatch.setattr(cache, "_memory", {})
     monkeypatch.setattr(cache, "_folder", tmp_path)
     stack = presets.load("clean_copper")
-    cache._file(AutoLobes.key(stack)).write_text(text)
-    assert not AutoLobes.is_known(stack)
+    cache._file(methods.key_of(stack, "auto")).write_text(text)
+    assert not methods.is_known(stack, "auto")
 
 
 def test_the_clock_may_run_backwards(tmp_path, monkeypatch):
@@ -231,8 +231,8 @@ def test_the_clock_may_run_backwards(tmp_path, monkeypatch):
     monkeypatch.setattr(cache, "_folder", tmp_path)
     monkeypatch.setattr(cache, "_FILES", 2)
     for i, date in enumerate((4e9, 3e9)):
-        cache.remembered(f"key {i}", lambda: i, lambda v: {"v": v}, lambda d: d["v"])
+        cache.cached(f"key {i}", lambda: i, lambda v: {"v": v}, lambda d: d["v"])
         os.utime(cache._file(f"key {i}"), (date, date))
-    cache.remembered("now", lambda: 7, lambda v: {"v": v}, lambda d: d["v"])
+    cache.cached("now", lambda: 7, lambda v: {"v": v}, lambda d: d["v"])
     cache._memory.clear()
-    assert cache.known("now", lambda d: d["v"]) == 7
+    assert cache.get("now", lambda d: d["v"]) == 7

@@ -13,7 +13,6 @@ pytest.importorskip("bpy")
 
 import lamina
 from lamina.addon.cli import main
-from lamina.study.commands import CHARTS
 
 pytestmark = pytest.mark.blender
 
@@ -83,10 +82,8 @@ def test_the_search_sees_imports_inside_functions_and_in_code_as_text():
     assert [bool(problem(module, name)) for _, module, name in found] == [True, False, True]
 
 
-def test_every_command_and_chart_has_its_function():
+def test_every_command_has_its_function():
     commands = next(a for a in main.build_parser()._actions if isinstance(a, argparse._SubParsersAction)).choices
     for name, command in commands.items():
         module = importlib.import_module(command.get_default("module"))
         assert callable(getattr(module, name)), name
-    for name in CHARTS.values():
-        assert callable(importlib.import_module(f"lamina.study.charts.{name}").chart), name

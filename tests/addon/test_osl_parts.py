@@ -5,7 +5,6 @@ import itertools
 import re
 import shutil
 import sys
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,8 +13,10 @@ from lamina.addon.shader.osl import parts
 from lamina.addon.shader.osl.generate import generate
 from lamina.reference_py.lobes.live_grid import Axis, grid_of
 from lamina.reference_py.lobes.lobe import DielectricCurve
+from lamina.reference_py.lobes.made import Made
 from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes
+from lamina.reference_py.material.place import Place
 from lamina.reference_py.material.stack import Stack
 
 FILES = sorted(path.name for path in parts.PARTS.iterdir())
@@ -48,14 +49,15 @@ def tables(alpha: float) -> TableLobes:
 
 
 def baked():
-    return SimpleNamespace(resolved=tables(0.1), stack=ONE, tier="baked")
+    return Made("baked", ONE, tables(0.1))
 
 
 def baked_live():
-    return grid_of(ONE, (Axis(0, "roughness", (0.3, 0.6)),), {(0,): tables(0.09), (1,): tables(0.36)})
+    axis = Axis(Place(0, "roughness"), (0.3, 0.6))
+    return Made("baked", ONE, grid_of(ONE, (axis,), {(0,): tables(0.09), (1,): tables(0.36)}))
 
 
-def lobe_sets():
+def all_made():
     """One of each structure that writes something of its own."""
     for layers, base, tier in itertools.product(LAYERS, BASES, ("analytic", "weidlich_wilkie")):
         yield make_lobe_set(Stack.from_dict({"layers": layers, "base": base}), tier)
@@ -65,7 +67,7 @@ def lobe_sets():
 
 @pytest.fixture(scope="module")
 def texts():
-    return [generate(lobe_set).text for lobe_set in lobe_sets()]
+    return [generate(made).text for made in all_made()]
 
 
 def compiles(folder, name: str, tmp_path) -> bool:

@@ -110,7 +110,7 @@ def test_a_bake_over_live_values_equals_its_lobe_set(blender, links):
     refresh(material, settle=True)
     assert len([socket for socket in shader_of(material).inputs if socket.is_linked]) == len(links)
     text = shader_of(material).script.as_string()
-    lobe_set = make_lobe_set(stack_of(material), "baked", live=live_values(material)).resolved
+    lobe_set = make_lobe_set(stack_of(material), "baked", live=live_values(material)).lobe_set
     for theta in SUN_THETA_DEG:
         result = parity(material, lambda wo, wi: sum(lobe_f(lobe, wo, wi) for lobe in lobe_set.lobes(wo[..., 2])), theta)
         print(f"live {', '.join(links)}, sun {theta:g} deg: 99th percentile {result.percentile_99:.1e}, text {len(text) / 1e3:.0f} kB")

@@ -7,7 +7,7 @@ from support.goniometer import TOLERANCE, parity
 
 from lamina.reference_py.lobes.closure import lobe_f
 from lamina.reference_py.lobes.lobe import GlossyLobe, SchlickCurve
-from lamina.reference_py.lobes.methods import TIERS, AutoLobes
+from lamina.reference_py.lobes.methods import DEFAULT_METHOD, METHODS
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.registry import make_model
 
@@ -30,7 +30,7 @@ STACKS = {
 }
 
 
-@pytest.mark.parametrize("tier", [tier for tier in TIERS if tier != AutoLobes.tier])
+@pytest.mark.parametrize("tier", [method for method in METHODS if method != DEFAULT_METHOD])
 @pytest.mark.parametrize("name", STACKS)
 def test_render_equals_mirror(blender, name, tier):
     import bpy

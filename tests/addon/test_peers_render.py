@@ -7,9 +7,10 @@ from support.goniometer import beckmann_sampling_bias, parity, tolerance
 
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.baselines.parts import dielectric_f0
+from lamina.reference_py.optics import bases
 from lamina.reference_py.optics.diffuse import fujii_roughness
 from lamina.reference_py.optics.frame import spherical
-from lamina.reference_py.optics.optical_stack import conductor_index, interfaces, n_above_base
+from lamina.reference_py.optics.optical_stack import OpticalStack
 from lamina.reference_py.registry import make_model
 
 pytestmark = pytest.mark.blender
@@ -61,17 +62,17 @@ def osl_of(stack: Stack, ggx: str) -> str:
     def name(distribution):
         return f'"{ggx if distribution == "ggx" else distribution}"'
 
-    base, n = stack.base, n_above_base(stack)
+    base, n = stack.base, OpticalStack.of(stack).base.n_above
     if base.kind == "lambert":
         text = f"{triple(base['color'])} * diffuse(N)"
     elif base.kind == "oren_nayar":
         text = f"oren_nayar_diffuse_bsdf(N, {triple(base['color'])}, {fujii_roughness(base['sigma_deg']):.9g})"
     else:
-        eta, k = conductor_index(base)
+        eta, k = bases.conductor_index(base)
         alpha = base["roughness"] ** 2
         indices = f"{triple(eta / n)}, {triple(k / n)}"
         text = f"conductor_bsdf(N, U, {alpha:.9g}, {alpha:.9g}, {indices}, {name(base['distribution'])})"
-    for s in reversed(interfaces(stack)):
+    for s in reversed(OpticalStack.of(stack).interfaces):
         top = f"dielectric_bsdf(N, U, color(1), color(0), {s.alpha:.9g}, {s.alpha:.9g}, {s.eta:.9g}, {name(s.distribution)})"
         text = f"layer({top}, {triple(np.exp(-2.0 * s.tau))} * {text})"
     return f"shader peer(output closure color BSDF = 0) {{ vector U = vector(0); BSDF = {text}; }}"
@@ -125,9 +126,15 @@ def assert_goniometer(material, model, name, error=TABLE_ERROR):
 
 
 def require_own_oren_nayar(bpy, name: str) -> None:
-    """The peers are Blender 5.3's."""
+    """Of the Oren-Nayar base the model has Blender 5.3's formula."""
     if "chalk" in name and bpy.app.version < (5, 3, 0):
         pytest.skip("up to Blender 5.2 Cycles' Oren-Nayar has the cube of the color where the model has the square")
+
+
+def require_modelled_albedo(bpy) -> None:
+    """Of what a closure leaves for those below it the models have Blender 4.5's to 5.2's estimate."""
+    if bpy.app.version >= (5, 3, 0):
+        pytest.skip("from Blender 5.3 on Cycles estimates a coat's albedo otherwise, .3876 for .3922 at 80 degrees; the models are those of 4.5 to 5.2")
 
 
 def layer_error(bpy, name: str) -> float:
@@ -142,6 +149,8 @@ def layer_error(bpy, name: str) -> float:
 @pytest.mark.parametrize("name", LAYERED)
 def test_layer_renders_as_cycles_layer(blender, name):
     require_own_oren_nayar(blender, name)
+    if LAYERED[name].layers:
+        require_modelled_albedo(blender)
     model = make_model("cycles_layer", LAYERED[name])
     material = layer_material(blender, LAYERED[name])
     error = layer_error(blender, name)
@@ -169,6 +178,8 @@ def test_blenders_coat_over_grey_is_two_thirds_too_bright(blender):
 @pytest.mark.parametrize("name", PRINCIPLED)
 def test_principled_renders_as_principled_coat(blender, name):
     require_own_oren_nayar(blender, name)
+    if PRINCIPLED[name].layers:
+        require_modelled_albedo(blender)
     model = make_model("principled_coat", PRINCIPLED[name])
     material = principled_material(blender, model.settings())
     assert_furnace(material, model, name)
@@ -177,6 +188,7 @@ def test_principled_renders_as_principled_coat(blender, name):
 
 def test_blenders_coat_gains_energy_over_a_thinner_second_interface(blender):
     """The worst row of figures/stress.csv is Blender's own: albedo 1.64 over Lambert .8."""
+    require_modelled_albedo(blender)
     from lamina.addon.rendering.measure import render_furnace
 
     model = make_model("principled_coat", _stack({"kind": "lambert", "color": [0.8] * 3}, _layer(1.5, 0.5), _layer(1.3)))

@@ -10,8 +10,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.blender import environment, images
-from lamina.addon.rendering import geometry, measure, settings, sheet, studio
+from lamina.addon.blender import environment, images, versions
+from lamina.addon.rendering import geometry, measure, sheet, studio
 from lamina.reference_py.errors import LaminaError
 
 pytestmark = pytest.mark.blender
@@ -25,7 +25,7 @@ def osl_on_path():
 def stock(kind: str, distribution: str = "", **inputs) -> bpy.types.Material:
     """Material of one stock BSDF node, white unless told otherwise."""
     material = bpy.data.materials.new(kind)
-    tree = settings.node_tree(material)
+    tree = versions.node_tree(material)
     tree.nodes.clear()
     shader, output = tree.nodes.new(kind), tree.nodes.new("ShaderNodeOutputMaterial")
     if distribution:
@@ -293,7 +293,7 @@ def test_a_header_that_claims_too_much_is_refused_in_one_line(tmp_path):
 def test_sheet_shows_each_material_over_its_label(tmp_path):
     def principled(color):
         material = bpy.data.materials.new("Look")
-        node = next(n for n in settings.node_tree(material).nodes if n.type == "BSDF_PRINCIPLED")
+        node = next(n for n in versions.node_tree(material).nodes if n.type == "BSDF_PRINCIPLED")
         node.inputs["Base Color"].default_value = (*color, 1.0)
         return material
 

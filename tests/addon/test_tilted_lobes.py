@@ -10,16 +10,16 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from lamina.addon.rendering import settings
+from lamina.addon.blender import versions
 from lamina.addon.rendering.measure import render_furnace
 from lamina.addon.shader.nodes.node_groups import lobe_group
 from lamina.reference_py.lobes.closure import unit_energy
 from lamina.reference_py.lobes.lobe import GlossyLobe
 from lamina.reference_py.lobes.view_table import KNOTS, GlossyTable, TableLobes
 from lamina.reference_py.optics.frame import normalize, reflect
+from lamina.reference_py.optics.ggx import ggx_visible_normals
 from lamina.reference_py.optics.microfacet import smith_lambda
 from lamina.reference_py.optics.quadrature import points
-from lamina.reference_py.optics.sampling import ggx_visible_normals
 
 pytestmark = pytest.mark.blender
 
@@ -41,7 +41,7 @@ def below_own_horizon(cos_o: float, tilt: float, alpha: float) -> float:
 
 def test_a_tilted_lobe_in_a_white_world(blender):
     material = blender.data.materials.new("tilted")
-    tree = settings.node_tree(material)
+    tree = versions.node_tree(material)
     tree.nodes.clear()
     node, output = tree.nodes.new("ShaderNodeGroup"), tree.nodes.new("ShaderNodeOutputMaterial")
     node.node_tree = lobe_group(TableLobes((GlossyTable("ggx", np.ones((KNOTS, 3)), np.array([ALPHA, ALPHA, SLOPE]) * np.ones((KNOTS, 1))),)))

@@ -6,10 +6,10 @@
 Three presets. Each figure is a median of interleaved rounds: with OSL over the script alone, without OSL over the stock nodes alone.
 """
 
-import csv
 import os
 import sys
 import time
+from pathlib import Path
 from statistics import median
 
 import bpy
@@ -21,6 +21,7 @@ from lamina.addon.material.shader_node import remove_material
 from lamina.addon.rendering.geometry import plane_mesh
 from lamina.addon.rendering.settings import measurement_settings, render_to
 from lamina.reference_py.material import presets
+from lamina.study.tables import write_table
 
 NAMES = ("glazed_mug", "metallic_car_paint", "frosted_paint")
 ROUNDS, SIZE, SAMPLES, COPIES = 5, 96, 64, 8
@@ -122,9 +123,7 @@ def main() -> int:
             found.append(row)
             print("branches", "  ".join(f"{column} {value}" for column, value in zip(COLUMNS, row)), file=sys.stderr, flush=True)
     if len(sys.argv) > 1:
-        with open(sys.argv[1], "w", newline="", encoding="utf-8") as file:
-            file.write(f"# make branches: both branches over one alone, CPU time; Blender {bpy.app.version_string}\n")
-            csv.writer(file, lineterminator="\n").writerows([COLUMNS, *found])
+        write_table(Path(sys.argv[1]), ("make branches: both branches over one alone, CPU time",), COLUMNS, found)
     sys.stdout.flush()
     os._exit(0)
 

@@ -7,7 +7,6 @@ Prints and writes a row for each, and what `openjd` says of two tasks. Seconds a
 `blender` is what LAMINA_BLENDER names, else the bpy wheel in its clothes.
 """
 
-import csv
 import json
 import os
 import re
@@ -20,8 +19,15 @@ sys.path.append(str(Path(__file__).resolve().parents[1]))
 from support.commands import RUN
 from support.wheel_blender import blender_program
 
+from lamina.study.stamp import module_blender, stamp
+from lamina.study.tables import write_table
+
 PICTURES = 8
 JOB = {"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "frames": f"1-{PICTURES}", "size": 32, "samples": 4}
+
+
+def _version_of(blender: str) -> str:
+    return subprocess.run([blender, "--version"], check=True, capture_output=True, text=True).stdout.splitlines()[0]
 
 
 def main() -> int:
@@ -30,7 +36,9 @@ def main() -> int:
         job = Path(home, "job.json")
         job.write_text(json.dumps(JOB))
         subprocess.run([*RUN, "farm", job, "-o", f"{home}/bundle"], check=True, stderr=subprocess.DEVNULL)
-        blender = os.environ.get("LAMINA_BLENDER") or blender_program(Path(home))
+        named = os.environ.get("LAMINA_BLENDER")
+        blender = named or blender_program(Path(home))
+        made_by = stamp(_version_of(named) if named else module_blender())
         openjd = Path(sys.executable).with_name("openjd")
         for chunk in (1, 2, 4, 8):
             told = subprocess.run([openjd, "run", f"{home}/bundle/template.json", "--step", "Render", f"-pBlender={blender}", f"-pPicturesPerTask={chunk}",
@@ -38,7 +46,7 @@ def main() -> int:
             if chunk == PICTURES // 2 and len(sys.argv) > 2:
                 paths = {home: "/job", r"/\S*OpenJD/\w+": "/tmp/OpenJD/SESSION"}
                 told_briefly = re.sub(r"^.*\t(Fra:.*|Saved: .*|Time: .*|)\n", "", told, flags=re.MULTILINE)  # without Blender's every step
-                log = f"$ openjd run /job/bundle/template.json --step Render -p Blender=blender -p PicturesPerTask={chunk} -p Output=/job/out{chunk}\n{told_briefly}"
+                log = f"# make farm-tasks; {made_by}\n$ openjd run /job/bundle/template.json --step Render -p Blender=blender -p PicturesPerTask={chunk} -p Output=/job/out{chunk}\n{told_briefly}"
                 for path, shown in paths.items():
                     log = re.sub(path, shown, log)
                 Path(sys.argv[2]).write_text(log, encoding="utf-8")
@@ -46,10 +54,8 @@ def main() -> int:
             rows.append((chunk, tasks, f"{seconds:.1f}", f"{seconds / tasks:.2f}", f"{seconds / PICTURES:.2f}"))
             print("  ".join(f"{v!s:>18}" for v in rows[-1]), flush=True)
     if len(sys.argv) > 1:
-        with open(sys.argv[1], "w", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(["# make farm-tasks: openjd run, 8 pictures of 32 pixels and 4 samples of one material"])
-            writer.writerows(rows)
+        heading = ("make farm-tasks: openjd run, 8 pictures of 32 pixels and 4 samples of one material",)
+        write_table(Path(sys.argv[1]), heading, rows[0], rows[1:], stamps=[made_by])
     return 0
 
 

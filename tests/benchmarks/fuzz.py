@@ -35,10 +35,11 @@ from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.fit.readers import read
 from lamina.reference_py.fit.readers.measurement import spread_pairs
 from lamina.reference_py.lobes import cache
-from lamina.reference_py.lobes.methods import AutoLobes, BakedLobes
+from lamina.reference_py.lobes.methods import is_known, key_of, make_lobe_set
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.schema import SCHEMA
 from lamina.reference_py.material.stack import Stack
+from lamina.study.stamp import stamp
 
 COUNT, SEED = 100_000, 5
 HOME = Path(tempfile.mkdtemp(prefix="lamina-fuzz."))
@@ -62,9 +63,9 @@ def read_job(text: str) -> None:
 def read_cache(text: str) -> None:
     cache._memory.clear()
     stack = presets.load("clean_copper")
-    for lobe_set in (AutoLobes, BakedLobes):
-        cache._file(lobe_set.key(stack)).write_text(text, encoding="utf-8", errors="replace")
-        lobe_set.is_known(stack)
+    for method in ("auto", "baked"):
+        cache._file(key_of(stack, method)).write_text(text, encoding="utf-8", errors="replace")
+        is_known(stack, method)
 
 
 def read_preset_file(data: bytes) -> None:
@@ -242,8 +243,8 @@ def main() -> int:
         "seed": 3,
         "samples": 4,
     }
-    AutoLobes(presets.load("clean_copper"))
-    BakedLobes(presets.load("clean_copper"))
+    make_lobe_set(presets.load("clean_copper"), "auto")
+    make_lobe_set(presets.load("clean_copper"), "baked")
     caches = [file.read_bytes() for file in HOME.glob("*.json")]
     trials = [Trial(read.__name__, read) for read in (read_stack, read_job, read_cache, read_preset_file, read_picture)]
     stack_trial, job_trial, cache_trial, preset_trial, picture_trial = trials
@@ -265,7 +266,7 @@ def main() -> int:
     rows.append(f"{sum(trial.answers.total() for trial in trials)} inputs, {sum(len(trial.findings) for trial in trials)} findings")
     print("\n".join(rows))
     if len(sys.argv) > 2:
-        write_text(Path(sys.argv[2]), "\n".join(["# make fuzz", *rows]) + "\n")
+        write_text(Path(sys.argv[2]), "\n".join([f"# make fuzz; {stamp()}", *rows]) + "\n")
     for trial in trials:
         for (kind, file, line), (given_input, message) in trial.findings.items():
             print(f"FOUND by {trial.name}: {kind} at {file}:{line}: {message[:200]}\n  {given_input[:600]!r}")

@@ -16,6 +16,9 @@ import tempfile
 import time
 from pathlib import Path
 
+from lamina.study.stamp import module_blender, stamp
+from lamina.study.tables import write_table
+
 RUN = [sys.executable, "-c", "from lamina.addon.cli.main import main; main()", "batch"]
 KILLS, SEED = 5, 20
 JOB = {
@@ -64,10 +67,8 @@ def main() -> int:
     verdict = f"{len(wanted)} pictures, {'all equal' if same else 'NOT equal'} to the undisturbed run's; left over: {left or 'nothing'}"
     print(verdict)
     if len(sys.argv) > 1:
-        with open(sys.argv[1], "w", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow([f"# make killed-batch: {verdict}"])
-            writer.writerows(table)
+        columns, *starts = table
+        write_table(Path(sys.argv[1]), (f"make killed-batch: {verdict}",), columns, starts, stamps=[stamp(module_blender())])
     return 0 if same and not left else 1
 
 

@@ -11,7 +11,7 @@ from multiprocessing import get_context
 
 import numpy as np
 
-from lamina.reference_py.lobes.baked import BakedLobes
+from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.registry import make_model
@@ -68,7 +68,7 @@ def cold_seconds(name: str) -> float:
 def bake(name: str) -> tuple[float, float]:
     """Processor seconds and peak megabytes of a bake with two glossy lobes: called in a fresh process, too."""
     start = time.process_time()
-    BakedLobes(suite_stack(name))
+    make_lobe_set(suite_stack(name), "baked")
     return time.process_time() - start, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
 
 

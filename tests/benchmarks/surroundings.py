@@ -7,7 +7,6 @@ LAMINA_BLENDER names the other Blender, which must have EEVEE; Lamina need not b
 presets. The table has the mean of each picture and the largest difference, in blocks of 8 pixels, from Cycles with OSL.
 """
 
-import csv
 import os
 import subprocess
 import sys
@@ -24,6 +23,8 @@ from lamina.addon.material.material import apply_stack, refresh
 from lamina.addon.rendering.settings import render_to
 from lamina.addon.rendering.studio import build_ball_scene
 from lamina.reference_py.material import presets
+from lamina.study.pareto.appearance import encoded
+from lamina.study.tables import write_table
 from lamina.study.viewport.eevee import blender_program, blender_version, eevee_pictures
 
 NAMES = ("glazed_mug", "metallic_car_paint", "patina_copper")
@@ -90,11 +91,9 @@ def main(picture: str, table: str) -> None:
             rows.append((name, key, *(f"{v:.4f}" for v in found[key][i].mean(axis=(0, 1))), f"{apart:.4f}"))
             print(*rows[-1])
     sheet = np.concatenate([np.concatenate([found[key][i] for key in SURROUNDINGS], axis=1) for i in range(len(NAMES))], axis=0)
-    encoded = np.where(sheet <= 0.0031308, 12.92 * sheet, 1.055 * np.maximum(sheet, 1e-9) ** (1 / 2.4) - 0.055)
-    write_png(picture, (encoded.clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8))
-    with open(table, "w", newline="", encoding="utf-8") as file:
-        file.write(f"# make surroundings: Blender {bpy.app.version_string}, the other one {other}\n")
-        csv.writer(file, lineterminator="\n").writerows([("preset", "surroundings", "r", "g", "b", "largest_difference"), *rows])
+    write_png(picture, encoded(sheet))
+    heading = ("make surroundings", f"the other Blender {other}")
+    write_table(Path(table), heading, ("preset", "surroundings", "r", "g", "b", "largest_difference"), rows)
     sys.stdout.flush()
     os._exit(0)
 

@@ -7,7 +7,6 @@ Writes a row for each case into TABLE.csv and keeps there the rows of other Blen
 have one of them and writes nothing. Each group of cases runs in a process of its own, which a crash of Blender ends.
 """
 
-import csv
 import json
 import os
 import signal
@@ -19,6 +18,9 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from pathlib import Path
+
+from lamina.study.stamp import stamp
+from lamina.study.tables import read_heading, read_table, write_table
 
 sys.path[0] = str(Path(__file__).resolve().parents[1])
 
@@ -41,7 +43,7 @@ def main() -> int:
     seconds = time.monotonic() - begin
     print(f"{len(rows)} cases in {seconds:.0f} s: {dict(Counter(r['verdict'] for r in rows))}")
     if not words:
-        _write(table, rows, listed["blender"])
+        _write(table, rows, listed["blender"], listed["stamp"])
     return 0
 
 
@@ -85,7 +87,7 @@ def _in_blender(task: str, told: str, *names: str) -> int:
         for case in CASES.values():
             if case.is_here():
                 groups.setdefault(case.group, []).append(case.name)
-        print(json.dumps({"blender": blender(), "groups": groups}), flush=True)
+        print(json.dumps({"blender": blender(), "stamp": stamp(), "groups": groups}), flush=True)
         os._exit(0)
     with open(told, "a", encoding="utf-8", buffering=1) as file:
         for case in map(CASES.__getitem__, names):
@@ -103,20 +105,16 @@ def _say(row: dict) -> None:
     print(f"{row['verdict']:>5} {row['seconds']:5.1f} s  {row['case']}{told}", flush=True)
 
 
-def _write(table: Path, rows: list[dict], blender: str) -> None:
-    """Put the rows in the table, in place of what this Blender had there; whole or not at all."""
+def _write(table: Path, rows: list[dict], blender: str, made_by: str) -> None:
+    """Put the rows in the table, in place of what this Blender had there; each Blender has its stamp."""
     columns = ("case", "blender", "lamina", "principled", "verdict", "note")
-    kept = []
+    kept, stamps = [], []
     if table.exists():
-        with open(table, newline="", encoding="utf-8") as file:
-            kept = [r for r in csv.DictReader(line for line in file if not line.startswith("#")) if r["blender"] != blender]
-    temporary = table.with_suffix(".new")
-    with open(temporary, "w", newline="", encoding="utf-8") as file:
-        file.write("# make field: a Lamina material beside a Principled one; got and expected values\n")
-        writer = csv.DictWriter(file, columns, lineterminator="\n", extrasaction="ignore")
-        writer.writeheader()
-        writer.writerows(sorted(kept + rows, key=lambda r: tuple(map(int, r["blender"].split(".")))))
-    temporary.replace(table)
+        kept = [row for row in read_table(table) if row["blender"] != blender]
+        stamps = [s for s in read_heading(table)[1] if f"Blender {blender}." not in s]
+    whole = sorted(kept + rows, key=lambda r: tuple(map(int, r["blender"].split("."))))
+    heading = ("make field: a Lamina material beside a Principled one; got and expected values",)
+    write_table(table, heading, columns, [[row[c] for c in columns] for row in whole], stamps=sorted([*stamps, made_by]))
 
 
 if __name__ == "__main__":

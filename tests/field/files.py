@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 import lamina
-from lamina.addon.blender import environment
+from lamina.addon.blender import environment, versions
 from lamina.addon.material import material as materials
 from lamina.addon.rendering import settings
 from lamina.addon.rendering.settings import add_object
@@ -328,7 +328,7 @@ def paste_new(trial):
     """Blender's Copy and Paste Material onto a plain material: the same picture, layers that can be edited."""
     picture = trial.plain()
     item = trial.show(bpy.data.materials.new("target"))
-    settings.node_tree(item.active_material)
+    versions.node_tree(item.active_material)
     paste(trial.material(), item)
     target = item.active_material
     trial.compare_pictures("pasted", trial.picture(), picture, trial.within)

@@ -5,10 +5,11 @@ import numpy as np
 import pytest
 
 from lamina.reference_py.lobes import cache
-from lamina.reference_py.lobes.baked import BakedLobes, Baker
+from lamina.reference_py.lobes.baked import Baker
 from lamina.reference_py.lobes.baked.fit_lobes import non_negative
 from lamina.reference_py.lobes.closure import lobe_energy
 from lamina.reference_py.lobes.lobe import DiffuseLobe
+from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.adding.model import Adding
@@ -36,7 +37,7 @@ def energy(lobe_set, cos_o):
 def test_albedo_is_the_truth(name):
     theta = np.radians(VIEWS_DEG)
     exact = Adding(STACKS[name]).albedo(spherical(theta, 0.0))
-    gap = np.max(np.abs(energy(BakedLobes(STACKS[name]), np.cos(theta)) - exact) / exact)
+    gap = np.max(np.abs(energy(make_lobe_set(STACKS[name], "baked"), np.cos(theta)) - exact) / exact)
     print(f"{name}: albedo {100 * gap:.2f} %")
     assert gap <= ALBEDO_TOLERANCE
 
@@ -48,12 +49,12 @@ def test_a_channel_that_no_lobe_is_fitted_for_keeps_its_energy(glossy):
     stack = Stack.from_dict({"layers": [lacquer], "base": {"kind": "conductor", "metal": "silver", "roughness": 0.0}})
     theta = np.radians(VIEWS_DEG)
     exact = Adding(stack).albedo(spherical(theta, 0.0))
-    assert np.max(np.abs(energy(BakedLobes(stack, glossy=glossy), np.cos(theta)) - exact) / exact) <= 0.02
+    assert np.max(np.abs(energy(make_lobe_set(stack, "baked", glossy=glossy), np.cos(theta)) - exact) / exact) <= 0.02
 
 
 def test_coated_grey_is_right_where_stock_coats_are_two_thirds_too_bright():
     """The headline: n = 1.5 smooth over Lambert .5, seen along the normal, reflects .316."""
-    baked = BakedLobes(suite_stack("plastic_grey_0"))
+    baked = make_lobe_set(suite_stack("plastic_grey_0"), "baked")
     assert energy(baked, np.ones(1))[0, 1] == pytest.approx(0.316, abs=0.003)
 
 
@@ -63,7 +64,7 @@ def test_white_stacks_are_white(count, alpha):
     layers = [{"kind": "dielectric", "ior": (1.5, 1.3)[i % 2], "roughness": alpha**0.5} for i in range(count)]
     white = Stack.from_dict({"layers": layers, "base": {"kind": "lambert", "color": [1.0, 1.0, 1.0]}})
     cos_o = np.cos(np.radians([0.0, 30.0, 60.0, 75.0, 85.0]))
-    assert energy(BakedLobes(white, glossy=1), cos_o) == pytest.approx(1.0, abs=0.005)
+    assert energy(make_lobe_set(white, "baked", glossy=1), cos_o) == pytest.approx(1.0, abs=0.005)
 
 
 def test_more_lobes_come_closer():
@@ -74,7 +75,7 @@ def test_more_lobes_come_closer():
 
 def test_weights_are_never_negative_and_alphas_stay_in_range():
     for name, stack in STACKS.items():
-        for lobe in BakedLobes(stack).lobes(np.linspace(0.0, 1.0, 101)):
+        for lobe in make_lobe_set(stack, "baked").lobes(np.linspace(0.0, 1.0, 101)):
             assert np.all(lobe.weight >= 0.0), name
             assert isinstance(lobe, DiffuseLobe) or np.all((lobe.alpha_x >= 0.0) & (lobe.alpha_x <= 1.0)), name
 
@@ -88,7 +89,7 @@ def test_progress_is_reported_and_can_cancel():
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        BakedLobes(suite_stack("plastic_grey_0_2"), glossy=1, progress=cancel)
+        make_lobe_set(suite_stack("plastic_grey_0_2"), "baked", glossy=1, progress=cancel)
     assert shares == sorted(shares)
 
 
@@ -106,7 +107,7 @@ def test_non_negative_least_squares_beats_every_other_choice():
 def test_mirror_evaluates_the_bake():
     stack = STACKS["smooth_coat"]
     wo = spherical(np.radians([20.0, 70.0]), 0.0)
-    expected = energy(BakedLobes(stack), wo[:, 2])
+    expected = energy(make_lobe_set(stack, "baked"), wo[:, 2])
     assert make_model("mirror", stack, tier="baked").albedo(wo) == pytest.approx(expected, rel=2e-3)
 
 
@@ -116,7 +117,7 @@ def test_a_cache_that_cannot_be_written_is_told_of_once(tmp_path):
     cache.keep_in(tmp_path / "file" / "bakes", told.append)
     try:
         for number in range(2):
-            cache.remembered(f"key {number}", lambda: 1.0, lambda value: {"value": value}, lambda data: data["value"])
+            cache.cached(f"key {number}", lambda: 1.0, lambda value: {"value": value}, lambda data: data["value"])
         assert len(told) == 1 and str(tmp_path / "file") in told[0]
     finally:
         cache.keep_in(None)

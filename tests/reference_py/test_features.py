@@ -6,9 +6,8 @@ import pytest
 from support.chi_square import chi_square_p_value
 
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.lobes.methods import make_lobe_set
+from lamina.reference_py.lobes.methods import MAX_CLOSURES, make_lobe_set
 from lamina.reference_py.lobes.methods.not_bakeable import needs_live
-from lamina.reference_py.lobes.methods.patches import MAX_CLOSURES
 from lamina.reference_py.material.coverage import patches
 from lamina.reference_py.material.schema import ANISOTROPY, COVERAGE, NORMAL, SCHEMA_VERSION, THIN_FILM
 from lamina.reference_py.material.stack import Stack
@@ -101,7 +100,7 @@ def test_a_patch_model_samples_its_density():
 @pytest.mark.parametrize("name", ["adding", "weidlich_wilkie", "belcour"])
 @pytest.mark.parametrize("feature, element", [("anisotropy", {**STEEL, **BRUSHED}), ("thin_film", {**STEEL, **FILM})])
 def test_models_name_what_they_do_not_know(name, feature, element):
-    with pytest.raises(LaminaError, match=f"model {name} knows no {feature}, which base has; choose position_free, mirror"):
+    with pytest.raises(LaminaError, match=f"model {name} knows no {feature}, which base has; choose position_free, closure_model"):
         make_model(name, stack([], element))
     assert name in MODELS
 
@@ -110,7 +109,7 @@ def test_what_a_bake_cannot_hold_is_named_and_makes_it_live():
     one = stack([{**COAT, **BRUSHED, "coverage": 0.5}, {**COAT, **FILM}], {**WHITE, "normal": [0, 0, 0]})
     assert needs_live(one) == "the anisotropy of layer 0, the thin film of layer 1, the normal of the base"
     assert needs_live(stack([{**COAT, "coverage": 0.5}], WHITE)) is None
-    assert make_lobe_set(one, "baked").reason == "weidlich_wilkie, the one tier that knows thin films"
+    assert make_lobe_set(one, "baked").reason == "weidlich_wilkie, the one quality that knows thin films"
     brushed = make_lobe_set(stack([{**COAT, **BRUSHED, "coverage": 0.5}], WHITE), "baked")
     assert "analytic, as a bake cannot follow the anisotropy of layer 0" in brushed.reason
 

@@ -12,7 +12,7 @@ from lamina.reference_py.fit import fit_structure, select
 from lamina.reference_py.fit.baseline_fits import BASELINE_MODELS, fit_baseline
 from lamina.reference_py.fit.certainty import certainty, independent_pairs
 from lamina.reference_py.fit.dense import evaluate_all
-from lamina.reference_py.fit.fitting import refined, subsampled
+from lamina.reference_py.fit.fitting import corrected, subsampled
 from lamina.reference_py.fit.metric import Metric, shape_error
 from lamina.reference_py.fit.outcome import outcome
 from lamina.reference_py.fit.parameters import Parameters, Structure
@@ -23,7 +23,6 @@ from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import half_vector
 from lamina.reference_py.registry import make_model
-from lamina.study.fit_bound import least_error
 from lamina.study.fit_recovery import SETTINGS, data_of, random_stack, random_structure, recovery
 
 COATED = Stack.from_dict(
@@ -141,7 +140,7 @@ def test_what_good_fits_disagree_on_is_not_called_determined():
     stack = random_stack(structure, np.random.default_rng(201))
     data, _ = data_of(stack, "adding", 0.05, np.random.default_rng(1))
     parameters = Parameters(structure, 3)
-    fit = refined(subsampled(data, 150), structure, "adding", parameters.coordinates(stack), 0, options=SETTINGS["adding"])
+    fit = corrected(subsampled(data, 150), structure, "adding", parameters.coordinates(stack), 0, options=SETTINGS["adding"])
     sure = replace(fit, jacobian=1e3 * np.eye(len(fit.residual), parameters.size))
     known = {v.name for v in certainty(sure) if v.determined}
     assert "roughness of layer 0" in known
@@ -155,15 +154,6 @@ def test_the_bar_goes_on_to_the_end():
     assert shares == sorted(shares) and shares[-1] == 1.0
     # the last part is the longest: the model's own settings
     assert any(0.5 < share < 1.0 for share in shares)
-
-
-def test_no_stack_comes_closer_than_the_best_sum_of_lobes():
-    pytest.importorskip("scipy.optimize")
-    wi, wo = spread_pairs(150, np.random.default_rng(3))
-    mine = Metric(checked(wi, wo, paint(wi, wo)[:, :1], "paint"))
-    assert least_error(mine) < 0.02
-    stripes = np.where(np.sin(25.0 * wo[:, :1]) > 0.0, 3.0, 0.01)
-    assert least_error(Metric(checked(wi, wo, stripes, "stripes"))) > 0.3
 
 
 def test_what_a_model_cannot_say_counts_less_than_noise():

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from lamina.reference_py.lobes import cache
-from lamina.reference_py.lobes.baked import BakedLobes
 from lamina.reference_py.lobes.cache import truth_of
 from lamina.reference_py.lobes.closure import lobe_energy
 from lamina.reference_py.lobes.error_estimate import ErrorEstimator
 from lamina.reference_py.lobes.live_grid import LiveLobes
-from lamina.reference_py.lobes.methods import AnalyticLobes
+from lamina.reference_py.lobes.methods import AnalyticLobes, key_of, make_lobe_set
 from lamina.reference_py.material import presets
+from lamina.reference_py.material.place import Place
 from lamina.reference_py.material.stack import Stack
 
 VIEWS_DEG = np.array([3.0, 25.0, 42.0, 61.0, 73.0, 80.0])
@@ -28,7 +28,7 @@ def with_layer(stack: Stack, **values) -> Stack:
 @pytest.mark.parametrize("name, parameter, values", [("tinted_glaze", "thickness", (0.0, 0.3, 2.5)), ("frosted_paint", "roughness", (0.15, 0.45, 0.95))])
 def test_between_knots_a_live_value_is_as_right_as_a_constant(name, parameter, values):
     stack = presets.load(name)
-    baked = BakedLobes(stack, live=((0, parameter),)).resolved
+    baked = make_lobe_set(stack, "baked", live=(Place(0, parameter),)).lobe_set
     assert isinstance(baked, LiveLobes)
     for value in values:
         here = with_layer(stack, **{parameter: value})
@@ -40,7 +40,7 @@ def test_between_knots_a_live_value_is_as_right_as_a_constant(name, parameter, v
 
 def test_energy_follows_the_thickness_to_black():
     stack = presets.load("tinted_glaze")
-    baked = BakedLobes(stack, live=((0, "thickness"),)).resolved
+    baked = make_lobe_set(stack, "baked", live=(Place(0, "thickness"),)).lobe_set
     cos_o = np.cos(np.radians(VIEWS_DEG))
     thick = [sum(lobe_energy(lobe, cos_o) for lobe in replace(baked, stack=with_layer(stack, thickness=t)).lobes(cos_o)) for t in (0.5, 1.0, 2.0, 8.0)]
     assert all(np.all(b <= a * (1.0 + ALBEDO_TOLERANCE)) for a, b in zip(thick, thick[1:]))
@@ -48,13 +48,13 @@ def test_energy_follows_the_thickness_to_black():
 
 def test_live_values_do_not_make_another_bake(monkeypatch):
     monkeypatch.setattr(cache, "_memory", {})
-    stack, live = presets.load("tinted_glaze"), ((0, "thickness"),)
-    assert BakedLobes.key(stack, live) == BakedLobes.key(with_layer(stack, thickness=3.0), live)
-    assert BakedLobes.key(stack, live) != BakedLobes.key(with_layer(stack, ior=1.7), live)
+    stack, live = presets.load("tinted_glaze"), (Place(0, "thickness"),)
+    assert key_of(stack, "baked", live=live) == key_of(with_layer(stack, thickness=3.0), "baked", live=live)
+    assert key_of(stack, "baked", live=live) != key_of(with_layer(stack, ior=1.7), "baked", live=live)
 
 
-@pytest.mark.parametrize("live", [((0, "tint"),), ((0, "roughness"), (0, "thickness"), (1, "roughness"))])
+@pytest.mark.parametrize("live", [(Place(0, "tint"),), (Place(0, "roughness"), Place(0, "thickness"), Place(1, "roughness"))])
 def test_what_a_bake_cannot_follow_is_analytic_and_said(live):
-    lobe_set = BakedLobes(presets.load("metallic_car_paint"), live=live)
-    assert isinstance(lobe_set.resolved, AnalyticLobes)
-    assert "analytic, as a bake cannot follow the" in lobe_set.reason and live[0][1] in lobe_set.reason
+    made = make_lobe_set(presets.load("metallic_car_paint"), "baked", live=live)
+    assert isinstance(made.lobe_set, AnalyticLobes)
+    assert "analytic, as a bake cannot follow the" in made.reason and live[0].name in made.reason

@@ -7,9 +7,10 @@ from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.weidlich_wilkie import OPTIONS, WeidlichWilkie
 from lamina.reference_py.models.weidlich_wilkie_repaired import WeidlichWilkieRepaired
+from lamina.reference_py.optics.blinn import blinn_exponent
 from lamina.reference_py.optics.frame import dot, half_vector, spherical
 from lamina.reference_py.optics.fresnel import fresnel_conductor, fresnel_dielectric
-from lamina.reference_py.optics.microfacet import blinn_exponent, distribution, masking_g2
+from lamina.reference_py.optics.microfacet import distribution, masking_g2
 from lamina.reference_py.optics.quadrature import directional_albedo
 from lamina.reference_py.registry import make_model
 from lamina.study.suite import suite

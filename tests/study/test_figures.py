@@ -18,6 +18,8 @@ from lamina.study.paper import figure9, module
 from lamina.study.paper.environment import Disc, Environment
 from lamina.study.paper.sphere import radiance, render
 from lamina.study.paper.varnish import BANDS, WAVELENGTH_NM, spectral_varnish
+from lamina.study.stamp import stamp
+from lamina.study.tables import read_heading, read_table
 
 SIZE = 24
 WO, WI = spherical(np.radians([10.0, 45.0, 70.0]), 0.0), spherical(np.radians([30.0, 20.0, 60.0]), 2.0)
@@ -170,7 +172,9 @@ def test_command_writes_tables_and_prints_what_holds(tmp_path, capsys):
     assert "holds: " in capsys.readouterr().out
     statements = json.loads((tmp_path / "new" / "figure9.json").read_text())["statements"]
     assert {s["holds"] for s in statements} == {True, False}
-    assert (tmp_path / "new" / "figure9.csv").read_text().startswith("curve,incident_deg,")
+    heading, stamps = read_heading(tmp_path / "new" / "figure9.csv")
+    assert heading == ["lamina figures"] and stamps == [stamp()]
+    assert list(read_table(tmp_path / "new" / "figure9.csv")[0])[:2] == ["curve", "incident_deg"]
 
 
 @pytest.mark.parametrize("arguments, message", ((["--only", "figure4"], "figure9"), (["--size", "3"], "choose 16 to 1024")))

@@ -1,25 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """No cell of figures/stress.csv gets worse. `lamina chart stress -o figures` measures all of them anew."""
 
-import csv
 from dataclasses import asdict
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.registry import MODELS
-from lamina.study.stress import CASES, COLUMNS, REFUSED, SUBJECTS, Case, is_refused, measure, pairs, relative_difference
+from lamina.study.stress import CASES, COLUMNS, MODELS_AND_TIERS, REFUSED, Case, is_refused, measure, pairs, relative_difference
+from lamina.study.tables import FIGURES, read_rows
 
-TABLE = Path(__file__).parents[2] / "figures" / "stress.csv"
+TABLE = FIGURES / "stress.csv"
 # What other processors' rounding may add; three digits are written.
 MARGIN, ABSOLUTE = 0.02, 1e-6
 # Rounding of directions is amplified by chance.
 DRIFT = 3.0
 
 # Cases that take long in models that cost much: the chart alone measures these.
-COSTLY = {"mirror:weidlich_wilkie", "adding", "position_free", "mirror:baked", "mirror:analytic", "belcour", "openpbr_coat", "kelemen"}
+COSTLY = {"closure_model:weidlich_wilkie", "adding", "position_free", "closure_model:baked", "closure_model:analytic", "belcour", "openpbr_coat", "kelemen"}
 QUICK_CASES = {
     "grazing, rough over metal",
     "equal indices",
@@ -41,17 +40,16 @@ BAKED_CASES = {"air gap", "alpha 1", "absorption 0 and huge", "white, rough", "b
 
 
 def committed():
-    rows = [row for row in csv.reader(TABLE.read_text().splitlines()) if not row[0].startswith("#")]
-    header, *rows = rows
+    header, *rows = read_rows(TABLE)
     assert header == ["model", "case", *COLUMNS]
     return {(row[0], row[1]): dict(zip(COLUMNS, row[2:])) for row in rows}
 
 
-@pytest.mark.parametrize("name", SUBJECTS)
+@pytest.mark.parametrize("name", MODELS_AND_TIERS)
 def test_no_cell_is_worse_than_the_committed_one(name):
     worse = []
     for case in CASES:
-        if name in COSTLY and case not in (BAKED_CASES if name == "mirror:baked" else QUICK_CASES):
+        if name in COSTLY and case not in (BAKED_CASES if name == "closure_model:baked" else QUICK_CASES):
             continue
         before = committed()[name, case]
         for column, value in asdict(measure(name, CASES[case])).items():
@@ -68,7 +66,7 @@ def is_no_worse(column, value, before):
 
 
 def test_the_table_has_every_model_and_case():
-    expected = {(name, case) for name in SUBJECTS for case in CASES} | {("(all)", case) for case in REFUSED}
+    expected = {(name, case) for name in MODELS_AND_TIERS for case in CASES} | {("(all)", case) for case in REFUSED}
     assert set(committed()) == expected, "run lamina chart stress -o figures"
 
 

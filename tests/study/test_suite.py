@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The two truths agree on the suite. `lamina chart suite -o figures` compares all of it, here a few stacks and few walks."""
 
-import csv
 import random
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +10,9 @@ from lamina.reference_py.registry import make_model
 from lamina.study import agreement as module
 from lamina.study.agreement import ADDING_ALBEDO, ADDING_F, COLUMNS, NARROW, SIGMAS, agreement, direction_grid
 from lamina.study.suite import suite, suite_stack
+from lamina.study.tables import FIGURES, read_rows
 
-TABLE = Path(__file__).parents[2] / "figures" / "suite_agreement.csv"
+TABLE = FIGURES / "suite_agreement.csv"
 # What walks take a minute to say is left to the chart.
 SHORT = [name for name, stack in suite().items() if len(stack.layers) <= 2]
 # Where the table has f further apart than `adding` states, 3.5 % of f + 2 % of the brightest. Few of these walks go
@@ -23,8 +22,7 @@ SUBSET = random.Random(7).sample(SHORT, 6) + ["three_smooth"]
 
 
 def committed():
-    rows = [row for row in csv.reader(TABLE.read_text().splitlines()) if not row[0].startswith("#")]
-    header, *rows = rows
+    header, *rows = read_rows(TABLE)
     return {row[0]: dict(zip(header[1:], row[1:])) for row in rows}
 
 

@@ -2,9 +2,9 @@
 """Pearson's chi-square test of sampled directions against the density they claim."""
 
 from collections.abc import Callable
-from math import erfc, sqrt
 
 import numpy as np
+from scipy.stats import chi2
 
 _MIN_EXPECTED = 5.0
 
@@ -45,16 +45,9 @@ def chi_square_p_value(
         expected[largest] += expected[-1]
         observed, expected = observed[:-1], expected[:-1]
     statistic = float(np.sum(np.square(observed - expected) / expected))
-    p_value = chi_square_tail(statistic, len(expected) - 1)
+    p_value = float(chi2.sf(statistic, len(expected) - 1))
     print(f"chi-square {statistic:.1f} with {len(expected) - 1} degrees of freedom: p = {p_value:.3g}")
     return p_value
-
-
-def chi_square_tail(statistic: float, degrees: int) -> float:
-    """Upper tail of the chi-square distribution, by the cube root of Wilson and Hilferty 1931."""
-    spread = 2.0 / (9.0 * degrees)
-    z = ((statistic / degrees) ** (1.0 / 3.0) - (1.0 - spread)) / sqrt(spread)
-    return 0.5 * erfc(z / sqrt(2.0))
 
 
 def _integrals(density, z_edges, phi_edges, hemisphere, points: int = 6) -> np.ndarray:

@@ -40,9 +40,9 @@ _NEARLY_ISOTROPIC = 1e-3
 _SOME_DIRECTION = (5.7e-7, 3.1e-7, 7.6e-7)
 
 
-def stock_tables(lobe_set) -> TableLobes | PatchLobes:
+def stock_tables(made) -> TableLobes | PatchLobes:
     """A lobe set in tables of the lobes that this Blender's nodes have."""
-    return tabulate(lobe_set.resolved, HAS_DIELECTRIC, DIFFUSE_POWER)
+    return tabulate(made.lobe_set, HAS_DIELECTRIC, DIFFUSE_POWER)
 
 
 def group_inputs(lobe_set: TableLobes | PatchLobes) -> tuple[ShaderInput, ...]:

@@ -35,10 +35,9 @@ class _Writer:
         sizes = [len(axis.knots) for axis in lobe_set.axes]
         steps = [KNOTS * int(np.prod(sizes[i + 1 :])) for i in range(len(sizes))]
         for i, axis in enumerate(lobe_set.axes):
-            element = lobe_set.stack.base if axis.index < 0 else lobe_set.stack.layers[axis.index]
-            owner = BASE if axis.index < 0 else owners[axis.index]
-            kinds = SCHEMA.bases if axis.index < 0 else SCHEMA.layers
-            value = owner + kinds[element.kind].parameter(axis.parameter).osl_name
+            place, is_base = axis.parameter, axis.parameter.layer is None
+            kinds = SCHEMA.bases if is_base else SCHEMA.layers
+            value = (BASE if is_base else owners[place.layer]) + kinds[place.element(lobe_set.stack).kind].parameter(place.name).osl_name
             self._array("float", f"Knots{i}", [f"{knot:.9g}" for knot in axis.knots])
             knots, cell, along = (self._name(word) for word in (f"Knots{i}", f"knot{i}", f"along{i}"))
             self._say(f"int {cell};", f"float {along};", f"knot_place({knots}, {len(axis.knots)}, {value}, {cell}, {along});")

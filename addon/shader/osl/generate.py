@@ -6,11 +6,15 @@ parameters, stacks of one structure share one text, and moving a slider never ch
 """
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import dataclass
 
+from ....reference_py.lobes.analytic import AnalyticLobes
 from ....reference_py.lobes.cache import ALWAYS_LIVE
 from ....reference_py.lobes.live_grid import LiveLobes
-from ....reference_py.lobes.methods import AnalyticLobes
+from ....reference_py.lobes.made import Made
+from ....reference_py.lobes.methods.paper import PaperLobes
+from ....reference_py.lobes.methods.with_features import FeaturedAnalyticLobes
 from ....reference_py.lobes.patch_lobes import PatchLobes
 from ....reference_py.lobes.view_table import TableLobes
 from ....reference_py.material.schema import SCHEMA, Schema
@@ -31,41 +35,50 @@ class Shader:
     others: tuple[str, ...] = ()
 
 
-def generate(lobe_set, schema: Schema = SCHEMA) -> Shader:
-    """The shader of a lobe set (`make_lobe_set`). Raises LaminaError for more layers than Cycles can take."""
-    resolved = lobe_set.resolved
-    stack = lobe_set.stack
-    if isinstance(resolved, PatchLobes):
-        parts = [(patch.layers, patch.covered, part.resolved) for patch, part in resolved.parts]
+@dataclass(frozen=True)
+class _Emitter:
+    """How lobe sets of one class are written: their block, for the owners of their layers and a suffix of names, and a note."""
+
+    block: Callable[..., Block]
+    note: str
+    reads_all: bool
+    """Whether it reads all values live, and not only what its tables follow."""
+
+
+_EMITTERS = {
+    TableLobes: _Emitter(lambda lobes, owners, suffix: emit_tables.table_block(lobes, suffix), emit_tables.NOTE, False),
+    LiveLobes: _Emitter(emit_live_grid.grid_block, emit_live_grid.NOTE, False),
+    AnalyticLobes: _Emitter(lambda lobes, owners, suffix: emit_analytic.analytic_block(lobes.stack, owners), emit_analytic.NOTE, True),
+    FeaturedAnalyticLobes: _Emitter(lambda lobes, owners, suffix: emit_analytic.analytic_block(lobes.stack, owners), emit_analytic.NOTE, True),
+    PaperLobes: _Emitter(lambda lobes, owners, suffix: emit_paper.weidlich_wilkie_block(lobes.stack, owners), emit_paper.NOTE, True),
+}
+
+
+def generate(made: Made, schema: Schema = SCHEMA) -> Shader:
+    """The shader of what `make_lobe_set` made. Raises LaminaError for more layers than Cycles can take."""
+    stack = made.stack
+    if isinstance(made.lobe_set, PatchLobes):
+        parts = [(patch.layers, patch.covered, part.lobe_set) for patch, part in made.lobe_set.parts]
     else:
-        parts = [(tuple(range(len(stack.layers))), (), resolved)]
-    is_live = any(not isinstance(part, TableLobes | LiveLobes) for _, _, part in parts)
-    followed = {(owner, axis.parameter) for layers, _, part in parts if isinstance(part, LiveLobes) for owner, axis in _axes(part, layers)}
+        parts = [(tuple(range(len(stack.layers))), (), made.lobe_set)]
+    emitters = [_EMITTERS[type(part)] for *_, part in parts]
+    is_live = any(emitter.reads_all for emitter in emitters)
+    followed = {place for layers, _, part in parts if isinstance(part, LiveLobes) for place in _axes(part, layers)}
     inputs = tuple(i for i in shader_inputs(stack, schema) if is_live or i.parameter.name in ALWAYS_LIVE or (i.owner, i.parameter.name) in followed)
-    blocks, notes = [], []
-    for number, (layers, covered, part) in enumerate(parts):
-        note, block = _block(part, [layer_owner(i) for i in layers], f"{number}_" if len(parts) > 1 else "")
-        blocks.append((Share(tuple((layer_owner(i), there) for i, there in covered)), block))
-        notes.append(note)
-    title = f"Lamina shader, tier {lobe_set.tier}, from the top: {_words(stack)}." if is_live else f"Lamina shader, tier {lobe_set.tier}."
-    body, closures = shader_text(title, " ".join(dict.fromkeys(notes)), blocks, inputs)
+    blocks = []
+    for number, ((layers, covered, part), emitter) in enumerate(zip(parts, emitters)):
+        share = Share(tuple((layer_owner(i), there) for i, there in covered))
+        blocks.append((share, emitter.block(part, [layer_owner(i) for i in layers], f"{number}_" if len(parts) > 1 else "")))
+    title = f"Lamina shader, tier {made.method}, from the top: {_words(stack)}." if is_live else f"Lamina shader, tier {made.method}."
+    body, closures = shader_text(title, " ".join(dict.fromkeys(emitter.note for emitter in emitters)), blocks, inputs)
     name = "lamina_" + hashlib.sha256(body.encode()).hexdigest()[:12]
     return Shader(name, body.replace("@SHADER@", name), inputs, closures, ("Live", *PRIMARIES))
 
 
-def _axes(lobe_set: LiveLobes, layers: tuple[int, ...]):
-    return [(BASE if axis.index < 0 else layer_owner(layers[axis.index]), axis) for axis in lobe_set.axes]
-
-
-def _block(lobe_set, owners: list[str], prefix: str) -> tuple[str, Block]:
-    """What a lobe set writes, and the note that its shader bears."""
-    if isinstance(lobe_set, TableLobes):
-        return emit_tables.NOTE, emit_tables.table_block(lobe_set, prefix)
-    if isinstance(lobe_set, LiveLobes):
-        return emit_live_grid.NOTE, emit_live_grid.grid_block(lobe_set, owners, prefix)
-    if isinstance(lobe_set, AnalyticLobes):
-        return emit_analytic.NOTE, emit_analytic.analytic_block(lobe_set.stack, owners)
-    return emit_paper.NOTE, emit_paper.weidlich_wilkie_block(lobe_set.stack, owners)
+def _axes(lobe_set: LiveLobes, layers: tuple[int, ...]) -> list[tuple[str, str]]:
+    """The owners and names of what tables follow."""
+    places = [axis.parameter for axis in lobe_set.axes]
+    return [(BASE if place.layer is None else layer_owner(layers[place.layer]), place.name) for place in places]
 
 
 def _words(stack: Stack) -> str:

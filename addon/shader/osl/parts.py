@@ -11,7 +11,7 @@ import numpy as np
 from ....reference_py.lobes.analytic import base, calibration, tables
 from ....reference_py.lobes.methods import paper
 from ....reference_py.lobes.view_table import KNOTS, MIN_COS_O
-from ....reference_py.optics import optical_stack, thin_film
+from ....reference_py.optics import interface, thin_film
 
 PARTS = Path(__file__).resolve().parents[3] / "osl"
 # Below this alpha a lobe takes Cycles' anisotropic path (osl/break_isotropy.h); above it the isotropic one is within 1e-4.
@@ -62,7 +62,7 @@ def constants() -> dict[str, str]:
     """Every constant that a file of `osl/` may declare, as the preprocessor's text."""
     values: dict[str, float] = {
         "MIN_COS_O": MIN_COS_O, "KNOTS": KNOTS, "NEAR_SPECULAR_ALPHA": NEAR_SPECULAR_ALPHA,
-        "TINT_FLOOR": optical_stack.TINT_FLOOR, "NODE_COUNT": paper.NODE_COUNT,
+        "TINT_FLOOR": interface.TINT_FLOOR, "NODE_COUNT": paper.NODE_COUNT,
         "FILM_STEPS": thin_film.STEPS, "FILM_LAST_PHASE": thin_film.LAST_PHASE_NM, "FILM_TERMS": thin_film.TERMS,
         "FILM_THINNEST": thin_film.THINNEST_NM,
         "MOST_RHO": tables.MOST_RHO, "RHO_CELLS": tables.RHO_CELLS, "ALPHA_CELLS": tables.ALPHA_CELLS, "UNIT": tables.UNIT,

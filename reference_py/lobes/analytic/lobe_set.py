@@ -7,21 +7,20 @@ from dataclasses import replace
 import numpy as np
 
 from ...material.stack import Stack
-from ...optics.diffuse import oren_nayar_albedo
-from ...optics.microfacet import alpha_from_roughness
-from ...optics.optical_stack import conductor_index, interfaces, n_above_base
+from ...optics.bases import ConductorBase, DiffuseBase
+from ...optics.optical_stack import OpticalStack, supports
 from ..lobe import DielectricCurve, DiffuseLobe, GlossyLobe, oren_nayar_lobes
+from ..view_table import MIN_COS_O
 from .base import Facets, bare_metal, gauss, metal_lobe, uniform_below
 from .beam import Crossing, cosine, through
 from .calibration import LOBE_BEND
 from .tables import closure_energy, top_gain
 
-# The least cosine of a view; towards the horizon weights stay those of this one.
-MIN_COS_O = 1e-4
 # Gauss nodes of the mean albedo of an Oren-Nayar base.
 ALBEDO_NODES = 8
 
 
+@supports("lobe set")
 class AnalyticLobes:
     """At most three closures, or two and a diffuse base's one or two, whatever the number of layers.
 
@@ -29,18 +28,14 @@ class AnalyticLobes:
     lobe; the base has one. Every energy is divided by that of its closure, so albedos are those of the adding.
     """
 
-    tier = "analytic"
+    name = "analytic"
 
     def __init__(self, stack: Stack):
         self.stack = stack
-        surfaces = interfaces(stack)
+        optics = OpticalStack.of(stack, self)
+        surfaces, self.base = optics.interfaces, optics.base
         self._down = [Crossing(s.n_above, s.n_below, s.alpha, s.distribution, s.tau) for s in surfaces]
         self._up = [Crossing(s.n_below, s.n_above, s.alpha, s.distribution, s.tau) for s in reversed(surfaces)]
-        self._n_base = n_above_base(stack)
-
-    @property
-    def resolved(self) -> "AnalyticLobes":
-        return self
 
     @property
     def lobe_count(self) -> int:
@@ -77,30 +72,29 @@ class AnalyticLobes:
         return GlossyLobe(top.kind, weight, alpha, alpha, fresnel=DielectricCurve(eta))
 
     def _base_lobes(self, cos_o, passage, base_facets) -> list[GlossyLobe | DiffuseLobe]:
-        base = self.stack.base
-        if base.kind == "conductor":
-            return self._metal_lobes(cos_o, passage, base_facets)
-        cos_base = np.minimum(cosine(passage.p, self._n_base), 1.0)
-        color = np.array(base["color"])
-        if base.kind == "lambert":
-            own, mean, closure = color, color, 1.0
-        else:
-            u, w = gauss(ALBEDO_NODES)
-            own = oren_nayar_albedo(cos_base, color, base["sigma_deg"])
-            mean = np.sum((2.0 * w * u)[:, None] * oren_nayar_albedo(u, color, base["sigma_deg"]), axis=0)
-            closure = np.maximum(oren_nayar_albedo(cos_o, color, base["sigma_deg"]), 1e-12)
-        energy = own * np.ones(cos_o.shape + (3,))
+        match self.base:
+            case ConductorBase():
+                return self._metal_lobes(cos_o, passage, base_facets)
+            case DiffuseBase():
+                return self._diffuse_lobes(cos_o, passage)
+
+    def _diffuse_lobes(self, cos_o, passage) -> list[DiffuseLobe]:
+        base, n = self.base, self.base.n_above
+        own = base.albedo(np.minimum(cosine(passage.p, n), 1.0))
+        energy = own
         if self._down:
-            back, out = uniform_below(self._down, self._up, self._n_base)
+            u, w = gauss(ALBEDO_NODES)
+            mean = np.sum((2.0 * w * u)[:, None] * base.albedo(u), axis=0)
+            back, out = uniform_below(self._down, self._up, n)
             energy = passage.transmitted * own * out / (1.0 - mean * back)
-        if base.kind == "lambert":
+        if base.sigma_deg == 0.0:
             return [DiffuseLobe(energy)]
-        return oren_nayar_lobes(energy / closure, base["color"], base["sigma_deg"])
+        return oren_nayar_lobes(energy / np.maximum(base.albedo(cos_o), 1e-12), base.color, base.sigma_deg)
 
     def _metal_lobes(self, cos_o, passage, base_facets) -> list[GlossyLobe | DiffuseLobe]:
-        base, n = self.stack.base, self._n_base
-        alpha, kind = float(alpha_from_roughness(base["roughness"])), base["distribution"]
-        eta, k = (index / n for index in conductor_index(base))
+        base, n = self.base, self.base.n_above
+        alpha, kind = base.facets.alpha, base.facets.distribution
+        eta, k = base.relative_index
         reaches = cosine(passage.p, n)
         facets = base_facets(reaches) if base_facets else Facets((alpha, alpha), closure_energy(reaches, alpha, kind))
         if not self._down:

@@ -9,19 +9,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...material.schema import OREN_NAYAR
 from ...material.stack import Stack
 from ...optics.microfacet import GGX, is_specular
-from ...optics.optical_stack import interfaces, rough_surfaces
-from ..analytic import AnalyticLobes
-from ..cache import content, known, remembered, truth_of
+from ...optics.optical_stack import OpticalStack, rough_surfaces
+from ..cache import truth_of
 from ..closure import unit_energy
 from ..live_grid import Axis, LiveLobes
-from ..lobe import DielectricCurve, DiffuseLobe, GlossyLobe
+from ..lobe import DielectricCurve, GlossyLobe
 from ..samples import truth_at
 from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
 from ..view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
-from .live import axes_of, bake_live
+from .live import bake_live
 from .plan import Path, Plan, best_path, continued_path
 
 DEFAULT_GLOSSY, MAX_GLOSSY = 2, 4
@@ -134,70 +132,9 @@ class Baker:
         return result
 
 
-class BakedLobes:
-    """A stack baked at construction: see `Baker`. Stacks of equal content share one bake (`memory`).
-
-    `live` values, as (index of the layer or -1, parameter), are followed by tables over them too (`live.axes_of`); where
-    that cannot be, `resolved` is the tier `analytic`. `reason` says what was made.
-    """
-
-    tier = "baked"
-
-    def __init__(
-        self,
-        stack: Stack,
-        live: tuple[tuple[int, str], ...] = (),
-        glossy: int = DEFAULT_GLOSSY,
-        progress: Callable[[float], None] | None = None,
-    ):
-        self.stack = stack
-        axes = axes_of(stack, live)
-        if is_bare_oren_nayar(stack):
-            self.resolved, self.reason = AnalyticLobes(stack), "the base's own closures, which are exact"
-            return
-        if live and axes is None:
-            self.resolved, self.reason = AnalyticLobes(stack), f"analytic, as a bake cannot follow {described(live)}"
-            return
-        self.resolved = remembered(
-            self.key(stack, live, glossy), lambda: baked(stack, axes, glossy, progress), pack_lobes, lambda data: unpack_lobes(data, stack)
-        )
-        self.reason = f"baked, {glossy} glossy" + (f", over {described(live)}" if live else "")
-        if live:
-            self.resolved = replace(self.resolved, stack=stack)
-
-    @staticmethod
-    def key(stack: Stack, live: tuple[tuple[int, str], ...] = (), glossy: int = DEFAULT_GLOSSY) -> str:
-        """What a bake is remembered by."""
-        return f"baked {content(stack, live)} {glossy}"
-
-    @classmethod
-    def is_known(cls, stack: Stack, live: tuple[tuple[int, str], ...] = (), glossy: int = DEFAULT_GLOSSY) -> bool:
-        """Whether making the lobe set takes no time, as it was made before or needs no bake."""
-        if is_bare_oren_nayar(stack) or (live and axes_of(stack, live) is None):
-            return True
-        return known(cls.key(stack, live, glossy), lambda data: unpack_lobes(data, stack)) is not None
-
-    def packed(self) -> dict:
-        """The bake as JSON's types, for `remember`."""
-        return pack_lobes(self.resolved)
-
-    @classmethod
-    def remember(cls, key: str, stack: Stack, data: dict) -> None:
-        """Remember what `packed` gave in another process."""
-        remembered(key, lambda: unpack_lobes(data, stack), pack_lobes, lambda packed: unpack_lobes(packed, stack))
-
-    @property
-    def lobe_count(self) -> int:
-        return self.resolved.lobe_count
-
-    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
-        """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
-        return self.resolved.lobes(cos_theta_o, phi)
-
-
 def _top_lobe(stack: Stack) -> GlossyLobe | None:
     """The closure that is exact for one event on a rough top interface, where there is one and nothing dims it."""
-    for surface in interfaces(stack):
+    for surface in OpticalStack.of(stack).interfaces:
         if surface.eta != 1.0:
             if is_specular(surface.alpha):
                 return None
@@ -206,16 +143,6 @@ def _top_lobe(stack: Stack) -> GlossyLobe | None:
         if np.any(surface.tau > 0.0):
             return None
     return None
-
-
-def is_bare_oren_nayar(stack: Stack) -> bool:
-    """Whether Cycles has the stack itself as closures, which tables do not know."""
-    return not stack.layers and stack.base.kind == OREN_NAYAR.name
-
-
-def described(live: tuple[tuple[int, str], ...]) -> str:
-    """Live values in words, such as "the roughness of layer 0"."""
-    return ", ".join(f"the {name.replace('_', ' ')} of {'the base' if index < 0 else f'layer {index}'}" for index, name in live)
 
 
 def baked(stack: Stack, axes: tuple[Axis, ...] | None, glossy: int, progress: Callable[[float], None] | None) -> TableLobes | LiveLobes:

@@ -2,12 +2,12 @@
 """Bakes that follow one or two live parameters: the truth is fitted at knots of them, each fit from its neighbour's."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
+from ...material.place import Place
 from ...material.stack import Stack
-from ...optics.optical_stack import interfaces
+from ...optics.optical_stack import OpticalStack
 from ..cache import truth_of
 from ..live_grid import Axis, LiveLobes, grid_of
 
@@ -18,18 +18,18 @@ _ROUGHNESSES = {1: (0.2, 0.3, 0.4, 0.5, 0.62, 0.76, 0.9, 1.0), 2: (0.2, 0.35, 0.
 _DEPTHS = {1: (0.0, 0.15, 0.4, 0.8, 1.4, 2.2, 3.5, 6.0), 2: (0.0, 0.3, 0.9, 2.0, 5.0)}
 
 
-def axes_of(stack: Stack, live: tuple[tuple[int, str], ...]) -> tuple[Axis, ...] | None:
+def axes_of(stack: Stack, live: tuple[Place, ...]) -> tuple[Axis, ...] | None:
     """The axes that follow these live values; None where a bake cannot: more than two, or others than these kinds."""
-    if not 0 < len(live) <= MOST_AXES or any(name not in ("roughness", "thickness") for _, name in live):
+    if not 0 < len(live) <= MOST_AXES or any(place.name not in ("roughness", "thickness") for place in live):
         return None
-    return tuple(Axis(index, name, _knots(stack, index, name, len(live))) for index, name in live)
+    return tuple(Axis(place, _knots(stack, place, len(live))) for place in live)
 
 
-def _knots(stack: Stack, index: int, name: str, count: int) -> tuple[float, ...]:
-    if name == "roughness":
+def _knots(stack: Stack, place: Place, count: int) -> tuple[float, ...]:
+    if place.name == "roughness":
         return _ROUGHNESSES[count]
     depths = np.array(_DEPTHS[count])
-    mean = float(np.mean(interfaces(_with(stack, index, thickness=1.0))[index].tau))
+    mean = float(np.mean(OpticalStack.of(place.with_value(stack, 1.0)).interfaces[place.layer].tau))
     # a clear medium has no depth: any two knots will do
     return tuple(depths / mean) if mean > 0.0 else (0.0, 1.0)
 
@@ -43,7 +43,7 @@ def bake_live(stack: Stack, axes: tuple[Axis, ...], glossy: int, make_baker: Cal
     for done, node in enumerate(order):
         here = stack
         for axis, i in zip(axes, node):
-            here = _with(here, axis.index, **{axis.parameter: axis.knots[i]})
+            here = axis.parameter.with_value(here, axis.knots[i])
         baker = make_baker(here, truth_of(here))
         if not found:
             found[node] = baker.path(glossy)
@@ -53,11 +53,3 @@ def bake_live(stack: Stack, axes: tuple[Axis, ...], glossy: int, make_baker: Cal
         nodes[node] = baker.lobe_set(found[node], keep=True)
         report((done + 1) / len(order))
     return grid_of(stack, axes, nodes)
-
-
-def _with(stack: Stack, index: int, **values) -> Stack:
-    """The stack with values of one layer, or of the base (-1), replaced."""
-    if index < 0:
-        return replace(stack, base=stack.base.with_values(**values))
-    layers = tuple(layer.with_values(**values) if i == index else layer for i, layer in enumerate(stack.layers))
-    return replace(stack, layers=layers)

@@ -1,45 +1,136 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lobe sets: what Cycles is told about a stack, as a list of lobes that depend on the view alone.
+"""Methods: how a stack becomes a lobe set. `METHODS` has one row for each; users see them as qualities.
 
-A tier turns a stack into a lobe set. `lobes(cos_theta_o)` gives the lobes for views; `closure_model`
-evaluates them exactly as Cycles does, and `addon.shader` writes them as a shader.
+`closure_model` evaluates a lobe set exactly as Cycles does, and `addon.shader` writes it as a shader.
 """
 
-from collections.abc import Callable
-
 from ...errors import LaminaError
+from ...material.coverage import Patch, patches
+from ...material.schema import THIN_FILM
 from ...material.stack import Stack
+from ...optics.optical_stack import OpticalStack
 from ..analytic import AnalyticLobes
-from ..baked import BakedLobes
-from .auto import AutoLobes
+from ..cache import ALWAYS_LIVE
+from ..made import Made, Options
+from ..patch_lobes import PatchLobes
+from . import auto, baking
+from .method import Method
+from .not_bakeable import bakeable, needs_live, not_bakeable
 from .paper import PaperLobes
-from .patches import PatchTier
+from .with_features import featured_analytic
 
-TIERS = {lobe_set.tier: PatchTier(lobe_set) for lobe_set in (PaperLobes, AnalyticLobes, BakedLobes, AutoLobes)}
-DEFAULT_TIER = AutoLobes.tier
-# What stands in for a tier that takes time until it is there.
-PROVISIONAL_TIER = AnalyticLobes.tier
-# Shaders of these hold a stack's values and not only its structure.
-HOLD_VALUES = (BakedLobes.tier, AutoLobes.tier)
+METHODS = {
+    row.name: row
+    for row in (
+        Method(
+            PaperLobes.name,
+            "Every value live, as the paper of 2007 has it, whose energy is far from the truth's",
+            lambda stack, options: Made(PaperLobes.name, stack, PaperLobes(stack)),
+            lambda stack, live: True,
+        ),
+        Method(
+            AnalyticLobes.name,
+            "Every value live, all reflections between the layers computed while shading: for textures and animation of many values",
+            lambda stack, options: Made(AnalyticLobes.name, stack, featured_analytic(stack)),
+            lambda stack, live: True,
+        ),
+        baking.METHOD,
+        auto.METHOD,
+    )
+}
+DEFAULT_METHOD = auto.METHOD.name
+# What stands in for a method that takes time until it is there.
+PROVISIONAL_METHOD = AnalyticLobes.name
+# What OptiX's pool holds, and what a shader may have unless its user asks for more.
+MAX_CLOSURES = 8
 
 
-def require_tier(tier: str) -> str:
-    """The tier itself. Raises LaminaError on an unknown one."""
-    if tier not in TIERS:
-        raise LaminaError(f"unknown tier {tier!r}; choose {', '.join(TIERS)}")
-    return tier
+def method_of(name: str) -> Method:
+    """The row of a method. Raises LaminaError on an unknown name."""
+    if name not in METHODS:
+        raise LaminaError(f"unknown quality {name!r}; choose {', '.join(METHODS)}")
+    return METHODS[name]
 
 
-def make_lobe_set(
-    stack: Stack,
-    tier: str = DEFAULT_TIER,
-    live: tuple[tuple[int, str], ...] = (),
-    progress: Callable[[float], None] | None = None,
-):
-    """The lobe set of a stack. Raises LaminaError on an unknown tier.
+def holds_values(name: str) -> bool:
+    """Whether shaders of a method hold a stack's values and not only its structure, so that they have to be computed."""
+    return method_of(name).computed is not None
 
-    `live` names the values that a texture or an animation gives, as (index of the layer or -1, parameter): shaders
-    that hold values must not hold these. `progress` gets the share done and may raise to cancel.
+
+def make_lobe_set(stack: Stack, method: str = DEFAULT_METHOD, **options) -> Made:
+    """The lobe set of a stack; `options` are those of `Options`.
+
+    Raises LaminaError on an unknown method, what it does not support, and too many covered layers.
     """
-    lobe_set = TIERS[require_tier(tier)]
-    return lobe_set(stack, live=live, progress=progress) if tier in HOLD_VALUES else lobe_set(stack)
+    row, asked = method_of(method), Options(**options)
+    parts = _parts(row, stack, asked)
+    made = []
+    for done, (patch, own) in enumerate(parts):
+        if asked.progress is not None:
+            own = Options(own.live, own.tolerance, own.glossy, lambda share, done=done: asked.report((done + share) / len(parts)))
+        made.append((patch, _made(row, patch.stack, own)))
+    if len(made) == 1:
+        return made[0][1]
+    reasons = dict.fromkeys(part.reason for _, part in made if part.reason)
+    return Made(method, stack, PatchLobes(stack, tuple(made)), "; ".join(reasons))
+
+
+def key_of(stack: Stack, method: str, **options) -> str:
+    """What the lobe set of a method that computes first is kept by; coverages do not matter."""
+    row = method_of(method)
+    return "\n".join(row.computed.key(bakeable(patch.stack), own) for patch, own in _parts(row, stack, Options(**options)))
+
+
+def is_known(stack: Stack, method: str, **options) -> bool:
+    """Whether making the lobe set takes no time."""
+    row = method_of(method)
+    return row.computed is None or all(row.computed.is_known(bakeable(patch.stack), own) for patch, own in _parts(row, stack, Options(**options)))
+
+
+def packed(stack: Stack, method: str, **options) -> list[dict]:
+    """What a method computes for each patch of a stack, as JSON's types, for `put` in another process."""
+    row, asked = method_of(method), Options(**options)
+    return [row.computed.pack(row.computed.result(bakeable(patch.stack), own)) for patch, own in _parts(row, stack, asked)]
+
+
+def put(key: str, stack: Stack, method: str, data: list[dict]) -> None:
+    """Keep what `packed` gave in another process under the key that `key_of` gives."""
+    for patch, own_key, own in zip(patches(stack), key.split("\n"), data):
+        method_of(method).computed.put(own_key, bakeable(patch.stack), own)
+
+
+def glossy_of_each(count: int) -> int:
+    """How many glossy lobes the bakes of `count` patches may have each, so that with one diffuse lobe all are within MAX_CLOSURES.
+
+    At least one, which is more than that for the eight patches of three covered layers.
+    """
+    return max(1, (MAX_CLOSURES - 1) // count)
+
+
+def _parts(row: Method, stack: Stack, options: Options) -> list[tuple[Patch, Options]]:
+    """The patches of a stack, each with its own options: live values are placed by its layers; what is always live needs no place."""
+    parts = patches(stack)
+    if row.computed is None:
+        return [(patch, options) for patch in parts]
+    glossy = min(options.glossy or row.computed.most_glossy, glossy_of_each(len(parts)))
+    return [(patch, Options(_live_of(patch, options), options.tolerance, glossy, options.progress)) for patch in parts]
+
+
+def _live_of(patch: Patch, options: Options):
+    live = [place for place in map(patch.place, options.live) if place is not None and place.name not in ALWAYS_LIVE]
+    return (*live, *not_bakeable(patch.stack))
+
+
+def _made(row: Method, stack: Stack, options: Options) -> Made:
+    OpticalStack.of(stack, row)  # refuses what the method does not know, before any work
+    if row.computed is None or not not_bakeable(stack):
+        return row.make(stack, options)
+    # what is chosen for the plain stack, which has a truth that is quick to compute, is made of the whole one
+    made = row.make(bakeable(stack), options)
+    whole = featured_analytic(stack) if isinstance(made.lobe_set, AnalyticLobes) else type(made.lobe_set)(stack)
+    reason = made.reason
+    if any(element.has(THIN_FILM) for element in (*stack.layers, stack.base)):
+        reason = f"{whole.name}, the one quality that knows thin films"
+    elif row is auto.METHOD:
+        reason += f"; errors are those without {needs_live(stack)}"
+    return Made(row.name, stack, whole, reason, made.choice)

@@ -1,33 +1,36 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tier `auto`: the cheapest way to tell Cycles about a stack whose error stays under a tolerance."""
+"""Method `auto`: the cheapest way to tell Cycles about a stack whose error stays under a tolerance."""
 
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
 from ...errors import LaminaError
+from ...material.place import in_words
 from ...material.stack import Stack
 from ...models.position_free import PositionFree
+from ...optics.bases import ConductorBase
 from ...optics.frame import spherical
 from ..analytic import AnalyticLobes
-from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, axes_of, baked, described, pack_lobes, unpack_lobes
-from ..cache import content, known, remembered, truth_of
+from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, axes_of, baked, pack_lobes, unpack_lobes
+from ..cache import content, truth_of
 from ..closure import is_specular_lobe, lobe_energy
 from ..error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosines
 from ..live_grid import LiveLobes
 from ..lobe import DiffuseLobe, GlossyLobe
+from ..made import Made, Options
 from ..view_table import TableLobes
+from .method import Computed, Method
 from .paper import PaperLobes
 from .with_features import featured_analytic
 
-DEFAULT_TOLERANCE = 0.02
+NAME = "auto"
 # Errors that differ by less than this share of them are as good: the cheaper one is taken.
 _AS_CLOSE = 0.05
 # Of albedos with anisotropy: azimuths, views, and walks for each.
 _AZIMUTHS = np.radians([0.0, 45.0, 90.0, 135.0])
 _FEW, _WALKS = 4, 1 << 15
-_LIVE_TIERS = {lobe_set.tier: lobe_set for lobe_set in (PaperLobes, AnalyticLobes)}
+_LIVE = {lobes.name: lobes for lobes in (PaperLobes, AnalyticLobes)}
 
 
 @dataclass(frozen=True)
@@ -45,11 +48,11 @@ class Candidate:
     shape: float
 
     @property
-    def seen(self) -> float:
+    def visible(self) -> float:
         return max(self.albedo, self.soft_light)
 
     def __str__(self) -> str:
-        return f"{self.label}, error {100.0 * self.seen:.3g} %, cost {self.cost:.2g}x"
+        return f"{self.label}, error {100.0 * self.visible:.3g} %, cost {self.cost:.2g}x"
 
 
 @dataclass(frozen=True)
@@ -62,107 +65,45 @@ class Choice:
     reason: str
 
 
-class AutoLobes:
-    """What `choose` chose for a stack. Stacks of equal content share one choice (`memory`).
-
-    `live` names the values that a texture or an animation gives, as (index of the layer or -1, parameter); bakes are
-    tried with at most `glossy` glossy lobes.
-    """
-
-    tier = "auto"
-
-    def __init__(
-        self,
-        stack: Stack,
-        live: tuple[tuple[int, str], ...] = (),
-        tolerance: float = DEFAULT_TOLERANCE,
-        progress: Callable[[float], None] | None = None,
-        glossy: int = MAX_GLOSSY,
-    ):
-        self.stack = stack
-        self.choice = remembered(
-            self.key(stack, live, tolerance, glossy), lambda: choose(stack, truth_of(stack), live, tolerance, progress=progress, glossy=glossy),
-            _pack, lambda data: _unpack(data, stack),
-        )  # fmt: skip
-        self.resolved = _with_values_of(stack, self.choice.lobe_set)
-        self.reason = f"{self.choice.chosen}: {self.choice.reason}"
-
-    @staticmethod
-    def key(stack: Stack, live: tuple[tuple[int, str], ...] = (), tolerance: float = DEFAULT_TOLERANCE, glossy: int = MAX_GLOSSY) -> str:
-        """What a choice is remembered by."""
-        return f"auto {content(stack, live)} {tolerance:g} {glossy}"
-
-    @classmethod
-    def is_known(cls, stack: Stack, live: tuple[tuple[int, str], ...] = (), tolerance: float = DEFAULT_TOLERANCE, glossy: int = MAX_GLOSSY) -> bool:
-        """Whether making the lobe set takes no time, as it was made before."""
-        return known(cls.key(stack, live, tolerance, glossy), lambda data: _unpack(data, stack)) is not None
-
-    def packed(self) -> dict:
-        """The choice as JSON's types, for `remember`."""
-        return _pack(self.choice)
-
-    @classmethod
-    def remember(cls, key: str, stack: Stack, data: dict) -> None:
-        """Remember what `packed` gave in another process."""
-        remembered(key, lambda: _unpack(data, stack), _pack, lambda packed: _unpack(packed, stack))
-
-    @property
-    def lobe_count(self) -> int:
-        return self.resolved.lobe_count
-
-    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
-        """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
-        return self.resolved.lobes(cos_theta_o, phi)
-
-
-def choose(
-    stack: Stack,
-    truth,
-    live: tuple[tuple[int, str], ...] = (),
-    tolerance: float = DEFAULT_TOLERANCE,
-    cosines: np.ndarray | None = None,
-    light_deg: float = SOFT_LIGHT_DEG,
-    progress: Callable[[float], None] | None = None,
-    glossy: int = MAX_GLOSSY,
-) -> Choice:
-    """The cheapest candidate whose error is at most `tolerance`, or the closest if none is; bakes have at most `glossy` glossy lobes.
+def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = None, light_deg: float = SOFT_LIGHT_DEG) -> Choice:
+    """The cheapest candidate whose visible error is at most the tolerance, or the closest if none is.
 
     Judged at view `cosines` (n,), those of a ball's pixels unless given, under lights `light_deg` wide. Where values
-    are live, the only bake is the one that follows them, if there is one. `progress` gets the share done and may raise to cancel.
-    Raises LaminaError for a tolerance outside 0 to 1.
+    are live, the only bake is the one that follows them, if there is one. Raises LaminaError for a tolerance outside 0 to 1.
     """
+    live, tolerance, glossy = options.live, options.tolerance, options.glossy or MAX_GLOSSY
     if not 0.0 < tolerance <= 1.0:
         raise LaminaError(f"tolerance {100.0 * tolerance:g} percent: choose more than 0 and at most 100")
-    report = progress or (lambda share: None)
+    report = options.report
     estimator = ErrorEstimator(stack, truth, ball_cosines() if cosines is None else cosines, light_deg)
     report(0.2)
     axes = axes_of(stack, live)
-    makers = [(tier, lambda lobe_set=lobe_set: lobe_set(stack)) for tier, lobe_set in _LIVE_TIERS.items()]
+    makers = [(tier, lambda lobe_set=lobe_set: lobe_set(stack)) for tier, lobe_set in _LIVE.items()]
     if not live:
         baker = Baker(stack, truth)
         makers += [(f"baked, {k} glossy", lambda k=k: baker.bake(k).lobe_set) for k in range(1, glossy + 1)]
     elif axes is not None:
-        makers.append((f"baked over {described(live)}", lambda: baked(stack, axes, min(DEFAULT_GLOSSY, glossy), lambda share: report(0.4 + 0.6 * share))))
+        makers.append((f"baked over {in_words(live)}", lambda: baked(stack, axes, min(DEFAULT_GLOSSY, glossy), lambda share: report(0.4 + 0.6 * share))))
     tried: list[tuple[Candidate, object]] = []
     for done, (label, make) in enumerate(makers):
         lobe_set = make()
         tried.append((_candidate(label, lobe_set, estimator.errors(lobe_set), bool(live)), lobe_set))
         report(0.2 + 0.8 * (done + 1) / len(makers))
-        if label not in _LIVE_TIERS and tried[-1][0].seen <= tolerance:
+        if label not in _LIVE and tried[-1][0].visible <= tolerance:
             break  # more lobes cost more
     (chosen, lobe_set), reason = _best(tried, tolerance)
     if live and axes is None:
-        reason += f"; a bake cannot follow {described(live)}"
+        reason += f"; a bake cannot follow {in_words(live)}"
     return Choice(chosen, lobe_set, tuple(candidate for candidate, _ in tried), reason)
 
 
 def _best(tried: list[tuple[Candidate, object]], tolerance: float) -> tuple[tuple[Candidate, object], str]:
     """What to take of candidates and their lobe sets, and why."""
-    good = [t for t in tried if t[0].seen <= tolerance]
+    good = [t for t in tried if t[0].visible <= tolerance]
     if good:
         return min(good, key=lambda t: t[0].cost), f"the cheapest whose error is at most {100.0 * tolerance:g} %"
-    best = min(candidate.seen for candidate, _ in tried)
-    close = min((t for t in tried if t[0].seen <= best * (1.0 + _AS_CLOSE)), key=lambda t: t[0].cost)
+    best = min(candidate.visible for candidate, _ in tried)
+    close = min((t for t in tried if t[0].visible <= best * (1.0 + _AS_CLOSE)), key=lambda t: t[0].cost)
     return close, f"the cheapest of those about as close as the closest; none of {len(tried)} reaches {100.0 * tolerance:g} %"
 
 
@@ -178,8 +119,8 @@ def with_anisotropy(choice: Choice, stack: Stack, tolerance: float, cosines: np.
     truth, stderr = PositionFree(stack, walks=_WALKS).albedo_stderr(wo)
     tried = []
     for candidate in choice.tried:
-        if candidate.label in _LIVE_TIERS:
-            lobe_set = featured_analytic(stack) if candidate.label == AnalyticLobes.tier else _LIVE_TIERS[candidate.label](stack)
+        if candidate.label in _LIVE:
+            lobe_set = featured_analytic(stack) if candidate.label == AnalyticLobes.name else _LIVE[candidate.label](stack)
             albedo = np.stack([sum(lobe_energy(lobe, views, phi) for lobe in lobe_set.lobes(views, phi)) for phi in _AZIMUTHS], axis=1)
             error = float(np.max(np.abs(albedo - truth) / truth))
             tried.append((replace(candidate, albedo=error), lobe_set))
@@ -187,6 +128,11 @@ def with_anisotropy(choice: Choice, stack: Stack, tolerance: float, cosines: np.
     noise = float(np.max(stderr / truth))
     reason += f"; albedo is judged with the anisotropy (standard error {100.0 * noise:.2g} %), soft light and shape without it"
     return Choice(chosen, lobe_set, tuple(candidate for candidate, _ in tried), reason)
+
+
+def _make(stack: Stack, options: Options) -> Made:
+    choice = COMPUTED.result(stack, options)
+    return Made(NAME, stack, _with_values_of(stack, choice.lobe_set), f"{choice.chosen}: {choice.reason}", choice)
 
 
 def _with_values_of(stack: Stack, lobe_set):
@@ -213,7 +159,7 @@ def cost(lobe_set, live: bool = False) -> float:
     total = 0.85 + 0.07 * diffuse + 0.1 * mirrors + 0.2 * (len(lobes) - diffuse - mirrors)
     if isinstance(lobe_set, AnalyticLobes):
         folds = not live and len(lobe_set.stack.layers) <= 3
-        over_metal = lobe_set.stack.base.kind == "conductor"
+        over_metal = isinstance(lobe_set.base, ConductorBase)
         total += len(lobe_set.stack.layers) * ((0.9 if over_metal else 0.15) if folds else (2.4 if over_metal else 0.8))
     elif isinstance(lobe_set, PaperLobes):
         total += 0.25 * len(lobe_set.stack.layers)
@@ -221,7 +167,7 @@ def cost(lobe_set, live: bool = False) -> float:
 
 
 def _pack(choice: Choice) -> dict:
-    live = choice.chosen.label in _LIVE_TIERS
+    live = choice.chosen.label in _LIVE
     return {
         "chosen": choice.tried.index(choice.chosen),
         "lobe_set": None if live else pack_lobes(choice.lobe_set),
@@ -233,5 +179,22 @@ def _pack(choice: Choice) -> dict:
 def _unpack(data: dict, stack: Stack) -> Choice:
     tried = tuple(Candidate(**candidate) for candidate in data["tried"])
     chosen = tried[data["chosen"]]
-    lobe_set = unpack_lobes(data["lobe_set"], stack) if data["lobe_set"] else _LIVE_TIERS[chosen.label](stack)
+    lobe_set = unpack_lobes(data["lobe_set"], stack) if data["lobe_set"] else _LIVE[chosen.label](stack)
     return Choice(chosen, lobe_set, tried, str(data["reason"]))
+
+
+COMPUTED = Computed(
+    compute=lambda stack, options: choose(stack, truth_of(stack), options),
+    key=lambda stack, options: f"auto {content(stack, options.live)} {options.tolerance:g} {options.glossy or MAX_GLOSSY}",
+    pack=_pack,
+    unpack=_unpack,
+    most_glossy=MAX_GLOSSY,
+)
+
+METHOD = Method(
+    NAME,
+    "Live while values change; when they rest, the cheapest shader whose error stays under the tolerance",
+    _make,
+    lambda stack, live: True,
+    COMPUTED,
+)

@@ -11,7 +11,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ...errors import LaminaError
+from ...material.place import Place
 from ...material.stack import Stack
+from ..cache import keep_in
 
 MODULE = "lobes.methods.bake_process"
 _ROOT = Path(__file__).resolve().parents[3]
@@ -33,28 +35,25 @@ def command(python: str, module: str) -> list[str]:
     return [python, "-I", "-c", _START, str(_ROOT), module]
 
 
-def request(stack: Stack, tier: str, live: Sequence[tuple[int, str]], tolerance: float, folder: Path | None) -> str:
+def request(stack: Stack, method: str, live: Sequence[Place], tolerance: float, folder: Path | None) -> str:
     """What `main` reads."""
     kept = None if folder is None else str(folder)
-    return json.dumps({"stack": stack.to_dict(), "tier": tier, "live": list(live), "tolerance": tolerance, "folder": kept})
+    return json.dumps({"stack": stack.to_dict(), "method": method, "live": [place.pair() for place in live], "tolerance": tolerance, "folder": kept})
 
 
 def main() -> None:
     """Serve one request."""
-    from ..cache import keep_in
-    from . import TIERS, AutoLobes
+    from . import packed
 
     data = json.load(sys.stdin)
     keep_in(Path(data["folder"]) if data["folder"] else None, lambda told: print(f"warning {told}", flush=True))
-    options = {"live": tuple((int(i), str(name)) for i, name in data["live"])}
-    if data["tier"] == AutoLobes.tier:
-        options["tolerance"] = data["tolerance"]
+    live = tuple(Place.of_pair(*pair) for pair in data["live"])
     try:
-        lobe_set = TIERS[data["tier"]](Stack.from_dict(data["stack"]), progress=_progress, **options)
+        result = packed(Stack.from_dict(data["stack"]), data["method"], live=live, tolerance=data["tolerance"], progress=_progress)
     except LaminaError as error:
         print(f"error {' '.join(str(error).split())}", flush=True)
         return
-    print(f"result {json.dumps(lobe_set.packed())}", flush=True)
+    print(f"result {json.dumps(result)}", flush=True)
 
 
 def _progress(share: float) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Model `mirror`: a lobe set evaluated as Cycles evaluates its closures.
+"""Model `closure_model`: a lobe set evaluated as Cycles evaluates its closures.
 
 Equal to the render up to float32 rounding (`make test`, goniometer tests). It is not a model of the stack:
 its distance from one is the lobe set's error. Limits: weights of lobes know the view alone, so f is not reciprocal;
@@ -11,30 +11,32 @@ import numpy as np
 from ...errors import LaminaError
 from ...material.schema import ANISOTROPY, THIN_FILM
 from ...material.stack import Stack
+from ...optics.directions import components, vectors
 from ...optics.frame import azimuth, dot, half_vector, normalize, reflect
 from ...optics.microfacet import anisotropic_distribution
+from ...optics.optical_stack import supports
 from ...optics.quadrature import cosine_directions, directional_albedo
-from ...optics.sampling import components, projected_area, sample_visible_normals, vectors
+from ...optics.sampling import projected_area, sample_visible_normals
 from ..closure import fresnel, is_specular_lobe, lobe_f
 from ..lobe import DiffuseLobe, GlossyLobe
-from . import DEFAULT_TIER, make_lobe_set
+from . import DEFAULT_METHOD, make_lobe_set
 
 # Share of its weight that a lobe keeps where its Fresnel factor vanishes, as the factor rises around that view.
 _LEAST_SHARE = 1e-3
 
 
+@supports("model", features=(ANISOTROPY, THIN_FILM))
 class ClosureModel:
     """What Cycles renders: the closures of a tier, evaluated."""
 
-    name = "mirror"
+    name = "closure_model"
     stochastic = False
-    features = (ANISOTROPY, THIN_FILM)
 
     def __init__(self, stack: Stack, **options: str):
         for key in options:
-            if key != "tier":
-                raise LaminaError(f"model {self.name}: unknown option {key!r}; choose tier")
-        self.lobe_set = make_lobe_set(stack, options.get("tier", DEFAULT_TIER))
+            if key not in ("method", "tier"):  # tier is what it was called
+                raise LaminaError(f"model {self.name}: unknown option {key!r}; choose method")
+        self.lobe_set = make_lobe_set(stack, options.get("method") or options.get("tier") or DEFAULT_METHOD)
 
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """BRDF (..., 3) in 1/sr without cosine; mirror-like lobes have none and count as 0."""

@@ -12,19 +12,18 @@ the generated shader. Against the exact component's energy that is good to 1 % u
 
 import numpy as np
 
+from ...material.schema import ANISOTROPY, THIN_FILM
 from ...material.stack import Stack
 from ...optics import microfacet
+from ...optics.bases import ConductorBase, DiffuseBase
 from ...optics.diffuse import fujii_roughness
-from ...optics.fresnel import fresnel_conductor
 from ...optics.microfacet import masking_g2
-from ...optics.optical_stack import brushed, conductor_index, film_of, interfaces, mean_alpha, n_above_base
-from ...optics.thin_film import film_reflectance
+from ...optics.optical_stack import OpticalStack, supports
 from ..lobe import DiffuseLobe, GlossyLobe, oren_nayar_lobes, surface_lobe, top_curve
+from ..view_table import MIN_COS_O
 
 NODE_ORDER = 3
 NODE_COUNT = NODE_ORDER**2
-# The least cosine of a view; towards the horizon weights stay those of this one.
-MIN_COS_O = 1e-4
 
 
 def nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -39,19 +38,17 @@ def nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return u.ravel(), np.cos(azimuth).ravel(), weight
 
 
+@supports("lobe set", features=(ANISOTROPY, THIN_FILM))
 class PaperLobes:
     """Lobes of a stack; see the module's head for how weights are found."""
 
-    tier = "weidlich_wilkie"
+    name = "weidlich_wilkie"
 
     def __init__(self, stack: Stack):
         self.stack = stack
-        self._surfaces = interfaces(stack)
+        optics = OpticalStack.of(stack, self)
+        self._surfaces, self._base = optics.interfaces, optics.base
         self._n = np.array([1.0] + [s.n_below for s in self._surfaces])
-
-    @property
-    def resolved(self) -> "PaperLobes":
-        return self
 
     @property
     def lobe_count(self) -> int:
@@ -66,29 +63,20 @@ class PaperLobes:
                 weight, fresnel = np.ones(cos_o.shape + (3,)), top_curve(surface)
             else:
                 weight, fresnel = self._interface_weight(cos_o, index), None
-            result.append(surface_lobe(surface.distribution, weight, surface.alpha, surface.brushed, fresnel))
+            result.append(surface_lobe(surface.facets, weight, fresnel))
         return result + self._base_lobes(cos_o)
 
     def _base_lobes(self, cos_o) -> list[GlossyLobe | DiffuseLobe]:
-        base = self.stack.base
-        if base.kind == "lambert":
-            return [DiffuseLobe(self._diffuse_weight(cos_o) * np.array(base["color"]))]
-        if base.kind == "oren_nayar":
-            weight = self._diffuse_weight(cos_o, float(fujii_roughness(base["sigma_deg"])))
-            return oren_nayar_lobes(weight, base["color"], base["sigma_deg"])
-        eta, k = conductor_index(base)
-        n = n_above_base(self.stack)
-        alpha = mean_alpha(base)
-
-        film = film_of(base)
-
-        def fresnel(cos_h):
-            if film is not None:
-                return film_reflectance(cos_h, n, film, eta, k)
-            return fresnel_conductor(cos_h[..., None], eta / n, k / n)
-
-        weight = self._glossy_weight(cos_o, len(self._surfaces), alpha, base["distribution"], fresnel)
-        return [surface_lobe(base["distribution"], weight, alpha, brushed(base))]
+        base = self._base
+        match base:
+            case DiffuseBase(sigma_deg=0.0):
+                return [DiffuseLobe(self._diffuse_weight(cos_o) * base.color)]
+            case DiffuseBase():
+                weight = self._diffuse_weight(cos_o, float(fujii_roughness(base.sigma_deg)))
+                return oren_nayar_lobes(weight, base.color, base.sigma_deg)
+            case ConductorBase():
+                weight = self._glossy_weight(cos_o, len(self._surfaces), base.facets.alpha, base.facets.distribution, base.reflectance)
+                return [surface_lobe(base.facets, weight)]
 
     def _interface_weight(self, cos_o, index):
         surface = self._surfaces[index]
@@ -119,7 +107,7 @@ class PaperLobes:
     def _glossy_weight(self, cos_o, depth, alpha, distribution, fresnel):
         """Energy of component `depth` over that of its closure, averaged over the closure's lobe."""
         u, cos_phi, node_weight = nodes()
-        tan2 = alpha**2 * (u / (1.0 - u) if distribution == microfacet.GGX else -np.log1p(-u))
+        tan2 = alpha**2 * microfacet.distribution_of(distribution).slope2_quantile(u)
         z_h = 1.0 / np.sqrt(1.0 + tan2)
         cos_o = cos_o[..., None]
         sin_o = np.sqrt(np.maximum(1.0 - np.square(cos_o), 0.0))

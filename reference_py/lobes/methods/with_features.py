@@ -14,19 +14,21 @@ import numpy as np
 
 from ...material.schema import THIN_FILM
 from ...material.stack import Stack
-from ...optics.optical_stack import AnisotropicRoughness, brushed
+from ...optics.interface import AnisotropicRoughness, Microfacets
 from ..analytic import AnalyticLobes
 from ..analytic.base import Facets
 from ..analytic.lobe_set import at_views
 from ..analytic.tables import brushed_energy, closure_energy
 from ..lobe import DiffuseLobe, GlossyLobe
 from ..view_table import MIN_COS_O
-from .not_bakeable import without_unbaked
+from .not_bakeable import bakeable, not_bakeable
 from .paper import PaperLobes
 
 
 def featured_analytic(stack: Stack):
-    """The lobe set that a stack has in the tier `analytic`."""
+    """The lobe set that a stack has in the method `analytic`."""
+    if not not_bakeable(stack):
+        return AnalyticLobes(stack)
     if any(element.has(THIN_FILM) for element in (*stack.layers, stack.base)):
         return PaperLobes(stack)
     return FeaturedAnalyticLobes(stack)
@@ -36,7 +38,8 @@ class FeaturedAnalyticLobes(AnalyticLobes):
     """The lobes of the stack without its features, in the shapes that these give them."""
 
     def __init__(self, stack: Stack):
-        self.stack, self._plain = stack, AnalyticLobes(without_unbaked(stack))
+        self.stack, self._plain = stack, AnalyticLobes(bakeable(stack))
+        self.base = self._plain.base
 
     def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
         """The lobes from the top for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
@@ -46,7 +49,7 @@ class FeaturedAnalyticLobes(AnalyticLobes):
 
     def _lobes(self, cos_o, phi):
         layers, base = self.stack.layers, self.stack.base
-        top, metal = (brushed(e) if e is not None and "roughness" in e else None for e in (layers[0] if layers else None, base))
+        top, metal = (_widths(e) if e is not None and "roughness" in e else None for e in (layers[0] if layers else None, base))
         seen = None if top is None else seen_alpha(top, cos_o, phi)
         facets = None if metal is None else partial(_facets, widths=metal, phi=phi, kind=base["distribution"])
         lobes = self._plain.lobes_of(cos_o, seen, facets)
@@ -56,9 +59,13 @@ class FeaturedAnalyticLobes(AnalyticLobes):
         elements = [*layers[:inner], *[base] * (len(lobes) - inner)]
         depths = [*range(inner), *[len(layers)] * (len(lobes) - inner)]
         return [
-            _shaped(lobe, brushed(element) if "roughness" in element else None, indices[depth], cos_o, phi, depth == 0 and len(layers) > 0)
+            _shaped(lobe, _widths(element) if "roughness" in element else None, indices[depth], cos_o, phi, depth == 0 and len(layers) > 0)
             for lobe, element, depth in zip(lobes, elements, depths)
         ]
+
+
+def _widths(element) -> AnisotropicRoughness | None:
+    return Microfacets.of(element).anisotropic
 
 
 def seen_alpha(widths: AnisotropicRoughness, cos_o, phi) -> np.ndarray:

@@ -9,9 +9,8 @@ from itertools import takewhile
 
 import numpy as np
 
-from ...optics.diffuse import oren_nayar
 from ...optics.frame import dot, half_vector
-from ...optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
+from ...optics.fresnel import cos_theta_t, fresnel_dielectric
 from ...optics.microfacet import is_specular
 from .facets import reflection_lobe
 from .recipe import Recipe
@@ -55,8 +54,7 @@ def mirror_reflectance(recipe: Recipe, cos_theta: np.ndarray) -> np.ndarray:
     cosines = [cos_theta, *(cos_theta_t(cos_theta, i.n_below) for i in run)]
     reflected = np.zeros((len(cos_theta), 3))
     if len(run) == len(recipe.interfaces) and recipe.base.is_specular:
-        eta, k = np.array(recipe.base.index).T
-        reflected = fresnel_conductor(cosines[-1][:, None], eta, k)
+        reflected = recipe.base.reflectance(cosines[-1])
     for interface, tau, above, below in reversed(list(zip(run, recipe.taus, cosines, cosines[1:]))):
         reflected = reflected * np.exp(-2.0 * tau / np.maximum(below, 1e-12)[:, None])
         f = fresnel_dielectric(above, interface.eta)[:, None]
@@ -74,12 +72,9 @@ def _event(recipe: Recipe, k: int, surface: str, wo, wi) -> np.ndarray:
         lobe = reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], interface.alpha, interface.distribution, surface)
         return fresnel * lobe[:, None]
     base = recipe.base
-    if base.kind == "lambert":
-        return np.array(base.color) / np.pi * np.ones((len(wo), 1))
-    if base.kind == "oren_nayar":
-        return oren_nayar(wi, wo, base.color, base.sigma_deg)
+    if base.facets is None:
+        return base.f(wi, wo)
     if base.is_specular:
         return np.zeros(wo.shape)
-    eta, k = np.array(base.index).T
-    lobe = reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], base.alpha, base.distribution, surface)
-    return fresnel_conductor(cos_h[:, None], eta, k) * lobe[:, None]
+    lobe = reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], base.facets.alpha, base.facets.distribution, surface)
+    return base.reflectance(cos_h) * lobe[:, None]

@@ -122,22 +122,10 @@ def gauss_legendre(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def legendre(x: np.ndarray, count: int) -> np.ndarray:
-    """(count, ...) Legendre polynomials P_0 to P_(count-1) at x."""
-    values = np.empty((count, *np.shape(x)))
-    values[0] = 1.0
-    if count > 1:
-        values[1] = x
-    for k in range(1, count - 1):
-        values[k + 1] = ((2 * k + 1) * x * values[k] - k * values[k - 1]) / (k + 1)
-    return values
+    """(count, ...) Legendre polynomials P_0 to P_(count-1) at x (...)."""
+    return np.moveaxis(np.polynomial.legendre.legvander(x, count - 1), -1, 0)
 
 
 def chebyshev(x: np.ndarray, count: int) -> np.ndarray:
-    """(count, ...) cos(m acos(x)) for m = 0 to count-1."""
-    values = np.empty((count, *np.shape(x)))
-    values[0] = 1.0
-    if count > 1:
-        values[1] = x
-    for m in range(1, count - 1):
-        values[m + 1] = 2.0 * x * values[m] - values[m - 1]
-    return values
+    """(count, ...) cos(m acos(x)) for m = 0 to count-1 at x (...)."""
+    return np.moveaxis(np.polynomial.chebyshev.chebvander(x, count - 1), -1, 0)

@@ -12,7 +12,7 @@ from math import pi
 import numpy as np
 
 from ...optics.fresnel import fresnel_dielectric
-from ...optics.microfacet import GGX, distribution
+from ...optics.microfacet import GGX, distribution, distribution_of
 from ...optics.sampling import projected_area
 from .direction_grid import gauss_legendre
 
@@ -97,9 +97,9 @@ def visible_facets(cos_theta: np.ndarray, alpha: float, kind: str, surface: str,
     nz = np.maximum(nz, 1e-12)
     weights = np.square(np.cos(a)) * np.cos(b) * w_a * w_b
     weights = weights / weights.sum(axis=(1, 2), keepdims=True)
-    if kind != GGX:
+    if kind != GGX:  # the nodes are those of GGX
         slope2 = (np.square(nx) + np.square(ny)) / np.square(nz)
-        weights = weights * np.square(1.0 + slope2) * np.exp(-slope2)
+        weights = weights * np.square(1.0 + slope2) * distribution_of(kind).slope_density(slope2)
         if surface == MULTIPLE:  # the walk on the microsurface draws normals from the normalised density
             weights = weights / np.maximum(weights.sum(axis=(1, 2), keepdims=True), 1e-300)
         else:

@@ -19,12 +19,13 @@ import numpy as np
 from ...errors import LaminaError
 from ...material.stack import Stack
 from ...optics.microfacet import is_specular
+from ...optics.optical_stack import OpticalStack, supports
 from .assembly import TRAPPED_LOSS, Layers, add, empty, round_trips
 from .direct import direct_f, mirror_reflectance
 from .direction_grid import Grid, chebyshev
 from .facets import MULTIPLE, SURFACES
 from .operators import Resolution, dielectric_rows, interface_operators, transmittance
-from .recipe import Recipe
+from .recipe import Recipe, base_rows
 
 # Facets per direction: energies need fewer than azimuthal modes do.
 _ENERGY = Resolution(modes=1, across=16, along=36)
@@ -70,6 +71,7 @@ class LayerEnergies:
         return self.grid.weights[: self.grid.count(n)] @ self.nodal[name] / (np.pi * n * n)
 
 
+@supports("model")
 class Adding:
     """The truth, deterministic: adding of interface operators, all orders.
 
@@ -88,7 +90,7 @@ class Adding:
             raise LaminaError(f"model {self.name}: unknown surface {surface!r}; choose {', '.join(SURFACES)}")
         self.stack, self.surface = stack, surface
         modes = _whole("modes", modes, 1, 512)
-        self._recipe = Recipe.of(stack)
+        self._recipe = Recipe.of(OpticalStack.of(stack, self))
         if nodes is None:
             fine = _NODES_PER_WIDTH / max(self._recipe.narrowest_lobe(), _NODES_PER_WIDTH / _MOST_NODES)
             nodes, shape_nodes = _NODES, max(_NODES, ceil(fine))
@@ -130,7 +132,7 @@ class Adding:
         recipe, grid = self._recipe, self._grid
         outside = {c: transmittance(grid, 1.0, recipe.tau_above[c]) for c in range(3)}
         if not recipe.interfaces:
-            return lambda c: sum(recipe.base.rows(c, cos_o, self.surface, grid, _ENERGY))[0] @ outside[c], None
+            return lambda c: sum(base_rows(recipe.base, c, cos_o, self.surface, grid, _ENERGY))[0] @ outside[c], None
         top = recipe.interfaces[0]
         once, more, crossed = dielectric_rows(top.n_above, top.n_below, cos_o, top.alpha, top.distribution, self.surface, grid, _ENERGY)
         return lambda c: (once + more)[0] @ outside[c], crossed[0]
@@ -154,7 +156,7 @@ class Adding:
     def layer_energies(self) -> LayerEnergies:
         """Energies of all layers without the base."""
         recipe, grid = self._recipe, self._grid
-        n_below = recipe.base.n
+        n_below = recipe.base.n_above
         nodal = {key: np.zeros((grid.count(n), 3)) for key, n in (("r_up", 1.0), ("t_down", 1.0), ("r_down", n_below), ("t_up", n_below))}
         for channel, members in recipe.channels():
             whole = self._layers(channel)
@@ -189,8 +191,8 @@ class Adding:
         """
         recipe, grid = self._recipe, self._grid_for(resolution)
         if k == len(recipe.interfaces):
-            n, base = recipe.base.n, recipe.base
-            once, more = base.rows(channel, grid.cosines(n), self.surface, grid, resolution)
+            n, base = recipe.base.n_above, recipe.base
+            once, more = base_rows(base, channel, grid.cosines(n), self.surface, grid, resolution)
             whole, direct = once + more, once
             mirror = np.diagonal(more[0]) if base.is_specular else np.zeros(len(once[0]))
         else:

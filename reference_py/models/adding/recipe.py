@@ -5,44 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...material.stack import Stack
-from ...optics.microfacet import alpha_from_roughness, is_specular
-from ...optics.optical_stack import Interface, conductor_index, interfaces, n_above_base
+from ...optics.bases import ConductorBase, DiffuseBase
+from ...optics.interface import Interface
+from ...optics.microfacet import is_specular
+from ...optics.optical_stack import OpticalStack
 from .direction_grid import Grid
 from .operators import Resolution, conductor_rows, lambert_rows, oren_nayar_rows
-
-
-@dataclass(frozen=True)
-class Base:
-    """The opaque base. `n` is the absolute index of the medium above it."""
-
-    kind: str
-    n: float
-    color: tuple[float, ...] = (0.0, 0.0, 0.0)
-    sigma_deg: float = 0.0
-    alpha: float = 0.0
-    distribution: str = ""
-    index: tuple[tuple[float, float], ...] = ()
-    """(eta, k) of each channel, relative to n."""
-
-    @property
-    def is_specular(self) -> bool:
-        return self.kind == "conductor" and is_specular(self.alpha)
-
-    def channel_key(self, channel: int):
-        """Equal for channels that this base treats alike."""
-        return self.index[channel] if self.index else self.color[channel]
-
-    def rows(self, channel: int, cos_theta: np.ndarray, surface: str, grid: Grid, resolution: Resolution):
-        """(reflected once, reflected otherwise), each (modes, I, N), for walkers at cosines (I,)."""
-        if self.kind == "conductor":
-            return conductor_rows(self.index, channel, self.n, cos_theta, self.alpha, self.distribution, surface, grid, resolution)
-        color, modes = self.color[channel], resolution.modes
-        if self.kind == "lambert":
-            rows = lambert_rows(color, self.n, len(cos_theta), grid, modes)
-        else:
-            rows = oren_nayar_rows(color, self.sigma_deg, self.n, cos_theta, grid, modes)
-        return rows, np.zeros_like(rows)
 
 
 @dataclass(frozen=True)
@@ -55,12 +23,13 @@ class Recipe:
     tau_above: np.ndarray
     interfaces: tuple[Interface, ...]
     taus: tuple[np.ndarray, ...]
-    base: Base
+    base: DiffuseBase | ConductorBase
 
     @classmethod
-    def of(cls, stack: Stack) -> "Recipe":
+    def of(cls, optics: OpticalStack) -> "Recipe":
+        """That of a resolved stack."""
         tau_above, kept, taus = np.zeros(3), [], []
-        for interface in interfaces(stack):
+        for interface in optics.interfaces:
             if interface.eta != 1.0:
                 kept.append(interface)
                 taus.append(interface.tau)
@@ -68,7 +37,7 @@ class Recipe:
                 taus[-1] = taus[-1] + interface.tau
             else:
                 tau_above = tau_above + interface.tau
-        return cls(tau_above, tuple(kept), tuple(taus), _base(stack))
+        return cls(tau_above, tuple(kept), tuple(taus), optics.base)
 
     def grid(self, nodes: int) -> Grid:
         return Grid(tuple(sorted({1.0, *(i.n_below for i in self.interfaces)})), nodes)
@@ -79,8 +48,8 @@ class Recipe:
         A facet tilted by alpha turns s by (n_below - n_above) alpha where it refracts and 2 n alpha where it reflects.
         """
         surfaces = [(i.n_above, i.n_below - i.n_above, i.alpha) for i in self.interfaces]
-        if self.base.kind == "conductor":
-            surfaces.append((self.base.n, 0.0, self.base.alpha))
+        if self.base.facets is not None:
+            surfaces.append((self.base.n_above, 0.0, self.base.facets.alpha))
         narrowest, passed = np.inf, 0.0
         for n, step, alpha in surfaces:
             alpha = 0.0 if is_specular(alpha) else alpha
@@ -98,12 +67,15 @@ class Recipe:
         return [(members[0], members) for members in groups.values()]
 
 
-def _base(stack: Stack) -> Base:
-    base, n = stack.base, n_above_base(stack)
-    if base.kind == "lambert":
-        return Base(base.kind, n, color=base["color"])
-    if base.kind == "oren_nayar":
-        return Base(base.kind, n, color=base["color"], sigma_deg=base["sigma_deg"])
-    eta, k = conductor_index(base)
-    index = tuple((float(a) / n, float(b) / n) for a, b in zip(eta, k))
-    return Base(base.kind, n, alpha=float(alpha_from_roughness(base["roughness"])), distribution=base["distribution"], index=index)
+def base_rows(base: DiffuseBase | ConductorBase, channel: int, cos_theta: np.ndarray, surface: str, grid: Grid, resolution: Resolution):
+    """(reflected once, reflected otherwise), each (modes, I, N), of a base for walkers at cosines (I,)."""
+    match base:
+        case ConductorBase():
+            index = tuple(zip(*base.relative_index))
+            facets = base.facets
+            return conductor_rows(index, channel, base.n_above, cos_theta, facets.alpha, facets.distribution, surface, grid, resolution)
+        case DiffuseBase(sigma_deg=0.0):
+            rows = lambert_rows(float(base.color[channel]), base.n_above, len(cos_theta), grid, resolution.modes)
+        case DiffuseBase():
+            rows = oren_nayar_rows(float(base.color[channel]), base.sigma_deg, base.n_above, cos_theta, grid, resolution.modes)
+    return rows, np.zeros_like(rows)

@@ -13,28 +13,30 @@ Schlick's curve rises to 1 even from 0, so an interface between equal indices do
 import numpy as np
 
 from ...material.stack import Stack
+from ...optics.blinn import blinn_exponent
 from ...optics.frame import dot, half_vector
-from ...optics.microfacet import BECKMANN, alpha_from_roughness, blinn_exponent, is_specular
-from ...optics.optical_stack import interfaces
-from .parts import Peer, dielectric_f0, metal_f0, round_trip, schlick
+from ...optics.microfacet import BECKMANN, is_specular
+from ...optics.optical_stack import supports
+from .parts import Baseline, dielectric_f0, metal_f0, schlick
 
 
-class AshikhminShirley(Peer):
+@supports("model")
+class AshikhminShirley(Baseline):
     """Ashikhmin and Shirley 2000: Fresnel-weighted specular and diffuse."""
 
     name = "ashikhmin_shirley"
 
     def __init__(self, stack: Stack, **options: str):
         super().__init__(stack, **options)
-        is_metal = stack.base.kind == "conductor"
-        tint = round_trip(stack)
-        surface = stack.base if is_metal or not stack.layers else stack.layers[0]
-        self._alpha = float(alpha_from_roughness(surface["roughness"])) if "roughness" in surface else 1.0
+        is_metal = self.optics.base.facets is not None
+        tint = self.optics.round_trip()
+        facets = self.optics.base.facets or (self.optics.interfaces[0].facets if stack.layers else None)
+        self._alpha = facets.alpha if facets else 1.0
         if is_metal:
-            self._f0, self._tint, self._color = metal_f0(stack), tint, np.zeros(3)
+            self._f0, self._tint, self._color = metal_f0(self.optics), tint, np.zeros(3)
         else:
-            self._f0 = np.full(3, dielectric_f0(interfaces(stack)[0].eta) if stack.layers else 0.0)
-            self._tint, self._color = np.full(3, 1.0 if stack.layers else 0.0), tint * np.array(stack.base["color"])
+            self._f0 = np.full(3, dielectric_f0(self.optics.interfaces[0].eta) if stack.layers else 0.0)
+            self._tint, self._color = np.full(3, 1.0 if stack.layers else 0.0), tint * self.optics.base.color
 
     def _f(self, wo, wi):
         return self._specular(wo, wi) + self._diffuse(wo, wi)

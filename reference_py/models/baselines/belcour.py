@@ -22,25 +22,27 @@ import numpy as np
 from ...material.stack import Stack
 from ...optics.frame import half_vector
 from ...optics.fresnel import cos_theta_t
+from ...optics.interface import Interface
 from ...optics.microfacet import GGX, SPECULAR_ALPHA, distribution, is_specular, masking_g2
-from ...optics.optical_stack import Interface, interfaces, n_above_base
+from ...optics.optical_stack import supports
 from ..adding import Adding
 from .energy import Curve, facets_seen, reflected_share
-from .parts import Fresnel, Peer, dielectric, metal_lobe
+from .parts import Baseline, Fresnel, dielectric, metal_lobe
 
 _LIMIT = 0.9999  # of alpha: at 1 the variance is infinite
 _MIN_COS = 1e-4
 _FACETS = 1024
 
 
-class Belcour(Peer):
+@supports("model")
+class Belcour(Baseline):
     """Belcour 2018: one equivalent GGX lobe per interface."""
 
     name = "belcour"
 
     def __init__(self, stack: Stack, **options: str):
         super().__init__(stack, **options)
-        self._metal = metal_lobe(stack)
+        self._metal = metal_lobe(self.optics)
         count = len(stack.layers) + bool(self._metal)
         # per lobe three weights and an alpha
         self._lobes = Curve(self._table) if count else None
@@ -48,9 +50,9 @@ class Belcour(Peer):
         if not self._metal:
             energies = Adding(stack).layer_energies()
             self._transmitted = Curve(lambda cos: energies.above(cos)[1])
-            rho = np.array(stack.base["color"])
+            rho = self.optics.base.color
             inside = energies.diffuse_below[0]
-            self._diffuse = rho / (np.pi * n_above_base(stack) ** 2 * (1.0 - rho * inside))
+            self._diffuse = rho / (np.pi * self.optics.base.n_above**2 * (1.0 - rho * inside))
 
     def lobes(self, cos_o: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         """(weight (..., 3), alpha (...)) of the lobe of each interface, and of a metal base, from the top."""
@@ -60,7 +62,7 @@ class Belcour(Peer):
     def _table(self, cos_o):
         walk = _Walk(cos_o)
         columns = []
-        for surface in interfaces(self.stack):
+        for surface in self.optics.interfaces:
             columns += walk.interface(surface.alpha, dielectric(surface.eta), surface.eta)
             walk.medium(surface)
         if self._metal:

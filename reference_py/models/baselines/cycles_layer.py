@@ -14,13 +14,14 @@ below an interface to a thinner medium the albedo exceeds 1, by up to .15 (figur
 import numpy as np
 
 from ...material.stack import Stack
-from ...optics.microfacet import BECKMANN, GGX, alpha_from_roughness
-from ...optics.optical_stack import conductor_index, interfaces, n_above_base
+from ...optics.microfacet import BECKMANN, GGX
+from ...optics.optical_stack import supports
 from .cycles import MULTI_GGX, Closure, conductor_closure, dielectric_closure
-from .parts import Peer, diffuse_f
+from .parts import Baseline
 
 
-class CyclesLayer(Peer):
+@supports("model")
+class CyclesLayer(Baseline):
     """Closures stacked with Cycles' layer(), as Cycles computes it."""
 
     name = "cycles_layer"
@@ -28,23 +29,21 @@ class CyclesLayer(Peer):
 
     def __init__(self, stack: Stack, **options: str):
         super().__init__(stack, **options)
-        surfaces = interfaces(stack)
+        surfaces = self.optics.interfaces
         self._tops = [dielectric_closure(s.alpha, self.closure_distribution(s.distribution), s.eta) for s in surfaces]
         self._tints = [np.exp(-2.0 * s.tau) for s in surfaces]
-        self._metal = self._metal_closure() if stack.base.kind == "conductor" else None
+        self._metal = self._metal_closure() if self.optics.base.facets else None
 
     def closure_distribution(self, distribution: str) -> str:
         """Name of the closure's distribution for one of the stack."""
         return BECKMANN if distribution == BECKMANN else self.options["ggx"]
 
     def _metal_closure(self) -> Closure:
-        base, n = self.stack.base, n_above_base(self.stack)
-        eta, k = conductor_index(base)
-        alpha = float(alpha_from_roughness(base["roughness"]))
-        return conductor_closure(alpha, self.closure_distribution(base["distribution"]), eta / n, k / n)
+        facets = self.optics.base.facets
+        return conductor_closure(facets.alpha, self.closure_distribution(facets.distribution), *self.optics.base.relative_index)
 
     def _f(self, wo, wi):
-        base = self._metal.f(wo, wi) if self._metal else diffuse_f(self.stack.base, wo, wi)
+        base = self._metal.f(wo, wi) if self._metal else self.optics.base.f(wi, wo)
         return self._layered(wo[..., 2], base, [top.f(wo, wi) for top in self._tops])
 
     def _mirrored(self, cos_o):

@@ -6,13 +6,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ...optics.frame import dot, spherical
+from ...optics.ggx import ggx_visible_normals
 from ...optics.microfacet import GGX, masking_g1, masking_g2
-from ...optics.quadrature import directional_albedo
-from ...optics.sampling import ggx_visible_normals
+from ...optics.quadrature import directional_albedo, points
 from .parts import Fresnel
-
-# The generalised golden ratio of two dimensions.
-_GOLDEN_2 = 1.32471795724474602596
 
 
 class Curve:
@@ -51,12 +48,11 @@ def facets_seen(cos_o: np.ndarray, alpha: np.ndarray, each: int) -> tuple[np.nda
 
     Both (N, each); all facets count alike. A mirrored light below the horizon has a negative cosine.
     """
-    # Roberts' R2 sequence: a grid would meet the horizon in steps. The far half of the azimuth mirrors the near one.
-    index = np.arange(1, each + 1)
-    u1, u2 = (0.5 + index / _GOLDEN_2) % 1.0, 0.5 * ((0.5 + index / _GOLDEN_2**2) % 1.0)
+    # A grid would meet the horizon in steps. The far half of the azimuth mirrors the near one.
+    u1, u2 = points(each)
     count = len(cos_o)
     view = spherical(np.arccos(np.repeat(cos_o, each)), 0.0)
-    wm = ggx_visible_normals(view, np.repeat(alpha, each), np.tile(u1, count), np.tile(u2, count))
+    wm = ggx_visible_normals(view, np.repeat(alpha, each), np.tile(u1, count), np.tile(0.5 * u2, count))
     cos_om = dot(view, wm)
     cos_i = 2.0 * cos_om * wm[:, 2] - view[:, 2]
     return np.clip(cos_om, 0.0, 1.0).reshape(count, each), cos_i.reshape(count, each)

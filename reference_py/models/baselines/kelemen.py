@@ -16,22 +16,24 @@ from ...material.stack import Stack
 from ...optics import microfacet
 from ...optics.frame import dot, half_vector
 from ...optics.microfacet import is_specular
+from ...optics.optical_stack import supports
 from .energy import albedo_curve
-from .parts import Peer, interface_lobe, metal_lobe, round_trip
+from .parts import Baseline, interface_lobe, metal_lobe
 
 
-class Kelemen(Peer):
+@supports("model")
+class Kelemen(Baseline):
     """Kelemen and Szirmay-Kalos 2001: coupled specular and matte."""
 
     name = "kelemen"
 
     def __init__(self, stack: Stack, **options: str):
         super().__init__(stack, **options)
-        metal = metal_lobe(stack)
-        tint = round_trip(stack)
-        self._lobe = metal or (interface_lobe(stack, 0) if stack.layers else None)
+        metal = metal_lobe(self.optics)
+        tint = self.optics.round_trip()
+        self._lobe = metal or (interface_lobe(self.optics, 0) if stack.layers else None)
         self._tint = tint if metal else np.ones(3)
-        self._matte = None if metal else tint * np.array(stack.base["color"])
+        self._matte = None if metal else tint * self.optics.base.color
         if self._matte is not None and self._lobe:
             # where the lobe's own albedo exceeds 1 nothing is left for the matte part
             self._specular_albedo = albedo_curve(self._specular, self._widths(), self._mirrored)
@@ -50,7 +52,7 @@ class Kelemen(Peer):
         if not self._lobe or is_specular(self._lobe.alpha):
             return np.zeros(np.broadcast_shapes(wi.shape, wo.shape))
         wh = half_vector(wi, wo)
-        d = microfacet.distribution(wh[..., 2], self._lobe.alpha, self._lobe.kind)
+        d = microfacet.distribution(wh[..., 2], self._lobe.alpha, self._lobe.distribution)
         h2 = np.maximum(2.0 * (1.0 + dot(wi, wo)), 1e-30)
         return self._tint * self._lobe.fresnel(np.clip(dot(wi, wh), 0.0, 1.0)) * (d / h2)[..., None]
 

@@ -11,7 +11,8 @@ retroreflection, the second broad. Its albedo is .31 .40 .73 at normal and .38 .
 
 import numpy as np
 
-from .parts import Peer
+from ...optics.optical_stack import supports
+from .parts import Baseline
 
 # d; then per lobe Cxy, Cz, n; RGB
 _FITS = {
@@ -26,7 +27,8 @@ _FITS = {
 }
 
 
-class Lafortune(Peer):
+@supports("model")
+class Lafortune(Baseline):
     """Lafortune 1997: the fit of a blue paint; it ignores the stack."""
 
     name = "lafortune"

@@ -18,13 +18,15 @@ import numpy as np
 
 from ...material.stack import Stack
 from ...optics.fresnel import cos_theta_t, fresnel_dielectric
+from ...optics.interface import Microfacets
 from ...optics.microfacet import GGX, alpha_from_roughness
-from ...optics.optical_stack import interfaces
+from ...optics.optical_stack import supports
 from .energy import albedo_curve, mean_fresnel
-from .parts import Lobe, Peer, dielectric, dielectric_f0, diffuse_f, metal_f0, metal_f82
+from .parts import Baseline, Lobe, dielectric, dielectric_f0, metal_f0, metal_f82
 
 
-class OpenPbrCoat(Peer):
+@supports("model")
+class OpenPbrCoat(Baseline):
     """OpenPBR 1: coat with darkening over its base."""
 
     name = "openpbr_coat"
@@ -32,7 +34,7 @@ class OpenPbrCoat(Peer):
 
     def __init__(self, stack: Stack, **options: str):
         super().__init__(stack, **options)
-        surfaces = interfaces(stack)
+        surfaces = self.optics.interfaces
         self._coat = self._lobe = None
         self._tau = sum((s.tau for s in surfaces), np.zeros(3))
         if surfaces:
@@ -40,22 +42,22 @@ class OpenPbrCoat(Peer):
             self._coat = Lobe(surfaces[0].alpha, GGX, dielectric(self._eta))
             self._coat_albedo = _albedo(self._coat)
             self._mean_fresnel = float(mean_fresnel(self._coat.fresnel)[0])
-        self._is_metal = stack.base.kind == "conductor"
+        self._is_metal = self.optics.base.facets is not None
         if self._is_metal:
-            roughness = self._roughened(stack.base["roughness"])
-            self._lobe = Lobe(float(alpha_from_roughness(roughness)), GGX, metal_f82(stack))
-            self._base_albedo, self._base_roughness = metal_f0(stack), roughness
+            roughness = self._roughened(self.optics.base.facets)
+            self._lobe = Lobe(float(alpha_from_roughness(roughness)), GGX, metal_f82(self.optics))
+            self._base_albedo, self._base_roughness = metal_f0(self.optics), roughness
         else:
-            self._base_albedo, self._base_roughness = np.array(stack.base["color"]), 1.0
+            self._base_albedo, self._base_roughness = self.optics.base.color, 1.0
         if not self._is_metal and len(surfaces) > 1 and surfaces[1].eta != 1.0:
             self._add_gloss(max(surfaces[1].eta, 1.0 / surfaces[1].eta))
 
-    def _roughened(self, roughness: float) -> float:
-        coat = self.stack.layers[0]["roughness"] if self.stack.layers else 0.0
-        return min(1.0, roughness**4 + 2.0 * coat**4) ** 0.25
+    def _roughened(self, facets: Microfacets) -> float:
+        coat = self.optics.interfaces[0].alpha if self.optics.interfaces else 0.0
+        return min(1.0, facets.alpha**2 + 2.0 * coat**2) ** 0.25
 
     def _add_gloss(self, eta: float) -> None:
-        roughness, f0 = self._roughened(self.stack.layers[1]["roughness"]), dielectric_f0(eta)
+        roughness, f0 = self._roughened(self.optics.interfaces[1].facets), dielectric_f0(eta)
         self._lobe = Lobe(float(alpha_from_roughness(roughness)), GGX, dielectric(eta))
         self._gloss_albedo = _albedo(self._lobe)
         self._base_roughness = 1.0 + f0 * (roughness - 1.0)
@@ -65,7 +67,7 @@ class OpenPbrCoat(Peer):
         base = self._lobe.f(wo, wi) if self._lobe else 0.0
         if not self._is_metal:
             left = 1.0 - self._gloss_albedo(wo[..., 2]) if self._lobe else 1.0
-            base = base + left * diffuse_f(self.stack.base, wo, wi)
+            base = base + left * self.optics.base.f(wi, wo)
         if not self._coat:
             return base * np.ones(3)
         return self._coat.f(wo, wi) + self._carried(wo[..., 2], wi[..., 2]) * base

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the peers share: their signature, microfacet lobes, and one way to read a stack.
+"""What the baselines share: their signature, microfacet lobes, and one way to read a stack.
 
 How a stack is read: every interface and metal has its index relative to the medium above it, absorption is the
 color `round_trip` that two perpendicular crossings of all media leave. That is the best a user of these models can set.
@@ -11,13 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import LaminaError
-from ...material.stack import Element, Stack
+from ...material.stack import Stack
 from ...optics import microfacet
-from ...optics.diffuse import oren_nayar
 from ...optics.frame import dot, half_vector
 from ...optics.fresnel import fresnel_conductor, fresnel_dielectric
-from ...optics.microfacet import alpha_from_roughness, is_specular
-from ...optics.optical_stack import conductor_index, interfaces, n_above_base
+from ...optics.microfacet import is_specular
+from ...optics.optical_stack import OpticalStack
 from ...optics.quadrature import directional_albedo
 
 _UP = np.array([0.0, 0.0, 1.0])
@@ -29,7 +28,7 @@ Fresnel = Callable[[np.ndarray], np.ndarray]
 """Reflectance (..., 1) or (..., 3) at cosines (...) to the facet."""
 
 
-class Peer:
+class Baseline:
     """A model of the shared signature. Subclasses give `_f`, and `_widths` and `_mirrored` where they have lobes.
 
     `OPTIONS` names the options and their choices, the default first. Raises LaminaError on any other.
@@ -47,7 +46,7 @@ class Peer:
             if value not in self.OPTIONS[key]:
                 raise LaminaError(f"model {self.name}: unknown {key} {value!r}; choose {', '.join(self.OPTIONS[key])}")
         self.options = {key: options.get(key, choices[0]) for key, choices in self.OPTIONS.items()}
-        self.stack = stack
+        self.stack, self.optics = stack, OpticalStack.of(stack, self)
 
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """BRDF (..., 3) in 1/sr without cosine; mirror-like parts have none and count as 0."""
@@ -81,20 +80,20 @@ class Lobe:
     """A microfacet reflection lobe, D G2 F / (4 cos_i cos_o) (Walter07)."""
 
     alpha: float
-    kind: str
+    distribution: str
     fresnel: Fresnel
 
     @property
     def width(self) -> tuple[str, float]:
-        return self.kind, self.alpha
+        return self.distribution, self.alpha
 
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """(..., 1) or (..., 3) for directions above the surface; 0 for a mirror."""
         wh = half_vector(wi, wo)
         if is_specular(self.alpha):
             return np.zeros(wh.shape[:-1] + (1,))
-        d = microfacet.distribution(wh[..., 2], self.alpha, self.kind)
-        g = microfacet.masking_g2(wi[..., 2], wo[..., 2], self.alpha, self.kind)
+        d = microfacet.distribution(wh[..., 2], self.alpha, self.distribution)
+        g = microfacet.masking_g2(wi[..., 2], wo[..., 2], self.alpha, self.distribution)
         value = d * g / (4.0 * np.maximum(wi[..., 2] * wo[..., 2], 1e-30))
         return self.fresnel(np.clip(dot(wi, wh), 0.0, 1.0)) * value[..., None]
 
@@ -129,51 +128,35 @@ def f82(f0: np.ndarray, reflectance_82: np.ndarray) -> Fresnel:
     return fresnel
 
 
-def interface_lobe(stack: Stack, index: int) -> Lobe:
+def interface_lobe(optics: OpticalStack, index: int) -> Lobe:
     """Lobe of interface `index` of a stack."""
-    surface = interfaces(stack)[index]
+    surface = optics.interfaces[index]
     return Lobe(surface.alpha, surface.distribution, dielectric(surface.eta))
 
 
-def metal_lobe(stack: Stack) -> Lobe | None:
+def metal_lobe(optics: OpticalStack) -> Lobe | None:
     """Lobe of a conductor base under its medium; None over a diffuse base."""
-    if stack.base.kind != "conductor":
-        return None
-    eta, k = conductor_index(stack.base)
-    n = n_above_base(stack)
-    return Lobe(float(alpha_from_roughness(stack.base["roughness"])), stack.base["distribution"], conductor(eta / n, k / n))
+    facets = optics.base.facets
+    return None if facets is None else Lobe(facets.alpha, facets.distribution, optics.base.reflectance)
 
 
-def metal_f0(stack: Stack) -> np.ndarray:
+def metal_f0(optics: OpticalStack) -> np.ndarray:
     """Reflectance (3,) of a conductor base at normal incidence, under its medium."""
-    return metal_lobe(stack).fresnel(np.ones(()))
+    return optics.base.reflectance(np.ones(()))
 
 
-def metal_colors(stack: Stack) -> tuple[np.ndarray, np.ndarray]:
+def metal_colors(optics: OpticalStack) -> tuple[np.ndarray, np.ndarray]:
     """`metal_f0`, and the share, at most 1, of Schlick's curve that the metal reflects at 82 degrees; each (3,)."""
-    fresnel = metal_lobe(stack).fresnel
-    f0 = fresnel(np.ones(()))
-    return f0, np.minimum(fresnel(np.full((), COS_82)) / (f0 + (1.0 - f0) * _RISE_82), 1.0)
+    f0 = metal_f0(optics)
+    return f0, np.minimum(optics.base.reflectance(np.full((), COS_82)) / (f0 + (1.0 - f0) * _RISE_82), 1.0)
 
 
-def metal_f82(stack: Stack) -> Fresnel:
+def metal_f82(optics: OpticalStack) -> Fresnel:
     """The F82 curve of `metal_colors`."""
-    f0, tint = metal_colors(stack)
+    f0, tint = metal_colors(optics)
     return f82(f0, tint * (f0 + (1.0 - f0) * _RISE_82))
 
 
 def dielectric_f0(eta: float) -> float:
     """Reflectance of an interface at normal incidence."""
     return ((eta - 1.0) / (eta + 1.0)) ** 2
-
-
-def round_trip(stack: Stack) -> np.ndarray:
-    """(3,) what two perpendicular crossings of all media leave."""
-    return np.exp(-2.0 * sum((s.tau for s in interfaces(stack)), np.zeros(3)))
-
-
-def diffuse_f(base: Element, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
-    """f (..., 3) of a Lambert or Oren-Nayar base."""
-    if base.kind == "oren_nayar":
-        return oren_nayar(wi, wo, base["color"], base["sigma_deg"])
-    return np.array(base["color"]) / np.pi * np.ones(wi.shape)

@@ -18,29 +18,28 @@ import numpy as np
 from ...material.stack import Stack
 from ...optics.diffuse import fujii_roughness
 from ...optics.fresnel import cos_theta_t
-from ...optics.microfacet import alpha_from_roughness
-from ...optics.optical_stack import interfaces
+from ...optics.optical_stack import supports
 from .cycles import MULTI_GGX, Closure, dielectric_closure, principled_specular
 from .energy import mean_fresnel
-from .parts import Peer, diffuse_f, metal_colors, metal_f82, round_trip
+from .parts import Baseline, metal_colors, metal_f82
 
 
-class PrincipledCoat(Peer):
+@supports("model")
+class PrincipledCoat(Baseline):
     """Blender's Principled BSDF with a coat."""
 
     name = "principled_coat"
 
     def __init__(self, stack: Stack, **options: str):
         super().__init__(stack, **options)
-        surfaces = interfaces(stack)
+        surfaces = self.optics.interfaces
         self._coat = dielectric_closure(surfaces[0].alpha, MULTI_GGX, surfaces[0].eta) if surfaces else None
         self._coat_eta = surfaces[0].eta if surfaces else 1.0
-        self._tint = round_trip(stack)
+        self._tint = self.optics.round_trip()
         self._metal = self._specular = None
-        if stack.base.kind == "conductor":
-            fresnel = metal_f82(stack)
-            alpha = float(alpha_from_roughness(stack.base["roughness"]))
-            self._metal = Closure(alpha, MULTI_GGX, fresnel, mean_fresnel(fresnel))
+        if self.optics.base.facets:
+            fresnel = metal_f82(self.optics)
+            self._metal = Closure(self.optics.base.facets.alpha, MULTI_GGX, fresnel, mean_fresnel(fresnel))
         elif len(surfaces) > 1 and surfaces[1].eta != 1.0:
             self._specular = principled_specular(surfaces[1].alpha, surfaces[1].eta)
 
@@ -52,18 +51,18 @@ class PrincipledCoat(Peer):
             values |= {"Coat Roughness": top["roughness"], "Coat IOR": top["ior"], "Coat Tint": tuple(self._tint)}
         base = self.stack.base
         if self._metal:
-            f0, f82_tint = metal_colors(self.stack)
+            f0, f82_tint = metal_colors(self.optics)
             values |= {"Metallic": 1.0, "Base Color": tuple(f0), "Specular Tint": tuple(f82_tint)}
             return values | {"Roughness": base["roughness"]}
-        values["Base Color"] = base["color"]
-        if base.kind == "oren_nayar":
-            values["Diffuse Roughness"] = float(fujii_roughness(base["sigma_deg"]))
+        values["Base Color"] = tuple(self.optics.base.color)
+        if self.optics.base.sigma_deg > 0.0:
+            values["Diffuse Roughness"] = float(fujii_roughness(self.optics.base.sigma_deg))
         if self._specular:
-            return values | {"IOR": interfaces(self.stack)[1].eta, "Roughness": self.stack.layers[1]["roughness"]}
+            return values | {"IOR": self.optics.interfaces[1].eta, "Roughness": self.stack.layers[1]["roughness"]}
         return values | {"Specular IOR Level": 0.0}
 
     def _f(self, wo, wi):
-        base = self._metal.f(wo, wi) if self._metal else diffuse_f(self.stack.base, wo, wi)
+        base = self._metal.f(wo, wi) if self._metal else self.optics.base.f(wi, wo)
         if self._specular:
             base = self._specular.f(wo, wi) + self._specular.left(wo[..., 2]) * base
         return self._carried(wo[..., 2]) * base + (self._coat.f(wo, wi) if self._coat else 0.0)

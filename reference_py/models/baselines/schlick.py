@@ -18,24 +18,25 @@ import numpy as np
 from ...material.stack import Stack
 from ...optics import microfacet
 from ...optics.frame import dot, half_vector
-from ...optics.microfacet import GGX, alpha_from_roughness, is_specular
-from ...optics.optical_stack import interfaces
-from .parts import Peer, dielectric_f0, metal_f0, round_trip, schlick
+from ...optics.microfacet import GGX, is_specular
+from ...optics.optical_stack import supports
+from .parts import Baseline, dielectric_f0, metal_f0, schlick
 
 
-class Schlick(Peer):
+@supports("model")
+class Schlick(Baseline):
     """Schlick 1993: a clear layer over a base."""
 
     name = "schlick"
 
     def __init__(self, stack: Stack, **options: str):
         super().__init__(stack, **options)
-        self._top_alpha = float(alpha_from_roughness(stack.layers[0]["roughness"])) if stack.layers else None
-        self._top_fresnel = schlick(np.array([dielectric_f0(interfaces(stack)[0].eta)])) if stack.layers else None
-        is_metal = stack.base.kind == "conductor"
-        self._base_alpha = float(alpha_from_roughness(stack.base["roughness"])) if is_metal else None
-        color = metal_f0(stack) if is_metal else np.array(stack.base["color"])
-        self._tint = round_trip(stack)
+        self._top_alpha = self.optics.interfaces[0].alpha if stack.layers else None
+        self._top_fresnel = schlick(np.array([dielectric_f0(self.optics.interfaces[0].eta)])) if stack.layers else None
+        is_metal = self.optics.base.facets is not None
+        self._base_alpha = self.optics.base.facets.alpha if is_metal else None
+        color = metal_f0(self.optics) if is_metal else self.optics.base.color
+        self._tint = self.optics.round_trip()
         self._base_fresnel = schlick(color)
 
     def _f(self, wo, wi):

@@ -12,29 +12,30 @@ sum of lobe and diffuse part exceeds 1 over a light base towards grazing views, 
 import numpy as np
 
 from ...material.stack import Stack
-from ...optics.optical_stack import interfaces
-from .parts import Peer, dielectric_f0, diffuse_f, interface_lobe, metal_lobe, round_trip
+from ...optics.optical_stack import supports
+from .parts import Baseline, dielectric_f0, interface_lobe, metal_lobe
 
 
-class TorranceSparrow(Peer):
+@supports("model")
+class TorranceSparrow(Baseline):
     """A plain glossy shader, with a diffuse base if there is one."""
 
     name = "torrance_sparrow"
 
     def __init__(self, stack: Stack, **options: str):
         super().__init__(stack, **options)
-        self._metal = metal_lobe(stack)
-        self._tint = round_trip(stack)
-        self._lobe = self._metal or (interface_lobe(stack, 0) if stack.layers else None)
+        self._metal = metal_lobe(self.optics)
+        self._tint = self.optics.round_trip()
+        self._lobe = self._metal or (interface_lobe(self.optics, 0) if stack.layers else None)
         self._lobe_tint = self._tint if self._metal else np.ones(3)
-        self._diffuse = self._tint * (1.0 - dielectric_f0(interfaces(stack)[0].eta) if stack.layers else 1.0)
+        self._diffuse = self._tint * (1.0 - dielectric_f0(self.optics.interfaces[0].eta) if stack.layers else 1.0)
 
     def _f(self, wo, wi):
         total = np.zeros(wi.shape)
         if self._lobe:
             total = total + self._lobe_tint * self._lobe.f(wo, wi)
         if not self._metal:
-            total = total + self._diffuse * diffuse_f(self.stack.base, wo, wi)
+            total = total + self._diffuse * self.optics.base.f(wi, wo)
         return total
 
     def _widths(self):

@@ -14,6 +14,7 @@ from ...errors import LaminaError
 from ...material.schema import ANISOTROPY, THIN_FILM
 from ...material.stack import Stack
 from ...optics.microsurface import SURFACES
+from ...optics.optical_stack import OpticalStack, supports
 from .surfaces import Surfaces
 from .walk import Walk, connected_f
 
@@ -42,6 +43,7 @@ class Histogram:
         return self.energy / projected[..., None], self.stderr / projected[..., None]
 
 
+@supports("model", bases=None, features=(ANISOTROPY, THIN_FILM))
 class PositionFree:
     """The truth by Monte Carlo walks, each figure with its standard error.
 
@@ -54,7 +56,6 @@ class PositionFree:
     name = "position_free"
     stochastic = True
     options = ("surface", "walks", "seed")
-    features = (ANISOTROPY, THIN_FILM)
 
     def __init__(self, stack: Stack, **options):
         for key in options:
@@ -67,7 +68,7 @@ class PositionFree:
         self.walks = _whole_number("walks", options.get("walks", DEFAULT_WALKS), 2)
         self.seed = _whole_number("seed", options.get("seed", 0), 0)
         self.stack = stack
-        self._surfaces = Surfaces(stack, surface)
+        self._surfaces = Surfaces(OpticalStack.of(stack, self), surface)
 
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """BRDF (..., 3) in 1/sr without cosine; mirror-like components have none and count as 0."""

@@ -15,7 +15,7 @@ cancel in the quotients and leave the ratio of solid angles (`SmoothDielectric.d
 
 import numpy as np
 
-from ...optics.sampling import take
+from ...optics.directions import take
 from .surfaces import Surfaces
 
 

@@ -10,14 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...material.stack import Stack
 from ...optics import microsurface
-from ...optics.diffuse import oren_nayar
-from ...optics.fresnel import fresnel_conductor
-from ...optics.microfacet import is_specular
-from ...optics.optical_stack import AnisotropicRoughness, Interface, brushed, conductor_index, film_of, interfaces, mean_alpha, n_above_base
-from ...optics.sampling import vectors
-from ...optics.thin_film import FilmInterface, film_reflectance
+from ...optics.bases import ConductorBase, DiffuseBase
+from ...optics.directions import vectors
+from ...optics.interface import Interface, Microfacets
+from ...optics.optical_stack import OpticalStack
+from ...optics.thin_film import FilmInterface
 
 # Share of a cosine lobe in the density that weights a `multiple` surface's paths against each other.
 # Any share is unbiased; some is needed where the walk leaves far from the single-scattering lobe.
@@ -78,9 +76,10 @@ class SmoothDielectric:
 class _Rough:
     """Widths of a rough surface. An anisotropic one turns directions into its own frame and back."""
 
-    def _set_widths(self, alpha: float, brushed: AnisotropicRoughness | None) -> None:
-        self.alpha = alpha if brushed is None else (brushed.alpha_x, brushed.alpha_y)
-        self._turn = None if brushed is None else (np.cos(brushed.angle), np.sin(brushed.angle))
+    def _set_widths(self, facets: Microfacets) -> None:
+        widths = facets.anisotropic
+        self.alpha, self.distribution = facets.alpha if widths is None else (widths.alpha_x, widths.alpha_y), facets.distribution
+        self._turn = None if widths is None else (np.cos(widths.angle), np.sin(widths.angle))
 
     def _own(self, w: np.ndarray) -> np.ndarray:
         if self._turn is None:
@@ -98,16 +97,16 @@ class _Rough:
 class RoughDielectric(_Rough):
     is_delta = False
 
-    def __init__(self, eta: float, alpha: float, kind: str, surface: str, brushed: AnisotropicRoughness | None = None, film: FilmInterface | None = None):
-        self.eta, self.kind, self.surface, self.film = eta, kind, surface, film
-        self._set_widths(alpha, brushed)
+    def __init__(self, eta: float, facets: Microfacets, surface: str, film: FilmInterface | None = None):
+        self.eta, self.surface, self.film = eta, surface, film
+        self._set_widths(facets)
 
     def _relative(self, from_below: bool) -> float:
         return 1.0 / self.eta if from_below else self.eta
 
     def scatter(self, w, from_below, rng, target=None) -> Event:
         eta, target = self._relative(from_below), None if target is None else self._own(target)
-        scattered = microsurface.scatter_dielectric(self._own(w), eta, self.alpha, self.kind, rng, self.surface, target, self.film, not from_below)
+        scattered = microsurface.scatter_dielectric(self._own(w), eta, self.alpha, self.distribution, rng, self.surface, target, self.film, not from_below)
         weight = None if self.surface == "multiple" and self.film is None else _columns(scattered.weight)
         toward = None if target is None else _columns(scattered.toward)
         return Event(self._back(scattered.direction), weight, toward)
@@ -115,36 +114,31 @@ class RoughDielectric(_Rough):
     def transmit(self, w, from_below, rng) -> Event:
         """As `scatter`; what is reflected has weight 0."""
         scattered = microsurface.scatter_dielectric(
-            self._own(w), self._relative(from_below), self.alpha, self.kind, rng, self.surface, None, self.film, not from_below
+            self._own(w), self._relative(from_below), self.alpha, self.distribution, rng, self.surface, None, self.film, not from_below
         )
         passed = (scattered.direction[:, 2] < 0.0)[:, None]
         return Event(self._back(scattered.direction), np.where(passed, _columns(scattered.weight), 0.0))
 
     def density(self, w, o, from_below) -> np.ndarray:
         eta = self._relative(from_below)
-        density = microsurface.scattering_density(self._own(w), self._own(o), eta, self.alpha, self.kind, self.film, not from_below)
+        density = microsurface.scattering_density(self._own(w), self._own(o), eta, self.alpha, self.distribution, self.film, not from_below)
         return _with_cosine_lobe(density, o, self.surface)
 
 
 class Diffuse:
-    """Lambert or Oren-Nayar."""
+    """A base that scatters as its own `f` says, sampled by the cosine."""
 
     is_delta = False
 
-    def __init__(self, color: np.ndarray, sigma_deg: float):
-        self.color, self.sigma_deg = np.asarray(color, float), sigma_deg
-
-    def _f(self, w, o) -> np.ndarray:
-        if self.sigma_deg == 0.0:
-            return self.color[None, :] / np.pi
-        return oren_nayar(o, w, self.color, self.sigma_deg)
+    def __init__(self, base: DiffuseBase):
+        self._f = base.f
 
     def scatter(self, w, from_below, rng, target=None) -> Event:
         u = rng.random(len(w))
         radius, phi = np.sqrt(u), 2.0 * np.pi * rng.random(len(w))
         o = vectors(radius * np.cos(phi), radius * np.sin(phi), np.sqrt(1.0 - u))
-        toward = None if target is None else self._f(w, target) * target[:, 2:]
-        return Event(o, np.pi * self._f(w, o), toward)
+        toward = None if target is None else self._f(target, w) * target[:, 2:]
+        return Event(o, np.pi * self._f(o, w), toward)
 
     def density(self, w, o, from_below) -> np.ndarray:
         return o[:, 2] / np.pi
@@ -166,18 +160,17 @@ class SmoothConductor:
 class RoughConductor(_Rough):
     is_delta = False
 
-    def __init__(self, fresnel: Callable[[np.ndarray], np.ndarray], alpha: float, kind: str, surface: str, brushed: AnisotropicRoughness | None = None):
-        self._fresnel = fresnel
-        self.kind, self.surface = kind, surface
-        self._set_widths(alpha, brushed)
+    def __init__(self, fresnel: Callable[[np.ndarray], np.ndarray], facets: Microfacets, surface: str):
+        self._fresnel, self.surface = fresnel, surface
+        self._set_widths(facets)
 
     def scatter(self, w, from_below, rng, target=None) -> Event:
         target = None if target is None else self._own(target)
-        scattered = microsurface.scatter_conductor(self._own(w), self._fresnel, self.alpha, self.kind, rng, self.surface, target)
+        scattered = microsurface.scatter_conductor(self._own(w), self._fresnel, self.alpha, self.distribution, rng, self.surface, target)
         return Event(self._back(scattered.direction), scattered.weight, scattered.toward)
 
     def density(self, w, o, from_below) -> np.ndarray:
-        density = microsurface.scattering_density(self._own(w), self._own(o), None, self.alpha, self.kind)
+        density = microsurface.scattering_density(self._own(w), self._own(o), None, self.alpha, self.distribution)
         return _with_cosine_lobe(density, o, self.surface)
 
 
@@ -199,11 +192,10 @@ class Surfaces:
     n_above[i] is the index above surface i.
     """
 
-    def __init__(self, stack: Stack, surface: str):
-        dielectrics = interfaces(stack)
-        self.all = [_dielectric(layer, surface) for layer in dielectrics] + [_base(stack, surface)]
-        self.tau = [layer.tau if np.any(layer.tau > 0.0) else None for layer in dielectrics]
-        self.n_above = [layer.n_above for layer in dielectrics] + [n_above_base(stack)]
+    def __init__(self, optics: OpticalStack, surface: str):
+        self.all = [_dielectric(layer, surface) for layer in optics.interfaces] + [_base(optics.base, surface)]
+        self.tau = [layer.tau if np.any(layer.tau > 0.0) else None for layer in optics.interfaces]
+        self.n_above = [layer.n_above for layer in optics.interfaces] + [optics.base.n_above]
 
     def __len__(self) -> int:
         return len(self.all)
@@ -211,22 +203,14 @@ class Surfaces:
 
 def _dielectric(layer: Interface, surface: str):
     film = None if layer.film is None else FilmInterface(layer.n_above, layer.n_below, layer.film)
-    if is_specular(layer.alpha) or (layer.eta == 1.0 and film is None):
+    if layer.facets.is_specular or (layer.eta == 1.0 and film is None):
         return SmoothDielectric(layer.eta, film)
-    return RoughDielectric(layer.eta, layer.alpha, layer.distribution, surface, layer.brushed, film)
+    return RoughDielectric(layer.eta, layer.facets, surface, film)
 
 
-def _base(stack: Stack, surface: str):
-    base = stack.base
-    if base.kind != "conductor":
-        return Diffuse(base["color"], base["sigma_deg"] if "sigma_deg" in base else 0.0)
-    n, (eta, k), film = n_above_base(stack), conductor_index(base), film_of(base)
-
-    def fresnel(cos: np.ndarray) -> np.ndarray:
-        if film is not None:
-            return film_reflectance(cos, n, film, eta, k)
-        return np.stack([fresnel_conductor(cos, *index) for index in zip(eta / n, k / n)]).T
-
-    if is_specular(mean_alpha(base)):
-        return SmoothConductor(fresnel)
-    return RoughConductor(fresnel, mean_alpha(base), base["distribution"], surface, brushed(base))
+def _base(base: DiffuseBase | ConductorBase, surface: str):
+    if base.facets is None:
+        return Diffuse(base)
+    if base.is_specular:
+        return SmoothConductor(base.reflectance)
+    return RoughConductor(base.reflectance, base.facets, surface)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...optics.sampling import take
+from ...optics.directions import take
 from .connect import LightPaths
 from .surfaces import Surfaces
 

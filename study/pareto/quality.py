@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Effort:
+class Quality:
     """Rounds of timing; pixels a side and samples of renders; `slab_renders` of one sample per view; whether memory is measured."""
 
     rounds: int = 5

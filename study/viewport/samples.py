@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the viewport's chart compares: every preset in both backends, Blender's own shaders as a yardstick, and the light."""
+"""What the viewport's chart compares: every preset in both backends, Blender's own shaders as a reference, and the light."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -18,7 +18,7 @@ from ..pareto.materials import node_material
 from ..pareto.surfaces import load_surface
 
 _LAMP_WATTS, _LAMP_SIZE, _LAMP_PLACE = 60.0, 1.5, (2.2, 1.6, 2.6)
-# Of the yardsticks: what Blender's own nodes show tells how far EEVEE and Cycles agree at all.
+# The references: what Blender's own nodes show tells how far EEVEE and Cycles agree at all.
 _PLAIN = {
     "Diffuse": ("ShaderNodeBsdfDiffuse", {"Color": (0.5, 0.3, 0.2, 1.0)}),
     "Glossy": ("ShaderNodeBsdfAnisotropic", {"Color": (0.9, 0.7, 0.4, 1.0), "Roughness": 0.4}),
@@ -28,8 +28,8 @@ _PLAIN = {
 }  # fmt: skip
 
 
-class Subject(NamedTuple):
-    """One material as stock nodes and as an OSL shader; of a yardstick both are the same, and `closures` is None."""
+class Sample(NamedTuple):
+    """One material as stock nodes and as an OSL shader; of a reference both are the same, and `closures` is None."""
 
     label: str
     nodes: bpy.types.Material
@@ -37,13 +37,13 @@ class Subject(NamedTuple):
     closures: int | None
 
 
-def subjects(names: Sequence[str], report: Callable[[str], None]) -> list[Subject]:
-    """The yardsticks, and presets or stacks of the suite, baked as the tier auto chooses."""
-    made = [Subject(label, material, material, None) for label, material in ((n, _plain(*row)) for n, row in _PLAIN.items())]
+def samples(names: Sequence[str], report: Callable[[str], None]) -> list[Sample]:
+    """The references, and presets or stacks of the suite, baked as the tier auto chooses."""
+    made = [Sample(label, material, material, None) for label, material in ((n, _plain(*row)) for n, row in _PLAIN.items())]
     for name in names:
         report(f"bake {name}")
         nodes, osl = (_lamina(load_surface(name), backend) for backend in (NODES, OSL))
-        made.append(Subject(presets.label(name) if name in presets.names() else name, nodes, osl, nodes.lamina.lobe_count))
+        made.append(Sample(presets.label(name) if name in presets.names() else name, nodes, osl, nodes.lamina.lobe_count))
     return made
 
 

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`lamina chart levers`: what each thing that a shader can do costs in Cycles, over a plain Glossy node in the same run."""
+"""`lamina chart cost_factors`: what each thing that a shader can do costs in Cycles, over a plain Glossy node in the same run."""
 
 from pathlib import Path
 
 from ...addon.session import blender
 from ...reference_py.atomic import require_writable
-from .output import Report, print_table, pyplot, save_picture, write_table
+from ..tables import Report, write_table
+from .output import print_table, pyplot, save_picture
 
-COLUMNS = ("scene", "lever", "cost", "cost_low", "cost_high")
+COLUMNS = ("scene", "factor", "cost", "cost_low", "cost_high")
 ROUNDS = 7
 _DIFFUSE = "0.3 * diffuse(N)"
 _WEIGHTS = 64
@@ -82,19 +83,18 @@ CORNER: dict[str, tuple[str, str]] = {
 
 
 def chart(folder: Path, report: Report) -> None:
-    """Write levers.csv and .png and print the table. Raises LaminaError without Blender."""
-    table = folder / "levers.csv"
+    """Write cost_factors.csv and .png and print the table. Raises LaminaError without Blender."""
+    table = folder / "cost_factors.csv"
     require_writable(table)
     with blender(lambda text: None):
-        rows, version = _measure(report)
-    write_table(table, ("lamina chart levers", f"Blender {version}", f"{ROUNDS} rounds"), COLUMNS, rows, report)
+        rows = _measure(report)
+    write_table(table, ("lamina chart cost_factors", f"{ROUNDS} rounds"), COLUMNS, rows, report)
     print_table(COLUMNS, rows)
     if plot := pyplot(report):
-        save_picture(_draw(plot, rows), folder / "levers.png", report)
+        save_picture(_draw(plot, rows), folder / "cost_factors.png", report)
 
 
-def _measure(report: Report) -> tuple[list[tuple[str, ...]], str]:
-    import bpy
+def _measure(report: Report) -> list[tuple[str, ...]]:
     import numpy as np
 
     from ..pareto.bench import ball, corner, sun_stage, with_material
@@ -103,18 +103,18 @@ def _measure(report: Report) -> tuple[list[tuple[str, ...]], str]:
     from ..pareto.timing import filling_costs
 
     rows = []
-    for scene, levers, meshes, width in (("frame-filling ball", FILLING, [ball()], 1.4), ("ball in a corner", CORNER, corner(), 2.0)):
+    for scene, factors, meshes, width in (("frame-filling ball", FILLING, [ball()], 1.4), ("ball in a corner", CORNER, corner(), 2.0)):
         materials = {GLOSSY: glossy_material(np.full(3, 0.8), 0.3)}
-        for i, (name, (before, closure)) in enumerate(levers.items()):
-            shader = f"lever_{len(meshes)}_{i}"
+        for i, (name, (before, closure)) in enumerate(factors.items()):
+            shader = f"factor_{len(meshes)}_{i}"
             text = f"shader {shader}(output closure color BSDF = 0) {{ vector U = normalize(cross(N, vector(0.3, 0.5, 0.8))); {before} BSDF = {closure}; }}"
             materials[name] = script_material(shader, text)
-        subjects = {name: [with_material(mesh, material) for mesh in meshes] for name, material in materials.items()}
+        samples = {name: [with_material(mesh, material) for mesh in meshes] for name, material in materials.items()}
         with sun_stage(128) as stage:
             stage.scene.camera.data.ortho_scale = width
-            costs = filling_costs(stage, subjects, ROUNDS, 16, lambda text: report(f"{scene}: {text}"))
-        rows += [(scene, name, *(f"{v:.3f}" for v in (costs[name].ratio, costs[name].low, costs[name].high))) for name in levers]
-    return rows, bpy.app.version_string
+            costs = filling_costs(stage, samples, ROUNDS, 16, lambda text: report(f"{scene}: {text}"))
+        rows += [(scene, name, *(f"{v:.3f}" for v in (costs[name].ratio, costs[name].low, costs[name].high))) for name in factors]
+    return rows
 
 
 def _draw(plot, rows):

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Method `baked`: the truth of a stack, fitted by few closures. Stacks of equal content share one bake.
+
+Live values are followed by tables over them too (`axes_of`); where that cannot be, the lobes are those of `analytic`.
+"""
+
+from dataclasses import replace
+
+from ...material.place import in_words
+from ...material.stack import Stack
+from ...optics.bases import DiffuseBase
+from ...optics.optical_stack import OpticalStack
+from ..analytic import AnalyticLobes
+from ..baked import DEFAULT_GLOSSY, axes_of, baked, pack_lobes, unpack_lobes
+from ..cache import content
+from ..live_grid import LiveLobes
+from ..made import Made, Options
+from .method import Computed, Method
+
+NAME = "baked"
+
+
+def is_bare_oren_nayar(stack: Stack) -> bool:
+    """Whether Cycles has the stack itself as closures, which tables do not know."""
+    base = OpticalStack.of(stack).base
+    return not stack.layers and isinstance(base, DiffuseBase) and base.sigma_deg > 0.0
+
+
+def _glossy(options: Options) -> int:
+    return options.glossy or DEFAULT_GLOSSY
+
+
+def _make(stack: Stack, options: Options) -> Made:
+    if is_bare_oren_nayar(stack):
+        return Made(NAME, stack, AnalyticLobes(stack), "the base's own closures, which are exact")
+    if options.live and axes_of(stack, options.live) is None:
+        return Made(NAME, stack, AnalyticLobes(stack), f"analytic, as a bake cannot follow {in_words(options.live)}")
+    lobe_set = COMPUTED.result(stack, options)
+    if isinstance(lobe_set, LiveLobes):
+        lobe_set = replace(lobe_set, stack=stack)
+    return Made(NAME, stack, lobe_set, f"baked, {_glossy(options)} glossy" + (f", over {in_words(options.live)}" if options.live else ""))
+
+
+COMPUTED = Computed(
+    compute=lambda stack, options: baked(stack, axes_of(stack, options.live), _glossy(options), options.progress),
+    key=lambda stack, options: f"baked {content(stack, options.live)} {_glossy(options)}",
+    pack=pack_lobes,
+    unpack=unpack_lobes,
+    is_instant=lambda stack, options: is_bare_oren_nayar(stack) or (bool(options.live) and axes_of(stack, options.live) is None),
+    most_glossy=DEFAULT_GLOSSY,
+)
+
+METHOD = Method(
+    NAME,
+    "The truth, computed once when values rest and fitted by few lobes: closest and cheapest",
+    _make,
+    lambda stack, live: not live or axes_of(stack, live) is not None,
+    COMPUTED,
+)

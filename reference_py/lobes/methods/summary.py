@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is said of a lobe set that was made: what it holds, by which methods, at which error and cost."""
+
+from ...material.schema import THIN_FILM
+from ..live_grid import LiveLobes
+from ..made import Made
+from ..patch_lobes import PatchLobes
+from ..view_table import TableLobes
+from .auto import cost
+
+
+def parts_of(made: Made) -> list[Made]:
+    """What was made of each patch; the whole itself where there is one."""
+    return [part for _, part in made.lobe_set.parts] if isinstance(made.lobe_set, PatchLobes) else [made]
+
+
+def has_tables(made: Made) -> bool:
+    """Whether the shader holds a stack's values."""
+    return any(isinstance(part.lobe_set, TableLobes | LiveLobes) for part in parts_of(made))
+
+
+def live_methods(made: Made) -> set[str]:
+    """The methods of its lobes that are no tables."""
+    return {part.lobe_set.name for part in parts_of(made) if not isinstance(part.lobe_set, TableLobes | LiveLobes)}
+
+
+def estimated_error(made: Made) -> float | None:
+    """The worst estimated visible error of what the method auto chose, as a share of the light; None where nothing was estimated."""
+    parts = parts_of(made)
+    films = any(element.has(THIN_FILM) for element in (*made.stack.layers, made.stack.base))
+    if films or any(part.choice is None for part in parts):
+        return None
+    return max(part.choice.chosen.visible for part in parts)
+
+
+def estimated_cost(made: Made) -> float:
+    """What it costs, in units of a plain glossy node's, see `auto.cost`; that of the dearest of its patches."""
+    return max(part.choice.chosen.cost if part.choice else cost(part.lobe_set) for part in parts_of(made))

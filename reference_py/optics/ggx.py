@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""GGX, the distribution of Trowbridge and Reitz (Walter07)."""
+
+from math import pi
+
+import numpy as np
+
+from .directions import components, vectors
+from .distribution import Distribution, axes
+
+
+class Ggx(Distribution):
+    """Facets with long tails; the rms of their slopes is infinite."""
+
+    name = "ggx"
+    mean_slope_per_alpha = 0.5 * pi
+
+    def density(self, cos_theta_m, alpha):
+        cos2, alpha2 = np.minimum(np.square(cos_theta_m), 1.0), np.square(alpha)
+        return np.where(cos_theta_m > 0.0, alpha2 / (pi * np.square((1.0 - cos2) + alpha2 * cos2)), 0.0)
+
+    def slope_density(self, slope2):
+        return 1.0 / np.square(1.0 + slope2)
+
+    def slope2_quantile(self, u):
+        return u / (1.0 - u)
+
+    def smith_lambda(self, a2_tan2):
+        return 0.5 * (np.sqrt(1.0 + a2_tan2) - 1.0)
+
+    def projected_area(self, w, alpha):
+        x, y, z = components(w)
+        alpha_x, alpha_y = axes(alpha)
+        return 0.5 * (z + np.sqrt(z * z + (np.square(alpha_x * x) + np.square(alpha_y * y))))
+
+    def sample_visible_normals(self, w, alpha, rng):
+        return ggx_visible_normals(w, alpha, rng.random(len(w)), rng.random(len(w)))
+
+
+def ggx_visible_normals(w: np.ndarray, alpha, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
+    """GGX normals seen from w for uniform u1, u2 (n,).
+
+    GGX is a stretched hemisphere (Heitz18). Seen from w, its normals mirror w into directions that fill a
+    spherical cap evenly (Dupuy23), whatever the sign of w_z.
+    """
+    x, y, z = components(w)
+    alpha_x, alpha_y = axes(alpha)
+    ax, ay = alpha_x * x, alpha_y * y
+    scale = 1.0 / np.sqrt(ax * ax + ay * ay + z * z)
+    ax *= scale
+    ay *= scale
+    az = z * scale
+    height = (1.0 - u1) * (1.0 + az)  # z of the half vector, free of cancellation
+    cap_z = height - az
+    sin = np.sqrt(np.maximum(1.0 - cap_z * cap_z, 0.0))
+    phi = (2.0 * pi) * u2
+    hx = alpha_x * (sin * np.cos(phi) + ax)
+    hy = alpha_y * (sin * np.sin(phi) + ay)
+    scale = 1.0 / np.sqrt(hx * hx + hy * hy + height * height)
+    return vectors(hx * scale, hy * scale, height * scale)

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surfaces between media: facets, the interface of a layer, and how a stack's values become them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..material.schema import ANISOTROPY, THIN_FILM
+from ..material.stack import Element
+from .fresnel import fresnel_dielectric
+from .microfacet import alpha_from_roughness, is_specular
+from .thin_film import THINNEST_NM, Film, film_reflectance
+
+# A tint of 0 means black after any thickness; the floor keeps tau finite in float32 too.
+TINT_FLOOR = 1e-30
+
+
+@dataclass(frozen=True)
+class AnisotropicRoughness:
+    """Widths of an anisotropic surface, along and across a direction that is `angle` in radians from the tangent."""
+
+    alpha_x: float
+    alpha_y: float
+    angle: float
+
+    @property
+    def alpha(self) -> float:
+        """That of the isotropic surface that stands for it, of as much variance of slopes."""
+        return float(np.sqrt(0.5 * (self.alpha_x**2 + self.alpha_y**2)))
+
+
+@dataclass(frozen=True)
+class Microfacets:
+    """The facets of a surface; `alpha` is the root of both's mean square where it is anisotropic."""
+
+    distribution: str
+    alpha: float
+    anisotropic: AnisotropicRoughness | None = None
+
+    @classmethod
+    def of(cls, element: Element) -> "Microfacets":
+        """Those of a layer or base, in Blender's convention of anisotropy. Cycles takes no alpha above 1."""
+        alpha = float(alpha_from_roughness(element["roughness"]))
+        if not element.has(ANISOTROPY):
+            return cls(element["distribution"], alpha)
+        aspect = float(np.sqrt(1.0 - 0.9 * element["anisotropy"]))
+        widths = AnisotropicRoughness(min(alpha / aspect, 1.0), alpha * aspect, 2.0 * np.pi * element["rotation"])
+        return cls(element["distribution"], widths.alpha, widths)
+
+    @property
+    def is_specular(self) -> bool:
+        """Whether the surface is smooth, so that it has no finite f."""
+        return is_specular(self.alpha)
+
+
+@dataclass(frozen=True)
+class Interface:
+    """One dielectric interface and the medium below it."""
+
+    n_above: float
+    n_below: float
+    facets: Microfacets
+    tau: np.ndarray
+    """Optical depth (channels,) of one perpendicular crossing of the medium below."""
+    film: Film | None = None
+
+    @classmethod
+    def of(cls, layer: Element, n_above: float) -> "Interface":
+        """That of a layer below a medium of absolute index `n_above`."""
+        tau = optical_depth(layer["tint"], layer["thickness"])
+        return cls(n_above, layer["ior"], Microfacets.of(layer), tau, film_of(layer))
+
+    @property
+    def alpha(self) -> float:
+        return self.facets.alpha
+
+    @property
+    def distribution(self) -> str:
+        return self.facets.distribution
+
+    @property
+    def eta(self) -> float:
+        """n_below / n_above."""
+        return self.n_below / self.n_above
+
+    def reflectance(self, cos_theta_i: np.ndarray) -> np.ndarray:
+        """Fresnel reflectance for light from above, (..., 1), or (..., 3) with a film."""
+        if self.film is None:
+            return fresnel_dielectric(cos_theta_i, self.eta)[..., None]
+        return film_reflectance(cos_theta_i, self.n_above, self.film, self.n_below)
+
+
+def film_of(element: Element) -> Film | None:
+    """The thin film on an element's surface; None if it has none that Cycles would see."""
+    if not element.has(THIN_FILM) or element["film_thickness"] <= THINNEST_NM:
+        return None
+    return Film(element["film_thickness"], element["film_ior"])
+
+
+def optical_depth(tint, thickness: float) -> np.ndarray:
+    """tau (3,) of one perpendicular crossing: tint ** thickness is what it leaves (Weidlich07, eq. 5)."""
+    return -np.log(np.maximum(np.asarray(tint, float), TINT_FLOOR)) * thickness
