@@ -1,4 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "analytic_cosine.h"
+#include "analytic_tables.h"
+// Filled in from reference_py (addon/shader/osl/parts.py).
+#define BACK_SPREAD 1.0
+#define LEAN_BECKMANN_0 1.0
+#define LEAN_BECKMANN_1 1.0
+#define LEAN_BECKMANN_2 1.0
+#define LEAN_GGX_0 1.0
+#define LEAN_GGX_1 1.0
+#define LEAN_GGX_2 1.0
+#define LOBE_SPREAD 1.0
+#define MOST_SHARE 1.0
+#define SPREAD_GRAZING 1.0
+#define SPREAD_HALF 1.0
+#define SPREAD_INCIDENCE 1.0
+#define SPREAD_LIMIT 1.0
+#define TAU_SHARE 1.0
+#define TAU_SPREAD 1.0
+#define TRAPPED_COS 1.0
+#define TRAPPED_SPREAD 1.0
+
 // A beam through the layers: adding of scalars. It has a transverse momentum p = n sin(theta), which smooth interfaces
 // keep, and a variance of p, to which every rough crossing adds. See reference_py/lobes/analytic/beam.py.
 // Everything is in straight lines: what does not depend on the view costs nothing where the parameters are constant.
@@ -46,8 +68,8 @@ float widened_reflectance(float table[], int kind, float cos_theta, float varian
     float spread = SPREAD_INCIDENCE * variance / (n_own * n_own * cos_theta * cos_theta);
     float wide = spread / (spread + SPREAD_HALF);
     float alpha_wide = min(sqrt(alpha * alpha + spread / (1.0 + spread / SPREAD_LIMIT)), 1.0);
-    float narrow = rough_reflectance(table, kind, cos_theta, alpha_wide, eta);
-    return narrow + (diffuse_reflectance(table, kind, alpha, eta) - narrow) * wide * wide;
+    float directed = rough_reflectance(table, kind, cos_theta, alpha_wide, eta);
+    return directed + (diffuse_reflectance(table, kind, alpha, eta) - directed) * wide * wide;
 }
 
 // Share that one crossing of a medium leaves of a beam: the mean of its two sides.

@@ -1,4 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "analytic_below.h"
+#include "analytic_metal.h"
+// Filled in from reference_py (addon/shader/osl/parts.py).
+#define KEPT_ORDER 1.0
+#define KEPT_SCALE 1.0
+#define STIR_BACK 1.0
+#define STIR_POWER 1.0
+#define STIR_SCALE 1.0
+
 // One direction of a metal's lobe on its way out through the layers; `cell` is the range of slopes that it stands for.
 void carry_node(output Lobe m, Below below, color share, float radius, float cell)
 {

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// Filled in from reference_py (addon/shader/osl/parts.py).
+#define LEAST_COS2 1.0
+
 // Cosine of a beam in a medium of index n; a floor keeps trapped ones finite.
 float cosine(float p, float n)
 {

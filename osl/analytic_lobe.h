@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// Filled in from reference_py (addon/shader/osl/parts.py).
+#define LOBE_BEND 1.0
+
 // Alpha outside of a lobe whose p has this variance: a slope m changes p by 2 cos_o m + LOBE_BEND sin_o m^2.
 float lobe_alpha(float variance, float cos_o)
 {

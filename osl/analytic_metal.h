@@ -1,4 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "analytic_cosine.h"
+#include "fresnel_conductor.h"
+// Filled in from reference_py (addon/shader/osl/parts.py).
+#define BASE_LOSS 1.0
+#define EXIT_SPREAD 1.0
+#define LEAST_COS 1.0
+#define MOST_LOBE_SHARE 1.0
+#define NODE_SPREAD 1.0
+#define MEAN_WEIGHT_0 1.0
+#define MEAN_WEIGHT_1 1.0
+#define MEAN_WEIGHT_2 1.0
+#define MEAN_WEIGHT_3 1.0
+#define MEAN_COSINE_0 1.0
+#define MEAN_COSINE_1 1.0
+#define MEAN_COSINE_2 1.0
+#define MEAN_COSINE_3 1.0
+
 // A metal base: its lobe at a few directions from its visible facets, each carried out through the layers.
 // See reference_py/lobes/analytic/base.py.
 struct Lobe {
@@ -85,7 +103,8 @@ void start_lobe(output Lobe m, float p, float variance, float n, float alpha)
 color later_facets(Lobe m, float energy, float alpha, color eta, color k, output float keep)
 {
     keep = energy / m.seen;
-    color mean_fresnel = @MEAN@;
+    color mean_fresnel = MEAN_WEIGHT_0 * fresnel_conductor(MEAN_COSINE_0, eta, k) + MEAN_WEIGHT_1 * fresnel_conductor(MEAN_COSINE_1, eta, k)
+        + MEAN_WEIGHT_2 * fresnel_conductor(MEAN_COSINE_2, eta, k) + MEAN_WEIGHT_3 * fresnel_conductor(MEAN_COSINE_3, eta, k);
     float lost = BASE_LOSS * alpha * alpha / (1.0 + (1.0 + BASE_LOSS) * alpha * alpha);
     return m.again * (1.0 - energy) / max(m.hidden, 1e-9) * mean_fresnel * (1.0 - lost) / (1.0 - mean_fresnel * lost);
 }

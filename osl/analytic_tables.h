@@ -1,4 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "fresnel_dielectric.h"
+// Filled in from reference_py (addon/shader/osl/parts.py).
+#define UNIT 1.0
+#define MOST_RHO 1.0
+#define RHO_CELLS 1
+#define ALPHA_CELLS 1
+#define T_KNOTS 2
+#define V_KNOTS 2
+#define CLOSURE_CELLS 1
+#define THIN 0
+#define DENSE 0
+#define DIFFUSE 0
+#define GAIN 0
+#define CLOSURE 0
+
 // Energies of rough interfaces and closures from tables, in units of UNIT. The array holds for each distribution ("kind") in
 // use the blocks below. No branches on what varies: OSL folds constants within straight lines only.
 float trilinear(float table[], int start, float eta, float alpha, float place, int count)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
 // Complex index from reflectance r at normal incidence and edge tint g (Gulbrandsen 2014, eqs. 3 and 4).
 void artist_index(color r, color g, output color eta, output color k)
 {

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// Filled in from reference_py (addon/shader/osl/parts.py).
+#define MIN_COS_O 1.0
+
 // The normal about which Cycles puts a glossy closure of normal n. Where the view would be mirrored below the surface, Cycles
 // bends n towards the geometric normal until its mirror image has a least height (kernel/closure/bsdf_util.h), but on strands.
 // The normal m = n + k ng, of any length, mirrors the view to the height 2 (m.wo) (m.ng) / (m.m) - z: a quadratic equation
@@ -18,4 +22,10 @@ normal bent(normal n, vector wo, normal ng)
             result = normalize(n + (root - half) / (z - least) * ng);
     }
     return result;
+}
+
+// Cosine of that normal and the view; Cycles' I points from the surface to the viewer.
+float view_cosine(normal bent_normal, vector wo)
+{
+    return clamp(dot(bent_normal, wo), MIN_COS_O, 1.0);
 }

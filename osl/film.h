@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "fresnel_dielectric.h"
+// Filled in from reference_py (addon/shader/osl/parts.py).
+#define FILM_STEPS 2
+#define FILM_LAST_PHASE 1.0
+#define FILM_TERMS 1
+#define FILM_THINNEST 1.0
+
 // Reflectance of an interface that carries a thin film, per channel, as Cycles computes it: Airy's sum as a series in the
 // path difference (Belcour and Barla 2017, eq. 10). `sensitivity` holds, for red, green and blue, the real and then the
 // imaginary parts of the transform of the color matching function.
 float film_sensitivity(float sensitivity[], int part, float path)
 {
-    float place = clamp(M_2PI * path / @LAST_PHASE@, 0.0, 1.0) * @LAST_STEP@;
-    int cell = min((int)place, @LAST_STEP@ - 1);
-    return mix(sensitivity[part * @STEPS@ + cell], sensitivity[part * @STEPS@ + cell + 1], place - cell);
+    float place = clamp(M_2PI * path / FILM_LAST_PHASE, 0.0, 1.0) * (FILM_STEPS - 1);
+    int cell = min((int)place, FILM_STEPS - 2);
+    return mix(sensitivity[part * FILM_STEPS + cell], sensitivity[part * FILM_STEPS + cell + 1], place - cell);
 }
 
 // One polarisation: r12 is real, r23 has the square `energy` and the direction (re, im), which need not be normalised.
@@ -23,7 +31,7 @@ float film_airy(float sensitivity[], int channel, float r12, float energy, float
     float at_im = turn_im;
     float total = r2 + once;
     float term = once - left;
-    for (int order = 1; order <= @TERMS@; ++order) {
+    for (int order = 1; order <= FILM_TERMS; ++order) {
         term *= sqrt(r2 * energy);
         total += 2.0 * term * (at_re * film_sensitivity(sensitivity, channel, order * path)
                                + at_im * film_sensitivity(sensitivity, channel + 3, order * path));
@@ -82,7 +90,7 @@ color film_reflectance(float sensitivity[], float film_nm, float film_ior, float
 // Of a dielectric interface that may carry a film.
 color interface_reflectance(float sensitivity[], float film_nm, float film_ior, float cos_theta_i, float n_above, float n_below)
 {
-    if (film_nm <= @THINNEST@)
+    if (film_nm <= FILM_THINNEST)
         return color(fresnel_dielectric(cos_theta_i, n_below / n_above));
     return film_reflectance(sensitivity, film_nm, film_ior, clamp(cos_theta_i, 0.0, 1.0), n_above, color(n_below), color(0.0));
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
 // Unpolarised Fresnel reflectance of a conductor of relative complex index eta + i k (Born and Wolf 1999, section 14.4).
 float fresnel_conductor_channel(float cos_theta_i, float eta, float k)
 {

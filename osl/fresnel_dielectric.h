@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
 // Unpolarised Fresnel reflectance of a dielectric interface, eta = n_t / n_i in travel direction
 // (Born and Wolf 1999, section 1.5). 1 beyond the critical angle, where g is 0; an interface between equal media vanishes.
 float fresnel_dielectric(float cos_theta_i, float eta)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
 // Tables over the view at knots of live parameters. The knot below a value, and the way to the next: less than 0 below
 // the first, at most 1.
 void knot_place(float knots[], int count, float value, output int cell, output float along)

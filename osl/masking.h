@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
 // Smith's height-correlated masking and shadowing, as Cycles evaluates it (Walter 2007, Heitz 2014).
 float smith_lambda(float cos_theta, float alpha, int beckmann)
 {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
 // Directional albedo of the energy-preserving Oren-Nayar model (Fujii 2012, OpenPBR 1.0); sigma is its roughness.
 color oren_nayar_albedo(float cos_theta, color c, float sigma)
 {

@@ -52,7 +52,7 @@ def test_baked_text_is_small_and_takes_no_parameters(name):
     shader = generate(make_lobe_set(presets.load(name), "baked"))
     assert "@" not in shader.text and not shader.inputs
     assert len(shader.text) < 20_000
-    assert "fresnel" not in shader.text and "carried" not in shader.text
+    assert "fresnel" not in shader.text and "throughput" not in shader.text
 
 
 def test_sums_nest_to_the_right():

@@ -32,7 +32,7 @@ _DISTRIBUTIONS = {"ggx": "GGX", "beckmann": "BECKMANN"}
 # least anisotropy that a Glossy node does not ignore, 1e-3, is the smaller one.
 NARROW_ALPHA = 0.017
 _LEAST_ANISOTROPY = 1.01e-4
-# Of the Metallic node, to which any anisotropy will do, and the alpha below which it is given (osl/narrow.h).
+# Of the Metallic node, to which any anisotropy will do, and the alpha below which it is given (osl/break_isotropy.h).
 _SLIGHT_ANISOTROPY, _NARROW_DIELECTRIC_ALPHA = 2e-6, 0.06
 # A table that is anisotropic the other way by no more than this counts as isotropic.
 _NEARLY_ISOTROPIC = 1e-3

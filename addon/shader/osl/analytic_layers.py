@@ -5,44 +5,91 @@ OSL folds what is constant within straight lines, so all that does not depend on
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
-from ....reference_py.lobes.analytic import base
+from ....reference_py.lobes.analytic import base, tables
+from ....reference_py.material.schema import ANISOTROPY
 from ....reference_py.material.stack import Stack
-from .analytic_tables import Tables
-from .parts import beckmann, fill, numbers
-from .surface import Surface
+from .block import numbers
+from .parts import TABLE_BLOCKS, table_starts
+from .surface import Surface, beckmann
 
 # Above this many layers there are loops over layers and beams: they do not fold, but eight layers unrolled are 10 MB of
 # bytecode that takes seconds to compile, and thirty take minutes.
 MOST_UNROLLED = 3
 
 
-def layers_text(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface], told: Tables) -> str:
-    """Values of the layers, and beams of uniform light from below: what does not depend on the view."""
+@dataclass(frozen=True)
+class Tables:
+    """Tables of energies of the `distributions` of a stack as one array parameter, each once: it stays at its default, takes no time
+    and makes no socket."""
+
+    distributions: tuple[str, ...]
+    anisotropic: bool
+
+    @classmethod
+    def of(cls, stack: Stack) -> "Tables":
+        elements = (*stack.layers, stack.base)
+        distributions = sorted({e["distribution"] for e in elements if "distribution" in e})
+        return cls(tuple(distributions), any(e.has(ANISOTROPY) for e in elements))
+
+    @property
+    def name(self) -> str:
+        """The parameter's: patches of a surface may need tables of different distributions."""
+        return "Table" + "".join(name.title() for name in self.distributions) + ("Anisotropic" if self.anisotropic else "")
+
+    def start(self, distribution: str) -> int:
+        """Where the tables of a distribution start."""
+        return self.distributions.index(distribution) * table_starts()[-1 if self.anisotropic else -2]
+
+    def arguments(self, distribution: str) -> str:
+        """What functions are given for a distribution: `table` and `kind`."""
+        return f"{self.name}, {self.start(distribution)}"
+
+    @property
+    def arrays(self) -> tuple[str, ...]:
+        """The declaration of the parameter, if there is one."""
+        return (_declaration(self),) if self.distributions else ()
+
+
+@cache
+def _declaration(of: Tables) -> str:
+    blocks = list(TABLE_BLOCKS)[: None if of.anisotropic else -1]
+    values = np.concatenate([tables.tables()[distribution][block].ravel() for distribution in of.distributions for block in blocks])
+    entries = np.rint(values / tables.UNIT).astype(int).tolist()
+    return f"float {of.name}[{values.size}] = {{{','.join(map(str, entries))}}}"
+
+
+def layers_lines(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface], energies: Tables) -> list[str]:
+    """Values of the layers from vacuum down, and beams of uniform light from below: what does not depend on the view."""
     count = len(stack.layers)
-    values = ["float n_0 = 1.0;"]
+    lines = ["float n_0 = 1.0;"]
     for j, (owner, surface) in enumerate(zip(owners, surfaces)):
-        values += [
+        lines += [
             f"float n_{j + 1} = {owner}Ior;", f"float alpha_{j} = {surface.alpha};",
             f"color tau_{j} = optical_depth({owner}Tint, {owner}Thickness);", f"int real_{j} = n_{j} != n_{j + 1};",
         ]  # fmt: skip
-    return fill(
-        "analytic_layers.osl",
-        VALUES=lines_of(values),
-        BEFORE=lines_of(_before(stack, told, "down") + _before(stack, told, "up") + _in_order(stack, told, "down") + _in_order(stack, told, "up")),
-        ESCAPING="" if stack.base.kind == "conductor" else _escaping(stack, told) + "\n",
-        LEAST=_nested("min", [f"n_{j}" for j in range(count)]),
-        N_BASE=f"n_{count}",
-        BELOW=_below(stack, told),
-    )
+    for way in ("down", "up"):
+        lines += _before(stack, energies, way)
+    for way in ("down", "up"):
+        lines += _in_order(stack, energies, way)
+    lines.append("Beam beam;")
+    if stack.base.kind != "conductor":
+        lines += _escaping(stack, energies)
+    lines += [
+        f"float least = min(1.0, {_nested('min', [f'n_{j}' for j in range(count)])});",
+        f"float critical2 = max(1.0 - (least / n_{count}) * (least / n_{count}), 0.0);",
+    ]
+    return lines + _below(stack, energies)
 
 
-def view_text(stack: Stack, told: Tables, view: str, top_alpha: str) -> str:
-    """The beam of the view of cosine `view`, which meets a top of alpha `top_alpha`."""
+def view_lines(stack: Stack, energies: Tables, view: str, top_alpha: str) -> list[str]:
+    """The beam of the view of cosine `view`, which meets a top of alpha `top_alpha`, down to the base."""
     beam = beam_of(view)
-    return fill("analytic_view.osl", BEAM=beam, VIEW=view, CROSSINGS=lines_of(_crossings(stack, told, beam, "down", top_alpha)))
+    return [f"Beam {beam};", f"start_beam({beam}, sqrt(1.0 - {view} * {view}), 0.0);", *_crossings(stack, energies, beam, "down", top_alpha)]
 
 
 def beam_of(view: str) -> str:
@@ -53,10 +100,6 @@ def beam_of(view: str) -> str:
 def roughest(count: int) -> str:
     """The alpha of the roughest interface that is there."""
     return _nested("max", [f"real_{j} * alpha_{j}" for j in range(count)])
-
-
-def lines_of(lines, indent="    ") -> str:
-    return "\n".join(indent + line for line in lines)
 
 
 def _nested(function: str, terms: list[str]) -> str:
@@ -73,7 +116,7 @@ def _order(stack: Stack, way: str) -> list[int]:
     return down if way == "down" else down[::-1]
 
 
-def _before(stack: Stack, told: Tables, way: str) -> list[str]:
+def _before(stack: Stack, energies: Tables, way: str) -> list[str]:
     """What a beam met last before each interface: whether anything, its tables, its alpha, its eta from behind.
 
     Arithmetic, as branches do not fold.
@@ -83,7 +126,7 @@ def _before(stack: Stack, told: Tables, way: str) -> list[str]:
         if last is None:
             lines += [f"int met_{way}_{j} = 0;", f"int kind_{way}_{j} = 0;", f"float alpha_{way}_{j} = 0.0;", f"float n_{way}_{j} = 1.0;"]
         else:
-            kind, medium = told.start(stack.layers[last]["distribution"]), last if way == "down" else last + 1
+            kind, medium = energies.start(stack.layers[last]["distribution"]), last if way == "down" else last + 1
             lines += [
                 f"int met_{way}_{j} = max(real_{last}, met_{way}_{last});",
                 f"int kind_{way}_{j} = real_{last} * {kind} + (1 - real_{last}) * kind_{way}_{last};",
@@ -94,19 +137,19 @@ def _before(stack: Stack, told: Tables, way: str) -> list[str]:
     return lines
 
 
-def _crossings(stack: Stack, told: Tables, beam: str, way: str, top_alpha: str = "alpha_0") -> list[str]:
+def _crossings(stack: Stack, energies: Tables, beam: str, way: str, top_alpha: str = "alpha_0") -> list[str]:
     if _has_loops(stack):
         names = {name: f"{way}_{name}[j]" for name in ("kind", "beckmann", "alpha", "own", "other", "tau")}
         if top_alpha != "alpha_0":
             names["alpha"] = f"(j == 0 ? {top_alpha} : {names['alpha']})"
-        here = f"{beam}, {told.name}, " + ", ".join(names.values())
+        here = f"{beam}, {energies.name}, " + ", ".join(names.values())
         back = ", ".join(f"{way}_{name}[j]" for name in ("met", "last_kind", "last_alpha")) + f", {way}_last_n[j] / {way}_own[j]"
         return [f"for (int j = 0; j < {len(stack.layers)}; ++j) {{", f"    cross_next({here}, j == 0, {back});", "}"]
     lines = []
     for place, (j, own, other, tau) in enumerate(_passages(stack, way)):
         layer = stack.layers[j]
         alpha = f"alpha_{j}" if j else top_alpha
-        here = f"{beam}, {told.arguments(layer['distribution'])}, {beckmann(layer)}, {alpha}, n_{own}, n_{other}, {tau}"
+        here = f"{beam}, {energies.arguments(layer['distribution'])}, {beckmann(layer)}, {alpha}, n_{own}, n_{other}, {tau}"
         back = f"met_{way}_{j}, kind_{way}_{j}, alpha_{way}_{j}, n_{way}_{j} / n_{own}"
         lines.append(f"cross_next({here}, 0, {back});" if place else f"cross_first({here});")
     return lines
@@ -123,13 +166,13 @@ def _passages(stack: Stack, way: str) -> list[tuple[int, int, int, str]]:
     return [(j, j + 1, j, f"tau_{j - 1}" if j else "color(0.0)") for j in _order(stack, way)]
 
 
-def _in_order(stack: Stack, told: Tables, way: str) -> list[str]:
+def _in_order(stack: Stack, energies: Tables, way: str) -> list[str]:
     """What loops over the layers read: arrays in the order of travel."""
     if not _has_loops(stack):
         return []
     passages = _passages(stack, way)
     arrays = {
-        "int kind": [told.start(stack.layers[j]["distribution"]) for j, *_ in passages],
+        "int kind": [energies.start(stack.layers[j]["distribution"]) for j, *_ in passages],
         "int beckmann": [beckmann(stack.layers[j]) for j, *_ in passages],
         "float alpha": [f"alpha_{j}" for j, *_ in passages],
         "float own": [f"n_{own}" for _, own, *_ in passages],
@@ -147,17 +190,17 @@ def _in_order(stack: Stack, told: Tables, way: str) -> list[str]:
     return result
 
 
-def _escaping(stack: Stack, told: Tables) -> str:
+def _escaping(stack: Stack, energies: Tables) -> list[str]:
     """What of uniform light from below escapes, by reciprocity; without absorption the rest comes back."""
     count = len(stack.layers)
     u, w = base.gauss(base.ESCAPING)
-    body = ["start_beam(beam, sqrt(1.0 - @u@ * @u@), 0.0);", *_crossings(stack, told, "beam", "down")]
+    body = ["start_beam(beam, sqrt(1.0 - @u@ * @u@), 0.0);", *_crossings(stack, energies, "beam", "down")]
     body.append(f"escaped += @w@ / (n_{count} * n_{count}) * beam.transmitted;")
     thickest = _nested("max", [f"largest(tau_{j})" for j in range(count)])
-    return lines_of([
+    return [
         "color escaped = color(0.0);", *for_each({"u": u, "w": 2.0 * w * u}, body, count),
         "color reflected = 1.0 - escaped;", f"float thickest = {thickest};",
-    ])  # fmt: skip
+    ]  # fmt: skip
 
 
 def for_each(nodes: dict[str, np.ndarray], body: list[str], count: int) -> list[str]:
@@ -176,7 +219,7 @@ def _replaced(line: str, values: dict[str, str]) -> str:
     return line
 
 
-def _below(stack: Stack, told: Tables) -> str:
+def _below(stack: Stack, energies: Tables) -> list[str]:
     """Beams from the base at the nodes of uniform light: what is absorbed and, for a metal, the shares in `below`."""
     count, n_base = len(stack.layers), f"n_{len(stack.layers)}"
     (u, w), (v, x) = base.gauss(base.ESCAPING), base.gauss(base.TRAPPED)
@@ -189,7 +232,7 @@ def _below(stack: Stack, told: Tables) -> str:
         f"p = sqrt((1.0 - @t@) * least * least * @a@ + @t@ * {n_base} * {n_base} * (1.0 - critical2 * @b@));",
         "weight = @w@ * (@t@ * critical2 + (1.0 - @t@) * (1.0 - critical2));",
         f"left = attenuation(tau_{count - 1}, p, 0.0, {n_base});", "start_beam(beam, p, 0.0);",
-        *_crossings(stack, told, "beam", "up"),
+        *_crossings(stack, energies, "beam", "up"),
         "back = (beam.first + beam.inner) * left * left;", "out = beam.transmitted * left;",
     ]  # fmt: skip
     lines = ["color left, back, out;", "float p, weight;"]
@@ -197,29 +240,11 @@ def _below(stack: Stack, told: Tables) -> str:
         body.append("absorbed += weight * (1.0 - back - out);")
         lines += ["color absorbed = color(0.0);", *for_each(nodes, body, count)]
         lines.append("reflected = max(reflected - max(absorbed, color(0.0)), color(0.0));")
-        return lines_of(["if (thickest > 0.0) {", *("    " + line for line in lines), "}"])
-    lines += ["Below below;", "below.least = least;", f"below.n_base = {n_base};", "below.critical2 = critical2;"]
+        return ["if (thickest > 0.0) {", *("    " + line for line in lines), "}"]
+    lines += ["Below below;", f"start_below(below, least, {n_base}, critical2);"]
     lines += ["color reflected = color(0.0);", "color escaped = color(0.0);"]
     body += ["reflected += weight * back;", "escaped += weight * out;"]
     inside, beyond = base.polynomial_fit(base.ESCAPING), base.polynomial_fit(base.TRAPPED)
-    for group, fit, padding in (("escaping", inside, (0, len(v))), ("trapped", beyond, (len(u), 0))):
-        for degree, row in enumerate(fit):
-            nodes[f"{group}_{degree}"] = np.pad(row, padding)
-            for share in ("back", "out"):
-                lines.append(f"below.{group}_{share}_{degree} = color(0.0);")
-                body.append(f"below.{group}_{share}_{degree} += @{group}_{degree}@ * {share};")
-    return lines_of(lines + for_each(nodes, body, count))
-
-
-def below_text() -> dict[str, str]:
-    """Placeholders of the part that evaluates the polynomials of light from below (`analytic_below.h`)."""
-    groups = {"escaping": ("u", base.ESCAPING), "trapped": ("v", base.TRAPPED)}
-    fields = [f"color {group}_{share}_{d};" for group, (_, size) in groups.items() for share in ("back", "out") for d in range(size)]
-    texts = {"FIELDS": lines_of(fields)}
-    for group, (variable, size) in groups.items():
-        for share in ("back", "out"):
-            terms = f"b.{group}_{share}_{size - 1}"
-            for degree in reversed(range(size - 1)):
-                terms = f"({terms}) * {variable} + b.{group}_{share}_{degree}"
-            texts[f"{group}_{share}".upper()] = terms
-    return texts
+    coefficients = {f"e{i}": np.pad(row, (0, len(v))) for i, row in enumerate(inside)} | {f"t{i}": np.pad(row, (len(u), 0)) for i, row in enumerate(beyond)}
+    body.append(f"add_node(below, back, out, {', '.join(f'@{name}@' for name in coefficients)});")
+    return lines + for_each(nodes | coefficients, body, count)

@@ -12,13 +12,10 @@ from ....reference_py.lobes.analytic import base
 from ....reference_py.lobes.analytic.lobe_set import ALBEDO_NODES
 from ....reference_py.material.schema import ANISOTROPY
 from ....reference_py.material.stack import Element, Stack
-from ....reference_py.optics.interface import TINT_FLOOR
 from ..inputs import BASE
-from .analytic_layers import beam_of, below_text, for_each, layers_text, lines_of, roughest, view_text
-from .analytic_tables import Tables, constants
+from .analytic_layers import Tables, beam_of, for_each, layers_lines, roughest, view_lines
 from .block import Block, Closure
-from .parts import beckmann, fill
-from .surface import BaseClosures, Surface, diffuse_closures, surface_of, top_closure, top_function
+from .surface import BaseClosures, Surface, beckmann, diffuse_closures, metal_closure, surface_of, top_closure, top_function
 
 NOTE = "Adding over the interfaces at every shading point."
 
@@ -26,112 +23,124 @@ NOTE = "Adding over the interfaces at every shading point."
 def analytic_block(stack: Stack, owners: Sequence[str]) -> Block:
     """The block of a stack whose layers' shader parameters begin with `owners`."""
     surfaces = [surface_of(element, owner) for element, owner in zip((*stack.layers, stack.base), (*owners, BASE))]
-    told = Tables.of(stack)
+    energies = Tables.of(stack)
     body, closures = [], []
     if stack.layers:
-        body.append(layers_text(stack, owners, surfaces, told))
-        seen = "alpha_0"
+        body += layers_lines(stack, owners, surfaces, energies)
+        top, seen = surfaces[0], "alpha_0"
         if stack.layers[0].has(ANISOTROPY):
-            seen, top = "alpha_seen", surfaces[0]
-            body.append(fill("analytic_seen.osl", OWNER=owners[0], ALPHA_X=top.alpha_x, ALPHA_Y=top.alpha_y, VIEW=top.view))
-        body += [view_text(stack, told, view, seen) for view in dict.fromkeys((surfaces[1].view, surfaces[-1].view))]
-        weight = f"top_gain({told.arguments(stack.layers[0]['distribution'])}, {surfaces[0].view}, {seen}, n_1)"
-        closures.append(Closure(weight, top_closure(surfaces[0], stack.layers[0], owners[0])))
+            seen = "alpha_seen"
+            body.append(f"float alpha_seen = seen_alpha({top.alpha_x}, {top.alpha_y}, cos_2phi_{owners[0]}, {top.view});")
+        for view in dict.fromkeys((surfaces[1].view, surfaces[-1].view)):
+            body += view_lines(stack, energies, view, seen)
+        weight = f"top_gain({energies.arguments(stack.layers[0]['distribution'])}, {top.view}, {seen}, n_1)"
+        closures.append(Closure(weight, top_closure(top, stack.layers[0], owners[0])))
     if len(stack.layers) > 1:
-        layer, surface = stack.layers[1], surfaces[1]
-        lobe = _Lobe.of(layer, surface, owners[1], "inner", "n_1", told)
-        body.append(fill("analytic_inner.osl", BEAM=beam_of(surface.view), VIEW=surface.view, WIDTHS=lobe.widths, CLOSURE_ENERGY=lobe.energy))
-        closures.append(Closure("weight_inner", lobe.closure, is_local=True))
-    text, base_closures = _metal(stack, surfaces[-1], told) if stack.base.kind == "conductor" else _diffuse(stack, surfaces[-1])
+        lines, closure = _deeper_interfaces(stack.layers[1], surfaces[1], owners[1], energies)
+        body += lines
+        closures.append(closure)
+    lines, base_closures = _metal(stack, surfaces[-1], energies) if stack.base.kind == "conductor" else _diffuse(stack, surfaces[-1])
     return Block(
-        functions=(*(text for surface in surfaces for text in surface.functions), *base_closures.functions, *_functions(stack)),
-        arrays=told.arrays,
+        functions=(*(name for surface in surfaces for name in surface.functions), *base_closures.functions, *_functions(stack)),
+        arrays=energies.arrays,
         common=(*(text for surface in surfaces for text in surface.common), *_azimuths(stack, owners, surfaces), *base_closures.common),
-        body="".join([*body, text]),
+        body=(*body, *lines),
         closures=(*closures, *base_closures.closures),
     )
 
 
 def _functions(stack: Stack) -> list[str]:
-    """The parts that this structure calls, callees first."""
-    texts = []
-    brushed = any(element.has(ANISOTROPY) for element in (*stack.layers, stack.base))
-    if stack.layers or stack.base.kind == "conductor":
-        texts += [constants(brushed), fill("fresnel_dielectric.h"), fill("analytic_tables.h"), fill("analytic_cosine.h")]
-    if brushed:
-        texts.append(fill("analytic_brushed.h"))
+    """The files that this structure calls."""
+    names = []
+    if any(element.has(ANISOTROPY) for element in (*stack.layers, stack.base)):
+        names.append("anisotropic_energy.h")
     if stack.layers:
-        texts.append(top_function(stack.layers[0]))
-        texts += [fill("medium.h", TINT_FLOOR=f"{TINT_FLOOR:g}"), fill("analytic_beam.h"), fill("analytic_lobe.h")]
+        names += [top_function(stack.layers[0]), "medium.h", "analytic_beam.h", "analytic_lobe.h"]
         if any(element.has(ANISOTROPY) for element in (*stack.layers[1:2], stack.base)):
-            texts.append(fill("brushed.h"))
+            names.append("anisotropic_alpha.h")
         if stack.base.kind == "oren_nayar":
-            texts.append(fill("oren_nayar_albedo.h"))
+            names.append("oren_nayar_albedo.h")
     if stack.base.kind == "conductor":
-        mean = " + ".join(f"{w:g} * fresnel_conductor({c:g}, eta, k)" for c, w in zip(base.MEAN_COSINES, base.MEAN_WEIGHTS))
-        texts += [fill("masking.h"), fill("fresnel_conductor.h"), fill("analytic_metal.h", MEAN=mean)]
+        names += ["analytic_tables.h", "analytic_metal.h"]
         if stack.base.has(ANISOTROPY):
-            texts.append(fill("analytic_brushed_metal.h"))
+            names.append("anisotropic_metal.h")
         if stack.layers:
-            texts += [fill("analytic_below.h", **below_text()), fill("analytic_coated_metal.h")]
-        if "reflectance" in stack.base:
-            texts.append(fill("artist_index.h"))
-    return texts
+            names.append("analytic_coated_metal.h")
+    return names
 
 
 def _azimuths(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface]) -> list[str]:
-    told = zip((*stack.layers, stack.base), (*owners, BASE), surfaces)
-    return [fill("analytic_azimuth.osl", OWNER=owner, NORMAL=surface.normal) for element, owner, surface in told if element.has(ANISOTROPY)]
+    elements = zip((*stack.layers, stack.base), (*owners, BASE), surfaces)
+    return [
+        f"float cos_2phi_{owner} = cos_twice_azimuth(I, {surface.normal}, {surface.tangent});"
+        for element, owner, surface in elements
+        if element.has(ANISOTROPY)
+    ]
 
 
 @dataclass(frozen=True)
 class _Lobe:
     """What leaves an element below others: statements of its widths, its closure, and the directional albedo of that."""
 
-    widths: str
+    widths: tuple[str, ...]
     closure: str
     energy: str
 
     @classmethod
-    def of(cls, element: Element, surface: Surface, owner: str, name: str, n: str | None, told: Tables) -> "_Lobe":
+    def of(cls, element: Element, surface: Surface, owner: str, name: str, n: str | None, energies: Tables) -> "_Lobe":
         """The lobe of width `alpha_{name}` of an element below index n, or bare: along its axes as far as the width is its own."""
-        alpha, kind = f"alpha_{name}", element["distribution"]
-        table = told.arguments(kind)
+        alpha, distribution = f"alpha_{name}", element["distribution"]
+        table = energies.arguments(distribution)
         if not element.has(ANISOTROPY):
-            shaped = surface if n is None else replace(surface, alpha_x=alpha, alpha_y=f"across({alpha})")
-            return cls("", shaped.microfacet(kind), f"closure_energy({table}, {surface.view}, {alpha})")
+            shaped = surface if n is None else replace(surface, alpha_x=alpha, alpha_y=f"break_isotropy({alpha})")
+            return cls((), shaped.microfacet(distribution), f"closure_energy({table}, {surface.view}, {alpha})")
         statements = []
         if n is not None:
             own = {f"alpha_x_{name}": surface.alpha_x, f"alpha_y_{name}": surface.alpha_y}
             for lobe_alpha, width in own.items():
-                value = f"brushed_alpha({alpha}, {surface.alpha}, {width} / max({surface.alpha}, 1e-12), {n}, {surface.view})"
-                statements.append(f"    float {lobe_alpha} = {value};\n")
+                value = f"anisotropic_alpha({alpha}, {surface.alpha}, {width} / max({surface.alpha}, 1e-12), {n}, {surface.view})"
+                statements.append(f"float {lobe_alpha} = {value};")
             surface = replace(surface, **dict(zip(("alpha_x", "alpha_y"), own)))
-        return cls("".join(statements), surface.microfacet(kind), _brushed_energy(table, surface.view, owner, surface))
+        return cls(tuple(statements), surface.microfacet(distribution), _anisotropic_energy(table, surface.view, owner, surface))
 
 
-def _brushed_energy(table: str, cosine: str, owner: str, surface: Surface) -> str:
-    return f"brushed_energy({table}, {cosine}, cos_2phi_{owner}, {surface.alpha_x}, {surface.alpha_y})"
+def _anisotropic_energy(table: str, cosine: str, owner: str, surface: Surface) -> str:
+    return f"anisotropic_energy({table}, {cosine}, cos_2phi_{owner}, {surface.alpha_x}, {surface.alpha_y})"
 
 
-def _diffuse(stack: Stack, surface: Surface) -> tuple[str, BaseClosures]:
+def _deeper_interfaces(layer: Element, surface: Surface, owner: str, energies: Tables) -> tuple[list[str], Closure]:
+    """All interfaces below the top as one lobe with the axes of the second, `layer`: statements and the closure."""
+    lobe, beam = _Lobe.of(layer, surface, owner, "inner", "n_1", energies), beam_of(surface.view)
+    lines = [
+        f"float alpha_inner = lobe_alpha({beam}.spread / max(mean({beam}.inner), 1e-12), {surface.view});",
+        *lobe.widths,
+        f"color weight_inner = {beam}.inner / max({lobe.energy}, 1e-3);",
+    ]
+    return lines, Closure("weight_inner", lobe.closure, is_local=True)
+
+
+def _diffuse(stack: Stack, surface: Surface) -> tuple[list[str], BaseClosures]:
     """Statements for the weight of a diffuse base, and its closures."""
     closures = diffuse_closures(stack.base, surface)
     if not stack.layers:
-        return "", closures
+        return [], closures
     beam = beam_of(surface.view)
     if stack.base.kind == "lambert":
-        return "", closures.below(f"{beam}.transmitted * escaped / (1.0 - BaseColor * reflected)")
-    u, w = base.gauss(ALBEDO_NODES)
-    mean = " + ".join(f"{2.0 * wi * ui:.9g} * oren_nayar_albedo({ui:.9g}, BaseColor, base_sigma)" for ui, wi in zip(u, w))
-    text = fill("analytic_oren_nayar.osl", BEAM=beam, VIEW=surface.view, N_BASE=f"n_{len(stack.layers)}", MEAN=mean)
-    return text, closures.below("weight_base")
+        return [], closures.below(f"{beam}.transmitted * escaped / (1.0 - BaseColor * reflected)")
+    terms = [f"{2.0 * w * u:.9g} * oren_nayar_albedo({u:.9g}, BaseColor, base_sigma)" for u, w in zip(*base.gauss(ALBEDO_NODES))]
+    lines = [
+        f"color mean_albedo = {' + '.join(terms)};",
+        f"color below_layers = oren_nayar_albedo(min(cosine({beam}.p, n_{len(stack.layers)}), 1.0), BaseColor, base_sigma);",
+        f"color bare = max(oren_nayar_albedo({surface.view}, BaseColor, base_sigma), color(1e-12));",
+        f"color weight_base = {beam}.transmitted * below_layers * escaped / (1.0 - mean_albedo * reflected) / bare;",
+    ]
+    return lines, closures.below("weight_base")
 
 
-def _metal(stack: Stack, surface: Surface, told: Tables) -> tuple[str, BaseClosures]:
+def _metal(stack: Stack, surface: Surface, energies: Tables) -> tuple[list[str], BaseClosures]:
     """The same of a metal base."""
     element, count = stack.base, len(stack.layers)
-    table = told.arguments(element["distribution"])
+    table = energies.arguments(element["distribution"])
     if count:
         n, beam = f"n_{count}", beam_of(surface.view)
         arrives = f"{beam}.p, {beam}.variance"
@@ -140,36 +149,38 @@ def _metal(stack: Stack, surface: Surface, told: Tables) -> tuple[str, BaseClosu
     else:
         n, arrives, energy = "1.0", f"sqrt(1.0 - {surface.view} * {surface.view}), 0.0", "(lobe.once * keep + facets)"
         alpha = surface.alpha
-    lobe = _Lobe.of(element, surface, BASE, "base", n if count else None, told)
-    facet_energy, brushed = f"closure_energy({table}, lobe.c, {surface.alpha})", ""
+    lobe = _Lobe.of(element, surface, BASE, "base", n if count else None, energies)
+    facet_energy, planar = f"closure_energy({table}, lobe.c, {surface.alpha})", []
     if element.has(ANISOTROPY):
-        facet_energy = _brushed_energy(table, "lobe.c", BASE, surface)
-        brushed = f"    facets = later_brushed_facets(facets, lobe, facet_energy, {surface.alpha_x}, {surface.alpha_y});\n"
-    text = fill(
-        "analytic_conductor.osl",
-        N_BASE=n,
-        ARRIVES=arrives,
-        SURFACE_ALPHA=surface.alpha,
-        NODES=_lobe_nodes(stack, surface),
-        FACET_ENERGY=facet_energy,
-        BRUSHED=brushed,
-        ENERGY=energy,
-        ALPHA=alpha,
-        WIDTHS=lobe.widths,
-        CLOSURE_ENERGY=lobe.energy,
-    )
-    index = fill("index_artist.osl" if "reflectance" in element else "index_complex.osl")
-    return text, BaseClosures((Closure("weight_base", lobe.closure, is_local=True),), common=(index,))
+        facet_energy = _anisotropic_energy(table, "lobe.c", BASE, surface)
+        planar = [f"facets = later_anisotropic_facets(facets, lobe, facet_energy, {surface.alpha_x}, {surface.alpha_y});"]
+    lines = [
+        f"color eta = base_eta / {n};",
+        f"color k = base_k / {n};",
+        "Lobe lobe;",
+        "color node_share;",
+        "float radius;",
+        "float keep;",
+        f"start_lobe(lobe, {arrives}, {n}, {surface.alpha});",
+        *_lobe_nodes(stack, surface),
+        f"float facet_energy = {facet_energy};",
+        f"color facets = later_facets(lobe, facet_energy, {surface.alpha}, eta, k, keep);",
+        *planar,
+        f"float alpha_base = {alpha};",
+        *lobe.widths,
+        f"color weight_base = {energy} / max({lobe.energy}, 1e-3);",
+    ]
+    return lines, metal_closure(element, "weight_base", lobe.closure, is_local=True)
 
 
-def _lobe_nodes(stack: Stack, surface: Surface) -> str:
+def _lobe_nodes(stack: Stack, surface: Surface) -> list[str]:
     above = stack.layers[-1] if stack.layers else stack.base
     nodes = {f"node_{name}": values for name, values in zip(("u", "weight", "x", "y", "cell"), base.lobe_nodes())}
     sides = f"{surface.alpha}, {surface.alpha}"
     if stack.base.has(ANISOTROPY):
-        sides = ", ".join(f"side_alpha({surface.alpha_x}, {surface.alpha_y}, {sign}cos_2phi_{BASE})" for sign in ("", "-"))
+        sides = ", ".join([f"side_alpha({surface.alpha_x}, {surface.alpha_y}, {sign}cos_2phi_{BASE})" for sign in ("", "-")])
     given = f"@node_u@, @node_weight@, @node_x@, @node_y@, {sides}, {beckmann(stack.base)}, {beckmann(above)}"
     body = [f"lobe_node(lobe, {given}, eta, k, node_share, radius);"]
     if stack.layers:
         body.append("carry_node(lobe, below, node_share, radius, @node_cell@);")
-    return lines_of(for_each(nodes, body, len(stack.layers)))
+    return for_each(nodes, body, len(stack.layers))

@@ -8,9 +8,8 @@ from ....reference_py.lobes.lobe import DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS
 from ....reference_py.material.schema import SCHEMA
 from ..inputs import BASE
-from .block import Block, Closure
-from .parts import fill, listed, narrow, numbers
-from .surface import view
+from .block import Block, Closure, numbers
+from .surface import FRAME, FRAME_FUNCTIONS, table_view
 
 NOTE = "Tables hold the values that the stack had, but for those with a socket."
 
@@ -19,10 +18,10 @@ def grid_block(lobe_set: LiveLobes, owners: list[str], prefix: str = "") -> Bloc
     """The block of a lobe set; what it declares ends with `prefix`."""
     writer = _Writer(lobe_set, owners, prefix)
     return Block(
-        functions=(fill("bent.h"), narrow(), fill("interface.h"), fill("grid.h")),
+        functions=(*FRAME_FUNCTIONS, "grid.h"),
         arrays=tuple(writer.arrays),
-        common=(view(), fill("table_place.osl", CELLS=KNOTS - 1, LAST=KNOTS - 2), fill("tangent.osl"), fill("plane_of_incidence.osl")),
-        body="".join(writer.statements),
+        common=(*table_view(), *FRAME),
+        body=tuple(writer.statements),
         closures=tuple(writer.closures),
     )
 
@@ -45,18 +44,19 @@ class _Writer:
         at = " + ".join(f"{self._name(f'knot{i}')} * {step}" for i, step in enumerate(steps))
         self._say(f"int {self._name('at')} = {at} + cell;")
         alongs = [self._name(f"along{i}") for i in range(len(sizes))]
-        place = f"{self._name('at')}, {listed(map(str, steps))}, "
-        self._free, self._bounded = (place + listed(a) + ", between" for a in (alongs, [f"max({a}, 0.0)" for a in alongs]))
+        place = [self._name("at"), *map(str, steps)]
+        self._free = ", ".join([*place, *alongs, "between"])
+        self._bounded = ", ".join([*place, *(f"max({along}, 0.0)" for along in alongs), "between"])
         self._lobes(lobe_set)
 
     def _name(self, word: str) -> str:
         return f"{word}_{self._prefix}" if self._prefix else word
 
     def _say(self, *lines: str) -> None:
-        self.statements += [f"    {line}\n" for line in lines]
+        self.statements += lines
 
     def _array(self, kind: str, name: str, entries: list[str]) -> None:
-        self.arrays.append(f"    {kind} {self._name(name)}[{len(entries)}] = {{{listed(entries)}}},")
+        self.arrays.append(f"{kind} {self._name(name)}[{len(entries)}] = {{{', '.join(entries)}}}")
 
     def _value(self, name: str, values: np.ndarray, extends: bool = False) -> str:
         """An expression for values (..., KNOTS, 1 or 3) at the live parameters and the view."""
@@ -64,7 +64,7 @@ class _Writer:
         color = rows.shape[1] == 3
         if np.all(rows == rows[0]):
             return f"color({numbers(rows[0])})" if color else f"{rows[0, 0]:.6g}"
-        entries = [f"color({listed(f'{v:.5g}' for v in row)})" if color else f"{row[0]:.5g}" for row in rows]
+        entries = [f"color({row[0]:.5g}, {row[1]:.5g}, {row[2]:.5g})" if color else f"{row[0]:.5g}" for row in rows]
         self._array("color" if color else "float", name, entries)
         return f"grid({self._name(name)}, {self._free if extends else self._bounded})"
 
@@ -94,6 +94,6 @@ class _Writer:
             self._say(f"float {alpha} = max({root}, 0.0);", f"{alpha} = clamp({alpha} * {alpha}, {MIN_ALPHA:g}, 1.0);")
         if isinstance(lobe.fresnel, DielectricCurve):
             curve = f'{lobe.fresnel.eta:.9g}, "{lobe.distribution}"'
-            return f"interface_bsdf(N, tangent, {alphas[0]}, across({alphas[0]}), {curve})"
+            return f"interface_bsdf(N, tangent, {alphas[0]}, break_isotropy({alphas[0]}), {curve})"
         slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
-        return f'microfacet("{lobe.distribution}", normalize(bent_normal + {slope} * side), along, {listed(alphas)}, 1.0, 0)'
+        return f'microfacet("{lobe.distribution}", normalize(bent_normal + {slope} * side), along, {", ".join(alphas)}, 1.0, 0)'

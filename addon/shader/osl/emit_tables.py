@@ -9,9 +9,8 @@ import numpy as np
 
 from ....reference_py.lobes.lobe import DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes
-from .block import Block, Closure
-from .parts import fill, listed, narrow, numbers
-from .surface import view
+from .block import Block, Closure, numbers
+from .surface import FRAME, FRAME_FUNCTIONS, table_view
 
 NOTE = "Tables hold the values that the stack had."
 
@@ -20,14 +19,13 @@ def table_block(lobe_set: TableLobes, prefix: str = "") -> Block:
     """The block of a lobe set; its array parameters begin with `prefix`."""
     arrays: list[str] = []
     widths: list[str] = []
-    closures = tuple(_closure(arrays, widths, f"{prefix}{i}", table) for i, table in enumerate(lobe_set.tables))
+    closures = tuple([_closure(arrays, widths, f"{prefix}{i}", table) for i, table in enumerate(lobe_set.tables)])
     glossy = any(isinstance(t, GlossyTable) for t in lobe_set.tables)
-    frame = (fill("tangent.osl"), fill("plane_of_incidence.osl")) if glossy else ()
     return Block(
-        functions=(fill("bent.h"), *([narrow(), fill("interface.h")] if glossy else [])),
+        functions=FRAME_FUNCTIONS if glossy else ("bent.h", "view_place.h"),
         arrays=tuple(arrays),
-        common=(view(), fill("table_place.osl", CELLS=KNOTS - 1, LAST=KNOTS - 2), *frame, *widths),
-        body="",
+        common=(*table_view(), *(FRAME if glossy else ()), *widths),
+        body=(),
         closures=closures,
     )
 
@@ -39,10 +37,10 @@ def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable
         return Closure(weight, "diffuse(N)")
     alpha_x, alpha_y, slope = _shape(arrays, widths, name, table.shape)
     if isinstance(table.fresnel, DielectricCurve):
-        eta, kind = f"{table.fresnel.eta:.9g}", table.distribution
-        return Closure(weight, f'interface_bsdf(N, tangent, {alpha_x}, across({alpha_x}), {eta}, "{kind}")')
+        eta, distribution = f"{table.fresnel.eta:.9g}", table.distribution
+        return Closure(weight, f'interface_bsdf(N, tangent, {alpha_x}, break_isotropy({alpha_x}), {eta}, "{distribution}")')
     if _is_round(table.shape):
-        frame, alpha_y = "N, tangent", f"across({alpha_x})"
+        frame, alpha_y = "N, tangent", f"break_isotropy({alpha_x})"
     else:
         frame = f"normalize(bent_normal + {slope} * side), along"
     return Closure(weight, f'microfacet("{table.distribution}", {frame}, {alpha_x}, {alpha_y}, 1.0, 0)')
@@ -57,10 +55,10 @@ def _shape(arrays: list[str], widths: list[str], name: str, shape: np.ndarray) -
     if _is_round(shape):
         alpha = _value(arrays, f"Alpha{name}", shape[:, 0])
         if np.any(shape[:, 0] != shape[0, 0]):
-            widths.append(f"    float alpha_{name} = {alpha};\n")
+            widths.append(f"float alpha_{name} = {alpha};")
             alpha = f"alpha_{name}"
         return alpha, alpha, "0"
-    widths.append(f"    color shape_{name} = {_value(arrays, f'Shape{name}', shape)};\n")
+    widths.append(f"color shape_{name} = {_value(arrays, f'Shape{name}', shape)};")
     return f"shape_{name}[0]", f"shape_{name}[1]", f"shape_{name}[2]"
 
 
@@ -69,7 +67,6 @@ def _value(arrays: list[str], name: str, column: np.ndarray) -> str:
     color = column.ndim == 2
     if np.all(column == column[0]):
         return f"color({numbers(column[0])})" if color else f"{column[0]:.9g}"
-    kind = "color" if color else "float"
-    entries = listed(f"color({numbers(row)})" if color else f"{row:.9g}" for row in column)
-    arrays.append(f"    {kind} {name}[{KNOTS}] = {{{entries}}},")
+    entries = ", ".join([f"color({numbers(row)})" for row in column]) if color else numbers(column)
+    arrays.append(f"{'color' if color else 'float'} {name}[{KNOTS}] = {{{entries}}}")
     return f"mix({name}[cell], {name}[cell + 1], between)"

@@ -1,62 +1,91 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts of `osl/` with their @PLACEHOLDERS@ filled: how shader texts are assembled."""
+"""The whole functions of `osl/` for a shader's text: what a file includes comes before it, and its constants get their values here."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from ....reference_py.material.schema import COLOR, FLOAT, Parameter
-from ....reference_py.material.stack import Element
+import numpy as np
+
+from ....reference_py.lobes.analytic import base, calibration, tables
+from ....reference_py.lobes.methods import paper
+from ....reference_py.lobes.view_table import KNOTS, MIN_COS_O
+from ....reference_py.optics import interface, thin_film
 
 PARTS = Path(__file__).resolve().parents[3] / "osl"
-# Below this alpha a lobe takes Cycles' anisotropic path (osl/narrow.h); above it the isotropic one is within 1e-4.
-NARROW_ALPHA = 0.06
+# Below this alpha a lobe takes Cycles' anisotropic path (osl/break_isotropy.h); above it the isotropic one is within 1e-4.
+NEAR_SPECULAR_ALPHA = 0.06
+# Blocks of a distribution's tables of energies in their order in a shader's array, and the constants that say where they start.
+# The last is for stacks with anisotropy alone.
+TABLE_BLOCKS = {"thin": "THIN", "dense": "DENSE", "diffuse": "DIFFUSE", "gain": "GAIN", "closure": "CLOSURE", "brushed": "ANISOTROPIC"}
 
 
-def fill(name: str, **values) -> str:
-    """A part's text with its placeholders replaced."""
-    text = _part(name)
-    for key, value in values.items():
-        text = text.replace(f"@{key}@", str(value))
-    return text
+def functions(names: Iterable[str]) -> str:
+    """The text of these files and of all that they include, each once, callees first, and before them the constants they declare.
+
+    Comments are left out: those are for who reads `osl/`, and texts are long as it is.
+    """
+    order: dict[str, None] = {}
+    for name in names:
+        _visit(name, order)
+    declared = dict.fromkeys(constant for name in order for constant in _part(name).constants)
+    return "".join([*(f"#define {name} {constants()[name]}\n" for name in declared), *(_part(name).text for name in order)])
+
+
+def _visit(name: str, order: dict[str, None]) -> None:
+    if name not in order:
+        for included in _part(name).includes:
+            _visit(included, order)
+        order[name] = None
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A file: the files that it includes, the constants that it declares, and its functions without comments."""
+
+    includes: tuple[str, ...]
+    constants: tuple[str, ...]
+    text: str
 
 
 @cache
-def _part(name: str) -> str:
-    """A part's text without its licence line, which the assembled shader states once; of functions without the comments too.
-
-    Those are for who reads `osl/`: texts are long as it is.
-    """
+def _part(name: str) -> _Part:
     lines = (PARTS / name).read_text(encoding="utf-8").splitlines(keepends=True)
-    left_out = "//" if name.endswith(".h") else "// SPDX-License-Identifier"
-    return "".join(line for line in lines if not line.lstrip().startswith(left_out))
+    includes = tuple([line.split('"')[1] for line in lines if line.startswith("#include")])
+    declared = tuple([line.split()[1] for line in lines if line.startswith("#define")])
+    return _Part(includes, declared, "".join([line for line in lines if line.strip() and not line.lstrip().startswith(("#", "//"))]))
 
 
-def narrow() -> str:
-    return fill("narrow.h", NARROW_ALPHA=f"{NARROW_ALPHA:g}")
+@cache
+def constants() -> dict[str, str]:
+    """Every constant that a file of `osl/` may declare, as the preprocessor's text."""
+    values: dict[str, float] = {
+        "MIN_COS_O": MIN_COS_O, "KNOTS": KNOTS, "NEAR_SPECULAR_ALPHA": NEAR_SPECULAR_ALPHA,
+        "TINT_FLOOR": interface.TINT_FLOOR, "NODE_COUNT": paper.NODE_COUNT,
+        "FILM_STEPS": thin_film.STEPS, "FILM_LAST_PHASE": thin_film.LAST_PHASE_NM, "FILM_TERMS": thin_film.TERMS,
+        "FILM_THINNEST": thin_film.THINNEST_NM,
+        "MOST_RHO": tables.MOST_RHO, "RHO_CELLS": tables.RHO_CELLS, "ALPHA_CELLS": tables.ALPHA_CELLS, "UNIT": tables.UNIT,
+        "T_KNOTS": len(tables.T), "V_KNOTS": len(tables.V), "CLOSURE_CELLS": tables.CLOSURE_CELLS,
+        "LEAST_RATIO": tables.LEAST_RATIO, "LEAST_KAPPA": tables.LEAST_KAPPA, "ANISOTROPIC_ALPHAS": tables.BRUSHED_ALPHAS,
+        "ANISOTROPIC_RATIOS": tables.BRUSHED_RATIOS, "ANISOTROPIC_COSINES": tables.BRUSHED_COSINES,
+        "ANISOTROPIC_KEPT": calibration.BRUSHED_KEPT,
+        **dict(zip(TABLE_BLOCKS.values(), table_starts())),
+    }  # fmt: skip
+    rows = {"ANISOTROPIC_KNOTS": np.cos(2.0 * tables.BRUSHED_AZIMUTHS), "MEAN_COSINE": base.MEAN_COSINES, "MEAN_WEIGHT": base.MEAN_WEIGHTS}
+    for name, value in (*vars(calibration).items(), *rows.items()):
+        if name.isupper():
+            values |= {f"{name}_{i}": v for i, v in enumerate(value)} if isinstance(value, tuple | np.ndarray) else {name: value}
+    return {name: str(value) if isinstance(value, int) else _literal(value) for name, value in values.items()}
 
 
-def declaration(osl_name: str, parameter: Parameter) -> str:
-    """A shader parameter with its default."""
-    if parameter.type == FLOAT:
-        return f"    float {osl_name} = {parameter.default:.9g},"
-    osl_type = "color" if parameter.type == COLOR else "vector"
-    return f"    {osl_type} {osl_name} = {osl_type}({numbers(parameter.default)}),"
+def _literal(value: float) -> str:
+    text = f"{value:.9g}"
+    return text if "." in text or "e" in text else f"{text}.0"
 
 
-def numbers(values: Iterable[float]) -> str:
-    return listed(f"{v:.9g}" for v in values)
-
-
-def listed(items: Iterable[str]) -> str:
-    return ", ".join(items)
-
-
-def beckmann(element: Element) -> str:
-    return "1" if element["distribution"] == "beckmann" else "0"
-
-
-def right_nested(names: list[str]) -> str:
-    """A sum of closures; Cycles drops terms of long left-nested sums."""
-    head, *tail = names
-    return f"{head} + ({right_nested(tail)})" if len(tail) > 1 else " + ".join(names)
+@cache
+def table_starts() -> tuple[int, ...]:
+    """Where each block starts within the tables of a distribution, then where they end."""
+    sizes = tables.tables()["ggx"]
+    return (0, *np.cumsum([sizes[block].size for block in TABLE_BLOCKS]).tolist())

@@ -4,16 +4,22 @@
 from dataclasses import dataclass, replace
 
 from ....reference_py.lobes.lobe import DARK
-from ....reference_py.lobes.view_table import MIN_COS_O
 from ....reference_py.material.schema import ANISOTROPY, NORMAL, THIN_FILM
 from ....reference_py.material.stack import Element
 from .block import Closure
-from .parts import fill, narrow
+
+# Statements that declare the view in tables, and what glossy lobes over it need; they call FRAME_FUNCTIONS.
+FRAME_FUNCTIONS = ("bent.h", "view_place.h", "tangent.h", "incidence.h", "break_isotropy.h", "interface.h")
+FRAME = (
+    "vector tangent = any_tangent(N);",
+    "vector side = tangential_part(I, bent_normal);",
+    "vector along = incidence_tangent(side, tangent);",
+)
 
 
 @dataclass(frozen=True)
 class Surface:
-    """Expressions, and the functions and statements that they need."""
+    """Expressions, and the files and statements that they need."""
 
     functions: tuple[str, ...]
     common: tuple[str, ...]
@@ -35,45 +41,58 @@ class Surface:
         return f'microfacet("{distribution}", {self.frame}, {self.alpha_x}, {self.alpha_y}, 1.0, 0)'
 
 
-def view(suffix: str = "", normal: str = "N") -> str:
+def view(suffix: str = "", normal: str = "N") -> tuple[str, ...]:
     """The statements that declare `bent_normal` and `view_z`; they call `bent.h`."""
-    return fill("view.osl", SUFFIX=suffix, NORMAL=normal, MIN_COS_O=f"{MIN_COS_O:g}")
+    return f"normal bent_normal{suffix} = bent({normal}, I, Ng);", f"float view_z{suffix} = view_cosine(bent_normal{suffix}, I);"
+
+
+def table_view() -> tuple[str, ...]:
+    """Those, and the statements that say where tables over the view are read; they call `view_place.h`."""
+    return *view(), "int cell;", "float between;", "view_place(view_z, cell, between);"
 
 
 def surface_of(element: Element, owner: str) -> Surface:
     """The surface of an element whose shader parameters begin with `owner`; without widths where it is diffuse."""
     suffix, normal = (f"_{owner}", f"normal_{owner}") if element.has(NORMAL) else ("", "N")
-    common = [fill("own_normal.osl", OWNER=owner)] if element.has(NORMAL) else []
-    common.append(view(suffix, normal))
+    functions = ("own_normal.h", "bent.h") if element.has(NORMAL) else ("bent.h",)
+    common = [f"normal {normal} = own_normal({owner}Normal, N);"] if element.has(NORMAL) else []
+    common += view(suffix, normal)
     if "roughness" not in element:
-        return Surface((fill("bent.h"),), tuple(common), normal, f"view_z{suffix}", "", "", "", "")
+        return Surface(functions, tuple(common), normal, f"view_z{suffix}", "", "", "", "")
+    alpha = f"alpha_{owner}"
     if element.has(ANISOTROPY):
-        common.append(fill("surface_anisotropic.osl", OWNER=owner, NORMAL=normal))
-        functions, tangent = (fill("bent.h"), narrow(), fill("turned.h")), f"tangent_{owner}"
+        tangent, functions = f"tangent_{owner}", (*functions, "anisotropic_roughness.h", "rotate_tangent.h")
         widths = f"alpha_x_{owner}", f"alpha_y_{owner}"
+        common += [f"float {name};" for name in (*widths, alpha)]
+        common.append(f"anisotropic_alphas({owner}Roughness, {owner}Anisotropy, {', '.join(widths)}, {alpha});")
+        common.append(f"vector {tangent} = rotate_tangent(Tangent, {normal}, {owner}Rotation);")
     else:
-        common += [fill("surface_tangent.osl", SUFFIX=suffix, NORMAL=normal), fill("surface.osl", OWNER=owner)]
-        functions, tangent = (fill("bent.h"), narrow()), f"tangent{suffix}"
-        widths = f"alpha_{owner}", f"across(alpha_{owner})"
-    return Surface(functions, tuple(common), normal, f"view_z{suffix}", tangent, f"alpha_{owner}", *widths)
+        tangent, functions = f"tangent{suffix}", (*functions, "roughness.h", "break_isotropy.h", "tangent.h")
+        widths = alpha, f"break_isotropy({alpha})"
+        common += [f"vector {tangent} = any_tangent({normal});", f"float {alpha} = alpha_from_roughness({owner}Roughness);"]
+    return Surface(functions, tuple(common), normal, f"view_z{suffix}", tangent, alpha, *widths)
+
+
+def beckmann(element: Element) -> str:
+    return "1" if element["distribution"] == "beckmann" else "0"
 
 
 def top_closure(surface: Surface, element: Element, owner: str) -> str:
     """The closure of an interface below vacuum; it calls `top_function`. Of a closure's curves one knows films."""
-    ior, kind = f"{owner}Ior", element["distribution"]
-    shape = f'{surface.frame}, {surface.alpha_x}, {surface.alpha_y}, {ior}, "{kind}"'
+    ior, distribution = f"{owner}Ior", element["distribution"]
+    shape = f'{surface.frame}, {surface.alpha_x}, {surface.alpha_y}, {ior}, "{distribution}"'
     film = f", {owner}FilmThickness, {owner}FilmIor" if element.has(THIN_FILM) else ""
     return f"{'filmed_' if film else ''}interface_bsdf({shape}{film})"
 
 
 def top_function(element: Element) -> str:
-    """The function that the closure of an interface below vacuum calls."""
-    return fill("filmed_interface.h" if element.has(THIN_FILM) else "interface.h")
+    """The file that the closure of an interface below vacuum calls."""
+    return "filmed_interface.h" if element.has(THIN_FILM) else "interface.h"
 
 
 @dataclass(frozen=True)
 class BaseClosures:
-    """The closures of a base, and the functions and the statements at the shader's top that they need."""
+    """The closures of a base, and the files and the statements at the shader's top that they need."""
 
     closures: tuple[Closure, ...]
     functions: tuple[str, ...] = ()
@@ -85,11 +104,21 @@ class BaseClosures:
 
 
 def diffuse_closures(base: Element, surface: Surface) -> BaseClosures:
-    """Those of a diffuse base: of a rough one two, as its color counts otherwise from Blender 5.3 on (osl/oren_nayar_shares.h)."""
+    """Those of a diffuse base: of a rough one two, as its color counts otherwise from Blender 5.3 on (osl/oren_nayar.h)."""
     if base.kind == "lambert":
         return BaseClosures((Closure("BaseColor", f"diffuse({surface.normal})"),))
     white, dark = (
         Closure(weight, f"oren_nayar_diffuse_bsdf({surface.normal}, color({color:g}), base_sigma)")
         for weight, color in (("white_base", 1.0), (f"(BaseColor - white_base) * {1.0 / DARK:g}", DARK))
     )
-    return BaseClosures((white, dark), (fill("oren_nayar_shares.h"),), (fill("oren_nayar_sigma.osl"),))
+    common = "float base_sigma = oren_nayar_sigma(BaseSigmaDeg);", "color white_base = oren_nayar_white(BaseColor, base_sigma);"
+    return BaseClosures((white, dark), ("oren_nayar.h",), common)
+
+
+def metal_closure(base: Element, weight: str, closure: str, is_local: bool = False) -> BaseClosures:
+    """That of a metal base, and the statements that declare its index: `base_eta` and `base_k`."""
+    closures = (Closure(weight, closure, is_local),)
+    if "reflectance" in base:
+        common = "color base_eta;", "color base_k;", "artist_index(BaseReflectance, BaseEdgeColor, base_eta, base_k);"
+        return BaseClosures(closures, ("artist_index.h",), common)
+    return BaseClosures(closures, (), ("color base_eta = (color)BaseEta;", "color base_k = (color)BaseK;"))

@@ -1,4 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "analytic_tables.h"
+// Filled in from reference_py (addon/shader/osl/parts.py).
+#define UNIT 1.0
+#define ANISOTROPIC 0
+#define ANISOTROPIC_ALPHAS 1
+#define ANISOTROPIC_RATIOS 1
+#define ANISOTROPIC_COSINES 1
+#define ANISOTROPIC_KNOTS_0 1.0
+#define ANISOTROPIC_KNOTS_1 1.0
+#define ANISOTROPIC_KNOTS_2 1.0
+#define ANISOTROPIC_KNOTS_3 1.0
+#define LEAST_KAPPA 1.0
+#define LEAST_RATIO 1.0
+
 // Anisotropic surfaces: what a view at an azimuth meets. See reference_py/lobes/analytic/tables.py and lobes/methods/with_features.py.
 // cos 2 phi of the azimuth between the view and the tangent; any where the view is along the normal.
 float cos_twice_azimuth(vector view, normal n, vector tangent)
@@ -18,8 +33,8 @@ float side_alpha(float alpha_x, float alpha_y, float cos_2phi)
 float seen_alpha(float alpha_x, float alpha_y, float cos_2phi, float view_z)
 {
     float along = side_alpha(alpha_x, alpha_y, cos_2phi);
-    float across_plane = side_alpha(alpha_x, alpha_y, -cos_2phi);
-    return sqrt((along * along + view_z * view_z * across_plane * across_plane) / (1.0 + view_z * view_z));
+    float across = side_alpha(alpha_x, alpha_y, -cos_2phi);
+    return sqrt((along * along + view_z * view_z * across * across) / (1.0 + view_z * view_z));
 }
 
 // In what energies are smooth over the azimuth.
@@ -31,7 +46,7 @@ float azimuth_place(float cos_2phi, float tan2, float mean2, float gap, float ka
 }
 
 // Directional albedo of a white anisotropic closure, alpha_x >= alpha_y.
-float brushed_energy(float table[], int kind, float cos_theta_o, float cos_2phi, float alpha_x, float alpha_y)
+float anisotropic_energy(float table[], int kind, float cos_theta_o, float cos_2phi, float alpha_x, float alpha_y)
 {
     float x2 = alpha_x * alpha_x;
     float y2 = alpha_y * alpha_y;
@@ -39,24 +54,24 @@ float brushed_energy(float table[], int kind, float cos_theta_o, float cos_2phi,
     float gap = 0.5 * (x2 - y2);
     float z = clamp(cos_theta_o, 1e-4, 1.0);
     float ratio = clamp(sqrt(y2 / max(x2, 1e-20)), LEAST_RATIO, 1.0);
-    float a = sqrt(clamp(sqrt(mean2), 0.0, 1.0)) * BRUSHED_ALPHAS;
-    float r = log(ratio) / log(LEAST_RATIO) * BRUSHED_RATIOS;
-    float c = sqrt(z) * BRUSHED_COSINES;
-    int i = min((int)a, BRUSHED_ALPHAS - 1);
-    int j = min((int)r, BRUSHED_RATIOS - 1);
-    int k = min((int)c, BRUSHED_COSINES - 1);
+    float a = sqrt(clamp(sqrt(mean2), 0.0, 1.0)) * ANISOTROPIC_ALPHAS;
+    float r = log(ratio) / log(LEAST_RATIO) * ANISOTROPIC_RATIOS;
+    float c = sqrt(z) * ANISOTROPIC_COSINES;
+    int i = min((int)a, ANISOTROPIC_ALPHAS - 1);
+    int j = min((int)r, ANISOTROPIC_RATIOS - 1);
+    int k = min((int)c, ANISOTROPIC_COSINES - 1);
     float tan2 = 1.0 / (z * z) - 1.0;
     float kappa = tan2 * gap / (1.0 + tan2 * mean2);
     float place = azimuth_place(cos_2phi, tan2, mean2, gap, kappa);
-    float knots[4] = {BRUSHED_KNOTS_0, BRUSHED_KNOTS_1, BRUSHED_KNOTS_2, BRUSHED_KNOTS_3};
+    float knots[4] = {ANISOTROPIC_KNOTS_0, ANISOTROPIC_KNOTS_1, ANISOTROPIC_KNOTS_2, ANISOTROPIC_KNOTS_3};
     float places[4];
     for (int p = 0; p < 4; ++p)
         places[p] = azimuth_place(knots[p], tan2, mean2, gap, kappa);
     float total = closure_energy(table, kind, cos_theta_o, sqrt(mean2));
-    int rows = BRUSHED_COSINES + 1;
-    int sheets = (BRUSHED_RATIOS + 1) * rows;
+    int rows = ANISOTROPIC_COSINES + 1;
+    int sheets = (ANISOTROPIC_RATIOS + 1) * rows;
     for (int p = 0; p < 4; ++p) {
-        int at = kind + BRUSHED + ((p * (BRUSHED_ALPHAS + 1) + i) * (BRUSHED_RATIOS + 1) + j) * rows + k;
+        int at = kind + ANISOTROPIC + ((p * (ANISOTROPIC_ALPHAS + 1) + i) * (ANISOTROPIC_RATIOS + 1) + j) * rows + k;
         float low = mix(mix(table[at], table[at + 1], c - k), mix(table[at + rows], table[at + rows + 1], c - k), r - j);
         at += sheets;
         float high = mix(mix(table[at], table[at + 1], c - k), mix(table[at + rows], table[at + rows + 1], c - k), r - j);

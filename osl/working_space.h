@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
 // Sockets and closures are in the file's working space, the model is in linear Rec.709. red, green and blue are Rec.709's primaries
 // in the working space: sockets, which Blender converts with all other colors of a file. In a Rec.709 file both are exact.
 color from_working(color c, color red, color green, color blue)
