@@ -6,15 +6,19 @@ export LAMINA_BPY
 
 READY := $(VENV)/ready
 RUN := $(VENV)/bin/python
+# What looks at style and types has an environment of its own.
+CHECK := .venv-check
 SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py' -o -name '*.osl' -o -name '*.h' -o -name '*.json' \))
 
 # The tests that run beside all others.
 FIRST_HALF := tests/reference_py $(addprefix tests/addon/test_,parity.py stock_nodes.py anisotropy.py bent_normals.py coverage.py)
 
-.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings numbers fuzz matrix licences clean
+.PHONY: fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings numbers fuzz matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
+	@echo "make check     look at style and types, and run what starts no Blender and takes under a second (a minute)"
+	@echo "make slow-tests  measure which tests take more than a second (tests/slow.txt, half an hour)"
 	@echo "make test      run all tests, then build and validate the extension"
 	@echo "make operations  do 1,000 random things with layers and check after each that all agree"
 	@echo "make bench     print how fast the reference models are"
@@ -52,6 +56,23 @@ demo: build/demo/ready
 build/demo/ready: $(READY) $(SOURCES)
 	@mkdir -p build
 	$(VENV)/bin/lamina demo -o build/demo
+	@touch $@
+
+check: $(READY) $(CHECK)/ready
+	$(CHECK)/bin/ruff check .
+	$(CHECK)/bin/ruff format --check --quiet .
+	@mkdir -p $(CHECK)/tree && ln -sfn $(CURDIR) $(CHECK)/tree/lamina
+	cd $(CHECK)/tree && ../bin/mypy --config-file $(CURDIR)/pyproject.toml --python-executable $(CURDIR)/$(RUN) --follow-imports silent --no-error-summary \
+	  -p lamina.reference_py -p lamina.addon -p lamina.study -p lamina.demo_blend
+	$(RUN) -m pytest -q -m "not blender and not slow" tests
+
+slow-tests: $(READY)
+	: > tests/slow.txt
+	LAMINA_MEASURE_TESTS=1 $(RUN) -m pytest -q -m "not blender" tests
+
+$(CHECK)/ready: requirements/check.txt
+	$(RUN) -m venv $(CHECK)
+	$(CHECK)/bin/python -m pip --disable-pip-version-check install --quiet --require-hashes --only-binary :all: -r requirements/check.txt
 	@touch $@
 
 test: $(READY)

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Models turn a stack into numbers. All share one signature and are listed in one registry.
 
-A model is built from a stack and named options and has `f(wo, wi)` and `albedo(wo)`, both (..., 3). Most can be
-sampled: `sample(wo, rng)` gives (wi, valid), (..., 3) and (...), and `pdf(wo, wi)` the density (...) of wi in 1/sr.
-Samples that are not valid have value 0 and count as samples.
+A model is built from a stack and named options; `models.model` says what it has.
 """
 
 from .errors import LaminaError
@@ -12,6 +10,7 @@ from .material.coverage import covered_layers, patches
 from .material.stack import Stack
 from .models.adding import Adding
 from .models.baselines import BASELINES
+from .models.model import Model
 from .models.patch_model import PatchModel
 from .models.position_free import PositionFree
 from .models.weidlich_wilkie import WeidlichWilkie
@@ -24,7 +23,7 @@ MODELS = {model.name: model for model in (WeidlichWilkie, WeidlichWilkieRepaired
 OLD_NAMES = {"mirror": ClosureModel.name}
 
 
-def make_model(name: str, stack: Stack, **options: str):
+def make_model(name: str, stack: Stack, **options: str) -> Model:
     """Build a model by name; of a stack with covered layers, the mixture of its patches.
 
     Raises LaminaError on an unknown name or option, what is no Stack, or what the model does not know (`OpticalStack.of`).

@@ -4,8 +4,13 @@
 import os
 import signal
 import sys
+from pathlib import Path
 
 import pytest
+
+# Tests without Blender that took more than a second when `make slow-tests` measured all; `make check` leaves them out.
+SLOW = Path(__file__).with_name("slow.txt")
+SECOND = 1.0
 
 # A shell lets its background jobs, and so all that tests start, ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -39,8 +44,27 @@ def blender(registered_lamina):
     return bpy
 
 
+def pytest_collection_modifyitems(items):
+    slow = set(SLOW.read_text(encoding="utf-8").splitlines())
+    for item in items:
+        if item.nodeid in slow:
+            item.add_marker(pytest.mark.slow)
+
+
+# Seconds of every test of this run, its fixtures included.
+_seconds: dict[str, float] = {}
+
+
+def pytest_runtest_logreport(report):
+    _seconds[report.nodeid] = _seconds.get(report.nodeid, 0.0) + report.duration
+
+
 def pytest_sessionfinish(session, exitstatus):
     session.config.lamina_exit_status = int(exitstatus)
+    if os.environ.get("LAMINA_MEASURE_TESTS"):
+        known = set(SLOW.read_text(encoding="utf-8").splitlines())
+        slow = {name for name, seconds in _seconds.items() if seconds > SECOND}
+        SLOW.write_text("".join(f"{name}\n" for name in sorted(slow | (known - set(_seconds)))), encoding="utf-8")
 
 
 @pytest.hookimpl(trylast=True)

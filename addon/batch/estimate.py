@@ -15,8 +15,7 @@ def estimate(stack: Stack, tier: str) -> dict[str, str]:
         c = made.choice.chosen
         chosen, error = c.label, {"albedo": c.albedo, "soft_light": c.soft_light, "shape": c.shape}
     else:
-        # tables alone do not know which method they were made by
-        chosen = getattr(made.lobe_set, "name", made.method)
+        chosen = made.lobe_set.name
         try:
             error = cached(f"errors {tier} {key_of(stack, DEFAULT_METHOD)}", lambda: _judged(stack, made), dict, dict)
         except LaminaError as why:

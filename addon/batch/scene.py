@@ -27,7 +27,9 @@ class Stage:
     def __init__(self, threads: int = 0):
         self._threads = threads
         self._scene_key = self._material_key = None
-        self.scene = self.target = self.material = None
+        self.scene: bpy.types.Scene | None = None
+        self.target: bpy.types.Object | None = None
+        self.material: bpy.types.Material | None = None
         self.slot = 0
         self.texts: dict[str, str] = {}
 

@@ -103,12 +103,17 @@ def _to_pack(nodes: Sequence[bpy.types.Node]) -> list[bpy.types.Image]:
     return [image for image in _images(nodes) if image.source in _FILES and image.packed_file is None and image.library is None]
 
 
+def _dress_alone(material: bpy.types.Material, new: bpy.types.Material) -> None:
+    dress(material, new)
+    _without_scene(new)
+
+
 def write_asset(path: Path, material: bpy.types.Material, stack: Stack, catalogue: str, pixels: np.ndarray | None) -> None:
     """Write `stack` with the textures of `material` as an asset; `pixels` as of a PNG are its picture. Raises LaminaError."""
     lamina = material.lamina
     made = bpy.data.materials.new(_TEMPORARY)
     try:
-        materials.apply_stack(made, stack, lamina.tier, lamina.backend, lambda new: (dress(material, new), _without_scene(new)))
+        materials.apply_stack(made, stack, lamina.tier, lamina.backend, lambda new: _dress_alone(material, new))
         made.asset_mark()
         data = made.asset_data
         data.catalog_id, data.description = catalogue, stack.source

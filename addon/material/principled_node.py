@@ -12,9 +12,11 @@ import numpy as np
 
 from ...reference_py.exchange.matching import ColorMap
 from ...reference_py.exchange.principled import PLACES, WRITTEN
+from ...reference_py.material.schema import Parameter
 from ..shader.working_space import out_of_working
 from .elements import kind_of, node_of, used_features
 from .kind_groups import KIND_KEY
+from .properties import LaminaElement
 from .roles import Roles, give
 
 PRINCIPLED = "ShaderNodeBsdfPrincipled"
@@ -30,7 +32,7 @@ def parameter_of(element, parameter: str) -> str:
     return "reflectance" if parameter == "color" and kind_of(element).alternatives else parameter
 
 
-def linked_places(material: bpy.types.Material, owners: dict[str, int]) -> Iterator[tuple[str, object, object, bpy.types.NodeSocket]]:
+def linked_places(material: bpy.types.Material, owners: dict[str, int]) -> Iterator[tuple[str, LaminaElement, Parameter, bpy.types.NodeSocket]]:
     """(socket of Principled, element, schema's parameter, source) of every link that Principled has a place for."""
     elements = [*material.lamina.shown_layers, material.lamina.base]
     for socket, roles, name in PLACES:

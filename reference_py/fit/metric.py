@@ -9,7 +9,7 @@ stacks altogether (67 % off), this one is 4 % off at worst; none at all does bes
 in proportion.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -38,6 +38,9 @@ class Metric:
 
     measurement: Measurement
     kind: str = "log"
+    _weight: np.ndarray = field(init=False)
+    _scale: np.ndarray = field(init=False)
+    _target: np.ndarray = field(init=False)
 
     def __post_init__(self):
         m = self.measurement

@@ -72,6 +72,8 @@ class LiveLobes:
     grid: tuple[LiveLobe, ...]
     log_sum: np.ndarray
 
+    name = "baked"
+
     @property
     def lobe_count(self) -> int:
         return len(self.grid)

@@ -18,6 +18,11 @@ class LobeSet(Protocol):
     """What Cycles is told about a stack: lobes that depend on the view alone."""
 
     @property
+    def name(self) -> str:
+        """The method whose lobes they are."""
+        ...
+
+    @property
     def lobe_count(self) -> int:
         """How many closures they are."""
         ...
@@ -47,6 +52,38 @@ class Options:
 
 
 @dataclass(frozen=True)
+class Candidate:
+    """One way to tell Cycles: closures, estimated cost in units of a plain glossy node's, errors as shares of the light.
+
+    `albedo` is the worst view's, `soft_light` and `shape` are means over the views; all of the worst channel.
+    """
+
+    label: str
+    closures: int
+    cost: float
+    albedo: float
+    soft_light: float
+    shape: float
+
+    @property
+    def visible(self) -> float:
+        return max(self.albedo, self.soft_light)
+
+    def __str__(self) -> str:
+        return f"{self.label}, error {100.0 * self.visible:.3g} %, cost {self.cost:.2g}x"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What was chosen and its lobe set, what was tried, and why as a sentence."""
+
+    chosen: Candidate
+    lobe_set: LobeSet
+    tried: tuple[Candidate, ...]
+    reason: str
+
+
+@dataclass(frozen=True)
 class Made:
     """A lobe set, the stack that it is of, the name of the method that was asked for it, and why it is what it is."""
 
@@ -54,8 +91,8 @@ class Made:
     stack: Stack
     lobe_set: LobeSet
     reason: str = ""
-    choice: object = None
-    """What the method auto tried and chose (`auto.Choice`); None of other methods, and of several patches."""
+    choice: Choice | None = None
+    """What the method auto tried and chose; None of other methods, and of several patches."""
 
     @property
     def lobe_count(self) -> int:

@@ -3,13 +3,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ..material.coverage import Patch
 from ..material.stack import Stack
 from .lobe import DiffuseLobe, GlossyLobe, SchlickCurve
-from .made import LobeSet
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,10 @@ class PatchLobes:
     """The lobe sets of a stack's patches; lobes that differ in their weight alone are one."""
 
     stack: Stack
-    parts: tuple[tuple[Patch, LobeSet], ...]
+    parts: tuple[tuple[Patch, Any], ...]
+    """What was made of each patch (`Made`), or, of `tabulate`, its tables."""
+
+    name = "patches"
 
     @property
     def lobe_count(self) -> int:

@@ -100,6 +100,8 @@ class TableLobes:
 
     tables: tuple[GlossyTable | DiffuseTable | OrenNayarTable, ...]
 
+    name = "baked"
+
     @property
     def lobe_count(self) -> int:
         return len(self.tables)

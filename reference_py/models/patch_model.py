@@ -6,12 +6,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ..material.coverage import Patch
+from .model import SampledModel
 
 
 class PatchModel:
     """What a model says of a stack of several patches: every figure is the patches' mean, weighted by their shares."""
 
-    def __init__(self, parts: Sequence[tuple[Patch, object]]):
+    def __init__(self, parts: Sequence[tuple[Patch, SampledModel]]):
         models = [model for _, model in parts]
         self._shares, self._models = np.array([patch.share for patch, _ in parts]), models
         self.name, self.stochastic = models[0].name, models[0].stochastic

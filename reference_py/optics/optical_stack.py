@@ -7,6 +7,7 @@ and which features; what one does not know is refused here, in one line that nam
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -17,8 +18,8 @@ from .bases import ConductorBase, DiffuseBase
 from .interface import Interface
 from .microfacet import BECKMANN, GGX, is_specular
 
-LAYERS: dict[str, type] = {DIELECTRIC.name: Interface}
-BASES: dict[str, type] = {LAMBERT.name: DiffuseBase, OREN_NAYAR.name: DiffuseBase, CONDUCTOR.name: ConductorBase}
+LAYERS: dict[str, Any] = {DIELECTRIC.name: Interface}
+BASES: dict[str, Any] = {LAMBERT.name: DiffuseBase, OREN_NAYAR.name: DiffuseBase, CONDUCTOR.name: ConductorBase}
 # Features that change what a model computes. Coverage makes patches, and normals are the renderer's.
 _OPTICAL = (ANISOTROPY, THIN_FILM)
 
@@ -40,10 +41,10 @@ class Support:
 USERS: dict[str, dict[str, Support]] = {}
 
 
-def supports(role: str, **what) -> Callable[[type], type]:
+def supports(role: str, **what) -> Callable[[Any], Any]:
     """Decorates a class that has a `name`: states its role, "model" or "lobe set", and its `Support`, as keywords of that."""
 
-    def decorate(cls: type) -> type:
+    def decorate(cls: Any) -> Any:
         cls.role, cls.support = role, Support(**what)
         USERS.setdefault(role, {})[cls.name] = cls.support
         return cls
@@ -95,7 +96,7 @@ def rough_surfaces(stack: Stack) -> list[tuple[str, float]]:
     return OpticalStack.of(stack).rough_surfaces()
 
 
-def _class_of(element: Element, where: str, classes: dict[str, type]) -> type:
+def _class_of(element: Element, where: str, classes: dict[str, Any]) -> Any:
     if element.kind not in classes:
         raise LaminaError(f"{where}: the kind {element.kind} has no optics; choose {', '.join(classes)}")
     return classes[element.kind]

@@ -87,7 +87,7 @@ def _scene(study: str, n: int) -> dict:
     import bpy
 
     from ...addon.blender.versions import node_tree
-    from ...addon.jobs.prefetch import bake_ahead
+    from ...addon.jobs.prefetch import prefetch
     from ...addon.material.backend import NODES, OSL
     from ...addon.material.material import apply_stack, refresh
     from ...addon.material.state import Wanted
@@ -110,7 +110,7 @@ def _scene(study: str, n: int) -> dict:
     with tempfile.TemporaryDirectory() as folder:
         render_to(scene, Path(folder, "empty.exr"))  # what Cycles takes without materials
         seconds, clock, memory = _spent(), time.monotonic(), _resident()
-        bake_ahead([Wanted(stack, tier) for stack in stacks if stack], lambda told: None)
+        prefetch([Wanted(stack, tier) for stack in stacks if stack], lambda told: None)
         for i, stack in enumerate(stacks):
             material = bpy.data.materials.new("Scale")
             if stack is None:

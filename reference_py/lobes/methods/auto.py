@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Method `auto`: the cheapest way to tell Cycles about a stack whose error stays under a tolerance."""
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from ..closure import is_specular_lobe, lobe_energy
 from ..error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosines
 from ..live_grid import LiveLobes
 from ..lobe import DiffuseLobe, GlossyLobe
-from ..made import Made, Options
+from ..made import Candidate, Choice, Made, Options
 from ..view_table import TableLobes
 from .method import Computed, Method
 from .paper import PaperLobes
@@ -31,38 +31,6 @@ _AS_CLOSE = 0.05
 _AZIMUTHS = np.radians([0.0, 45.0, 90.0, 135.0])
 _FEW, _WALKS = 4, 1 << 15
 _LIVE = {lobes.name: lobes for lobes in (PaperLobes, AnalyticLobes)}
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """One way to tell Cycles: closures, estimated cost in units of a plain glossy node's, errors as shares of the light.
-
-    `albedo` is the worst view's, `soft_light` and `shape` are means over the views; all of the worst channel.
-    """
-
-    label: str
-    closures: int
-    cost: float
-    albedo: float
-    soft_light: float
-    shape: float
-
-    @property
-    def visible(self) -> float:
-        return max(self.albedo, self.soft_light)
-
-    def __str__(self) -> str:
-        return f"{self.label}, error {100.0 * self.visible:.3g} %, cost {self.cost:.2g}x"
-
-
-@dataclass(frozen=True)
-class Choice:
-    """What was chosen and its lobe set, what was tried, and why as a sentence."""
-
-    chosen: Candidate
-    lobe_set: object
-    tried: tuple[Candidate, ...]
-    reason: str
 
 
 def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = None, light_deg: float = SOFT_LIGHT_DEG) -> Choice:
