@@ -64,7 +64,7 @@ class Item:
 
 def expand(job: Job) -> list[Item]:
     """All items of a job, those of one scene and one material side by side. Raises LaminaError."""
-    count = len(job.stacks) * prod(len(s.values) for s in job.sweeps) * len(job.tiers) * len(job.scenes) * len(job.views) * len(job.frames)
+    count = len(job.stacks) * prod(len(s.values) for s in job.sweeps) * len(job.qualities) * len(job.scenes) * len(job.views) * len(job.frames)
     if count > MAX_VALUES:
         raise LaminaError(f"job {job.name!r}: {count} pictures; at most {MAX_VALUES} in one job")
     variants = [
@@ -81,7 +81,7 @@ def expand(job: Job) -> list[Item]:
     for scene in job.scenes:
         blend = inside(scene.blend, f"scene {scene.name!r}", job.folder) if scene.blend else None
         digest = _digest_of(blend) if blend else ""
-        for (look, combination, stack), tier in product(variants, job.tiers):
+        for (look, combination, stack), tier in product(variants, job.qualities):
             values = tuple((sweep.parameter, value) for sweep, value in combination)
             for view, frame in product(job.views, job.frames):
                 items.append(_item(job, look, stack, values, tier, scene, blend, digest, view, frame))

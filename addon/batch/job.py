@@ -71,7 +71,7 @@ class Job:
     name: str
     stacks: tuple[Look, ...]
     sweeps: tuple[Sweep, ...]
-    tiers: tuple[str, ...]
+    qualities: tuple[str, ...]
     backend: str
     scenes: tuple[Scene, ...]
     views: tuple[float, ...]
@@ -93,6 +93,9 @@ class Job:
         data = parse_json(text, str(path))
         if not isinstance(data, Mapping):
             raise LaminaError(f"{path}: a job is a JSON object with 'stacks', not {type(data).__name__}")
+        for old, new in OLD_KEYS.items():
+            if old in data and new not in data:
+                data = {new if name == old else name: value for name, value in data.items()}
         names = [key.name for key in KEYS]
         for name in data:
             if name not in names:
@@ -308,12 +311,15 @@ def _frames(value, where: str, folder: Path) -> tuple[int, ...]:
     return tuple(dict.fromkeys(frames))
 
 
+# What keys were called before; such jobs are still read.
+OLD_KEYS = {"tiers": "qualities"}
+
 KEYS = (
     Key("lamina_job", _version, JOB_VERSION, "version of this file's form"),
     Key("name", _text, "", "title of the contact sheet"),
     Key("stacks", _list_of(_look), REQUIRED, 'presets, .json files in the job\'s folder, or {"name": TEXT, "stack": {...}}'),
     Key("sweeps", _list_of(_sweep, 0), [], '{"parameter": "layers[0].roughness", "values": [...]}, or with "from", "to" and "steps"; all are combined'),
-    Key("tiers", _list_of(_tier), [DEFAULT_METHOD], "how Cycles is told: " + ", ".join(reversed(METHODS))),
+    Key("qualities", _list_of(_tier), [DEFAULT_METHOD], "how Cycles is told: " + ", ".join(reversed(METHODS))),
     Key("backend", _backend, DEFAULT_BACKEND, ", ".join(BACKENDS)),
     Key("scenes", _list_of(_scene), [BALL], '"ball", or {"blend": FILE, "object": NAME} for an object of a .blend in the job\'s folder'),
     Key("views", _list_of(_view), [0.0], "degrees by which the camera goes around the object"),

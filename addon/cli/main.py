@@ -98,7 +98,7 @@ def build_parser() -> argparse.ArgumentParser:
     shader = _command(commands, "shader", "numbers", "print the OSL shader that is generated for a stack")
     shader.add_argument("stack", metavar="STACK", help=STACK_HELP)
     for command in (render, apply, shader):
-        command.add_argument("--tier", default=None, help="how the stack is told to Cycles (default: the extension's)")
+        command.add_argument("--quality", "--tier", dest="tier", default=None, help="how the stack is told to Cycles (default: the extension's)")
     for command in (render, apply):
         command.add_argument(
             "--backend", choices=BACKENDS, default=DEFAULT_BACKEND, help="stock nodes, an OSL shader, or both (default: %(default)s, both where there is OSL)"

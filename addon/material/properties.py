@@ -109,7 +109,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     solo: StringProperty(description="Node of the layer that alone is shown over the base; empty where all visible ones are")
     base: PointerProperty(type=LaminaElement)
     tier: EnumProperty(
-        name="Tier",
+        name="Quality",
         description="How the stack is told to Cycles",
         items=[(name, name.replace("_", " ").title(), row.help) for name, row in METHODS.items()],
         default=DEFAULT_METHOD,

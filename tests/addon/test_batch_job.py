@@ -38,6 +38,10 @@ def test_everything_is_combined(tmp_path):
     assert sorted({item.frame for item in made}) == [1, 3, 5] and {item.seed for item in made} == {1, 3, 5}
 
 
+def test_jobs_of_the_former_name_of_a_key_are_read(tmp_path):
+    assert job(tmp_path, tiers=["analytic"]).qualities == job(tmp_path, qualities=["analytic"]).qualities == ("analytic",)
+
+
 def test_steps_are_evenly_spread(tmp_path):
     made = expand(job(tmp_path, sweeps=[{"parameter": "base.roughness", "from": 0.1, "to": 0.3, "steps": 3}]))
     assert [item.stack.base["roughness"] for item in made] == pytest.approx([0.1, 0.2, 0.3])
@@ -120,7 +124,7 @@ BAD = [
     ({"samples": 0}, "samples is 0"),
     ({"time_limit": 0}, "time_limit is 0; choose seconds, more than 0"),
     ({"time_limit": "1 h"}, "time_limit is '1 h'; choose seconds"),
-    ({"tiers": ["magic"]}, "unknown tier 'magic'; choose"),
+    ({"qualities": ["magic"]}, "unknown quality 'magic'; choose"),
     ({"backend": "cuda"}, "unknown backend 'cuda'; choose auto"),
     ({"sweeps": [{"parameter": "layers[0].roughness", "values": [0.1]}]}, "it has 0 layers"),
     # found by make fuzz: a name that breaks the line

@@ -350,7 +350,7 @@ def test_unlayered_material_has_a_clear_message(blender):
     for call in (material.stack_of, material.regenerate, lambda m: layers.add_layer(m, "dielectric", 0)):
         with pytest.raises(LaminaError, match="material plain has no Lamina stack; pick a preset first"):
             call(new)
-    with pytest.raises(LaminaError, match="unknown tier 'best'; choose weidlich_wilkie"):
+    with pytest.raises(LaminaError, match="unknown quality 'best'; choose weidlich_wilkie"):
         material.apply_stack(new, Stack.from_dict(TWO_LAYERS), "best")
     assert not new.lamina.is_layered
 
