@@ -11,7 +11,7 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 # The tests that run beside all others.
 FIRST_HALF := tests/reference_py $(addprefix tests/addon/test_,parity.py stock_nodes.py anisotropy.py bent_normals.py coverage.py)
 
-.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings numbers fuzz calibration matrix licences clean
+.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings numbers fuzz faults calibration matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -39,6 +39,7 @@ help:
 	@echo "make surroundings  render one file in its four surroundings (LAMINA_BLENDER names a Blender that has EEVEE)"
 	@echo "make numbers   put the numbers of the tables into README.md, figures/README.md and docs/ (a test compares)"
 	@echo "make fuzz      throw 100000 broken inputs at every reader"
+	@echo "make faults    put deliberate faults into a copy, one at a time, and say which the tests catch (five minutes)"
 	@echo "make matrix    run the tests on every supported Blender whose Python is here, and print a table"
 	@echo "make licences  print the licence of every pinned package"
 	@echo "make clean     remove what was built (not $(VENV))"
@@ -136,6 +137,9 @@ numbers: $(READY)
 
 fuzz: $(READY)
 	$(RUN) tests/benchmarks/fuzz.py 100000 figures/fuzz.txt
+
+faults: $(READY)
+	$(RUN) tests/deliberate_faults.py
 
 matrix:
 	@$(or $(PYTHON),python3) tools/matrix.py -o figures/matrix.txt
