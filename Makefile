@@ -13,7 +13,7 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 # The tests that run beside all others.
 FIRST_HALF := tests/reference_py $(addprefix tests/addon/test_,parity.py stock_nodes.py anisotropy.py bent_normals.py coverage.py)
 
-.PHONY: fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings numbers fuzz matrix licences clean
+.PHONY: fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings numbers fuzz faults calibration matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -31,6 +31,7 @@ help:
 	@echo "make charts    measure the tables of figures/ anew and draw them"
 	@echo "make pareto    measure error against cost in Cycles anew and draw it (half an hour, best on a quiet machine)"
 	@echo "make viewport  measure how EEVEE shows presets (half an hour without a graphics card; LAMINA_BLENDER names a Blender that has it)"
+	@echo "make calibration  find the constants of the tier analytic and of the cost estimate again, and compare (an hour; writes tables alone)"
 	@echo "make fit       measure how well stacks are found from measurements (an hour; goes on where it was stopped)"
 	@echo "make fit-table measure how long the fit of a whole MERL table takes (three minutes)"
 	@echo "make tilted-lobes  measure what bakes reflect of a white world beside their formula (ten minutes)"
@@ -42,6 +43,7 @@ help:
 	@echo "make surroundings  render one file in its four surroundings (LAMINA_BLENDER names a Blender that has EEVEE)"
 	@echo "make numbers   put the numbers of the tables into README.md and docs/ (a test compares)"
 	@echo "make fuzz      throw 100000 broken inputs at every reader"
+	@echo "make faults    put deliberate faults into a copy, one at a time, and say which the tests catch (five minutes)"
 	@echo "make matrix    run the tests on every supported Blender whose Python is here, and print a table"
 	@echo "make licences  print the licence of every pinned package"
 	@echo "make clean     remove what was built (not $(VENV))"
@@ -120,6 +122,10 @@ pareto: $(READY)
 viewport: $(READY)
 	$(VENV)/bin/lamina chart viewport -o figures
 
+calibration: $(READY)
+	$(RUN) -m lamina.study.calibrate_analytic
+	$(RUN) -m lamina.study.calibrate_cost --measure
+
 fit: $(READY)
 	$(VENV)/bin/lamina chart fit -o figures
 
@@ -152,6 +158,9 @@ numbers: $(READY)
 
 fuzz: $(READY)
 	$(RUN) tests/benchmarks/fuzz.py 100000 figures/fuzz.txt
+
+faults: $(READY)
+	$(RUN) tests/deliberate_faults.py
 
 matrix:
 	@$(or $(PYTHON),python3) tools/matrix.py -o figures/matrix.txt

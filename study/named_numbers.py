@@ -119,6 +119,36 @@ def saved_in_the_corner() -> str:
     return percent(1.0 - cost_factor("diffuse + 3 ggx, but 1 after any bounce", "ball in a corner") / whole)
 
 
+# --- constants that were fitted ---
+
+
+def calibration(stacks: str, constants: str, of: str) -> str:
+    (row,) = where("calibration", stacks=stacks, constants=constants)
+    return percent(0.01 * float(row[of].removesuffix(" %")), 1)
+
+
+def mirror_alone() -> str:
+    return plain(np.mean([cell("cost_fit", "cost", material=f"{how}: 0 diffuse, 1 mirror, 0 glossy") for how in ("OSL", "nodes")]), 2)
+
+
+def live_cost_errors(constants: str) -> np.ndarray:
+    """Relative errors of the estimate for the live methods of `pareto`, without their signs."""
+    from . import calibrate_cost
+
+    coefficients = calibrate_cost.cost.PARTS if constants == "committed" else calibrate_cost.fit(calibrate_cost.read_rows())
+    return np.abs(calibrate_cost.errors(calibrate_cost.pareto_rows(), coefficients))
+
+
+def live_cost(statistic: Callable[[np.ndarray], float], constants: str) -> str:
+    return percent(statistic(live_cost_errors(constants)))
+
+
+def live_cost_misses() -> str:
+    from .calibrate_cost import GOOD_TO
+
+    return word(int(np.sum(live_cost_errors("committed") > GOOD_TO)))
+
+
 # --- surroundings and the viewport ---
 
 
@@ -236,6 +266,15 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "stock nodes shape": stock_nodes_shape,
     "one lobe more": one_lobe_more,
     "saved in the corner": saved_in_the_corner,
+    **{f"calibration {name} {constants}": partial(calibration, stacks, constants, of)
+       for name, stacks, of in (("seen", "albedo, suite and paper's presets", "worst"), ("tinted", "albedo, held out, 3 to 6 tinted layers", "mean"),
+                                ("shape", "shape, held out", "mean"))
+       for constants in ("committed", "fitted")},
+    "cost of a mirror": mirror_alone,
+    **{f"cost {name} {constants}": partial(live_cost, statistic, constants)
+       for name, statistic in (("RMS", lambda e: np.sqrt(np.mean(e * e))), ("median", np.median)) for constants in ("committed", "fitted")},
+    "cost live materials": lambda: word(len(live_cost_errors("committed"))),
+    "cost misses": live_cost_misses,
     "patina brighter": patina_brighter,
     "branches render": lambda: span(column(where("branches", osl="on"), "render"), 3),
     "branches start": lambda: span(100.0 * (column(where("branches", osl="on"), "start") - 1.0), 0) + " %",

@@ -9,17 +9,16 @@ from ...errors import LaminaError
 from ...material.place import in_words
 from ...material.stack import Stack
 from ...models.position_free import PositionFree
-from ...optics.bases import ConductorBase
 from ...optics.frame import spherical
 from ..analytic import AnalyticLobes
 from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, axes_of, baked, pack_lobes, unpack_lobes
 from ..cache import content, truth_of
-from ..closure import is_specular_lobe, lobe_energy
+from ..closure import lobe_energy
 from ..error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosines
 from ..live_grid import LiveLobes
-from ..lobe import DiffuseLobe, GlossyLobe
 from ..made import Candidate, Choice, Made, Options
 from ..view_table import TableLobes
+from .cost import cost
 from .method import Computed, Method
 from .paper import PaperLobes
 from .with_features import featured_analytic
@@ -113,25 +112,6 @@ def _with_values_of(stack: Stack, lobe_set):
 def _candidate(label: str, lobe_set, errors: Errors, live: bool) -> Candidate:
     means = float(np.mean(errors.soft_light)), float(np.mean(errors.shape))
     return Candidate(label, lobe_set.lobe_count, cost(lobe_set, live), float(np.max(errors.albedo)), *means)
-
-
-def cost(lobe_set, live: bool = False) -> float:
-    """An estimate of the CPU time of a frame-filling object over that of a plain glossy node, good to a quarter.
-
-    Of closures and of the adding in the tier analytic, from what `lamina chart pareto` measured; OSL folds that adding where
-    parameters are constant and layers few.
-    """
-    lobes = lobe_set.lobes(np.ones(1))
-    diffuse = sum(isinstance(lobe, DiffuseLobe) for lobe in lobes)
-    mirrors = sum(is_specular_lobe(lobe) for lobe in lobes if isinstance(lobe, GlossyLobe))
-    total = 0.85 + 0.07 * diffuse + 0.1 * mirrors + 0.2 * (len(lobes) - diffuse - mirrors)
-    if isinstance(lobe_set, AnalyticLobes):
-        folds = not live and len(lobe_set.stack.layers) <= 3
-        over_metal = isinstance(lobe_set.base, ConductorBase)
-        total += len(lobe_set.stack.layers) * ((0.9 if over_metal else 0.15) if folds else (2.4 if over_metal else 0.8))
-    elif isinstance(lobe_set, PaperLobes):
-        total += 0.25 * len(lobe_set.stack.layers)
-    return total
 
 
 def _pack(choice: Choice) -> dict:

@@ -6,7 +6,7 @@ from ..live_grid import LiveLobes
 from ..made import Made
 from ..patch_lobes import PatchLobes
 from ..view_table import TableLobes
-from .auto import cost
+from .cost import cost
 
 
 def parts_of(made: Made) -> list[Made]:
@@ -34,5 +34,5 @@ def estimated_error(made: Made) -> float | None:
 
 
 def estimated_cost(made: Made) -> float:
-    """What it costs, in units of a plain glossy node's, see `auto.cost`; that of the dearest of its patches."""
+    """What it costs, in units of a plain glossy node's, see `cost.cost`; that of the dearest of its patches."""
     return max(part.choice.chosen.cost if part.choice else cost(part.lobe_set) for part in parts_of(made))

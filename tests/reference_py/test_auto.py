@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The choice of the default method: which of candidates of given errors and costs is taken, and why."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from support.stacks import coat, lambert, stack
+
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.lobes.error_estimate import Errors
+from lamina.reference_py.lobes.made import Options
+from lamina.reference_py.lobes.methods import auto
+from lamina.reference_py.material.place import Place
+
+COATED = stack(coat(0.1), base=lambert(0.5))
+WORST, CLOSE = 0.5, 0.001
+
+
+@pytest.fixture
+def offered(monkeypatch):
+    """`choose` among candidates, given as label: (cost, worst albedo's error, soft light's), of which "baked, k glossy" are bakes.
+
+    Every shape is far off: it does not count. Calls of `cost` tell whether values are live.
+    """
+
+    def offer(candidates, live=(), **options):
+        told = []
+
+        class Estimator:
+            def __init__(self, *arguments):
+                pass
+
+            def errors(self, lobe_set):
+                _, albedo, soft = candidates[lobe_set.name]
+                # the albedo is the worst view's, the soft light's a mean over views
+                return Errors(np.array([0.0, albedo]), np.array([0.5 * soft, 1.5 * soft]), np.array([0.9, 0.9]))
+
+        def bake(k):
+            return SimpleNamespace(lobe_set=SimpleNamespace(name=f"baked, {k} glossy", lobe_count=k + 1))
+
+        def cost_of(lobe_set, live):
+            told.append(live)
+            return candidates[lobe_set.name][0]
+
+        monkeypatch.setattr(auto, "ErrorEstimator", Estimator)
+        monkeypatch.setattr(auto, "Baker", lambda *arguments: SimpleNamespace(bake=bake))
+        monkeypatch.setattr(auto, "baked", lambda stack, axes, glossy, report: SimpleNamespace(name="over", lobe_count=2, axes=axes))
+        monkeypatch.setattr(auto, "cost", cost_of)
+        result = auto.choose(COATED, None, Options(live=live, **options), cosines=np.ones(2))
+        assert set(told) == {bool(live)}
+        return result
+
+    return offer
+
+
+DEAR_AND_EXACT = {"weidlich_wilkie": (1.2, WORST, WORST), "analytic": (3.0, CLOSE, CLOSE)}
+
+
+@pytest.mark.parametrize("bakes, taken, tried", [
+    # the exact method costs more than a bake that is good enough
+    ([(1.1, 0.019, 0.019)], "baked, 1 glossy", 3),
+    # what is cheap and wrong is not taken, and more lobes are tried until they do
+    ([(1.1, 0.3, 0.01), (1.3, 0.04, 0.01), (1.5, 0.01, 0.01), (1.7, 0.0, 0.0)], "baked, 3 glossy", 5),
+    # soft light counts as much as the albedo
+    ([(1.1, CLOSE, 0.03), (1.3, CLOSE, 0.01)], "baked, 2 glossy", 4),
+    # at the tolerance is within it
+    ([(1.1, 0.02, 0.0)], "baked, 1 glossy", 3),
+    # bakes that never are good enough leave the method that is
+    ([(1.1, 0.1, 0.1), (1.3, 0.08, 0.1), (1.5, 0.06, 0.1), (1.7, 0.05, 0.1)], "analytic", 6),
+    # a bake that is good enough may be the dearer one
+    ([(3.2, CLOSE, CLOSE)], "analytic", 3),
+])  # fmt: skip
+def test_the_cheapest_within_the_tolerance_is_taken(offered, bakes, taken, tried):
+    told = offered({**DEAR_AND_EXACT, **{f"baked, {k} glossy": figures for k, figures in enumerate(bakes, 1)}}, tolerance=0.02)
+    assert told.chosen.label == told.lobe_set.name == taken
+    assert [c.label for c in told.tried] == ["weidlich_wilkie", "analytic", *(f"baked, {k} glossy" for k in range(1, tried - 1))]
+    assert told.chosen in told.tried and told.reason == "the cheapest whose error is at most 2 %"
+
+
+@pytest.mark.parametrize("figures, taken", [
+    # 4 % more error for a third of the cost: as close
+    ([(1.2, WORST, 0.0), (3.0, 0.1, 0.0), (1.1, 0.104, 0.0), (1.3, 0.2, 0.0)], "baked, 1 glossy"),
+    # 6 % more error is not
+    ([(1.2, WORST, 0.0), (3.0, 0.1, 0.0), (1.1, 0.106, 0.0), (1.3, 0.2, 0.0)], "analytic"),
+    # and neither is what only the soft light tells apart
+    ([(1.2, 0.1, WORST), (3.0, 0.1, 0.1), (1.1, 0.1, 0.3), (1.3, 0.1, 0.2)], "analytic"),
+    ([(1.2, 0.1, 0.0), (3.0, 0.1, 0.0), (1.4, 0.1, 0.0), (1.6, 0.1, 0.0)], "weidlich_wilkie"),
+])  # fmt: skip
+def test_where_none_is_good_enough_the_cheapest_of_the_closest_is_taken(offered, figures, taken):
+    labels = ("weidlich_wilkie", "analytic", "baked, 1 glossy", "baked, 2 glossy")
+    told = offered(dict(zip(labels, figures)), tolerance=0.02, glossy=2)
+    assert told.chosen.label == taken
+    assert told.reason == "the cheapest of those about as close as the closest; none of 4 reaches 2 %"
+
+
+def test_what_people_read_of_a_candidate_is_the_worse_of_both_errors():
+    candidate = auto.Candidate("analytic", 3, 1.26, albedo=0.004, soft_light=0.031, shape=0.5)
+    assert candidate.visible == 0.031
+    assert str(candidate) == "analytic, error 3.1 %, cost 1.3x"
+    assert auto.Candidate("analytic", 3, 1.26, albedo=0.04, soft_light=0.031, shape=0.5).visible == 0.04
+
+
+def test_errors_are_the_worst_albedo_and_the_mean_soft_light(offered):
+    # no bake follows a tint, so that none is tried
+    told = offered({"weidlich_wilkie": (1.2, 0.3, 0.2), "analytic": (3.0, 0.01, 0.012)}, live=(Place(0, "tint"),))
+    worse, better = told.tried
+    assert (worse.albedo, worse.soft_light) == (0.3, pytest.approx(0.2)) and (better.albedo, better.soft_light) == (0.01, pytest.approx(0.012))
+    assert (better.closures, worse.cost, better.shape) == (2, 1.2, 0.9)
+
+
+def test_live_values_are_baked_over_where_a_bake_can_follow_them(offered):
+    told = offered({**DEAR_AND_EXACT, "over": (1.2, 0.01, 0.01)}, live=(Place(0, "thickness"),))
+    assert told.chosen.label == "baked over the thickness of layer 0"
+    assert [axis.parameter for axis in told.lobe_set.axes] == [Place(0, "thickness")]
+    told = offered(DEAR_AND_EXACT, live=(Place(0, "tint"),))
+    assert told.chosen.label == "analytic" and len(told.tried) == 2
+    assert told.reason == "the cheapest whose error is at most 2 %; a bake cannot follow the tint of layer 0"
+
+
+def test_progress_grows_to_the_end(offered):
+    shares = []
+    offered({**DEAR_AND_EXACT, "baked, 1 glossy": (1.1, 0.1, 0.1), "baked, 2 glossy": (1.1, 0.01, 0.01)}, progress=shares.append, glossy=2)
+    assert len(shares) == 5 and shares == sorted(shares) and shares[-1] == 1.0
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -0.01, 1.01, float("nan")])
+def test_a_tolerance_that_means_nothing_is_refused(tolerance):
+    with pytest.raises(LaminaError, match=r"tolerance .* percent: choose more than 0 and at most 100"):
+        auto.choose(COATED, None, Options(tolerance=tolerance))
