@@ -50,7 +50,7 @@ FAULTS = (
           (f"{OF_AUTO}test_the_cheapest_within_the_tolerance_is_taken",)),
     Fault("the albedo of the mean view", AUTO, "float(np.max(errors.albedo)), *means", "float(np.mean(errors.albedo)), *means",
           (f"{OF_AUTO}test_errors_are_the_worst_albedo_and_the_mean_soft_light",)),
-    Fault("soft light left out of what is chosen by", AUTO, "return max(self.albedo, self.soft_light)", "return self.albedo",
+    Fault("soft light left out of what is chosen by", "reference_py/lobes/made.py", "return max(self.albedo, self.soft_light)", "return self.albedo",
           (f"{OF_AUTO}test_the_cheapest_within_the_tolerance_is_taken", f"{OF_AUTO}test_what_people_read_of_a_candidate_is_the_worse_of_both_errors")),
     Fault("a lobe costs twice", COST, '"glossy": 0.2,', '"glossy": 0.4,', (f"{OF_COST}test_costs_of_lobes_are_those_measured",)),
     Fault("live layers are folded", COST, "folds = not live and", "folds =", (f"{OF_COST}test_everything_that_a_shader_has_costs",)),
