@@ -54,7 +54,7 @@ def recolored(base: Element, color) -> Element:
 
 def color_key(base: Element) -> str:
     """The parameter that is the base's color."""
-    return "reflectance" if base.kind == "conductor" else "color"
+    return "color" if "color" in base else "reflectance"
 
 
 def _plain(element: Element) -> Element:

@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 
 from ...optics.fresnel import fresnel_conductor
-from ...optics.microfacet import GGX, smith_lambda_stretched
+from ...optics.microfacet import GGX, distribution_of, smith_lambda_stretched
 from .beam import Crossing, attenuation, cosine, through
 from .calibration import (
     BASE_LOSS,
@@ -227,9 +227,8 @@ def _lobe_nodes(p, widened, n: float, kind: str, kind_above: str, facets: Facets
     Nodes of a spherical cap (Dupuy23), then moved apart by what `widened`, the spread of the beam as an alpha, adds.
     """
     u, node_weight, turn_x, turn_y, _ = lobe_nodes()
-    slope2 = {True: u / (1.0 - u), False: -np.log1p(-u)}
-    own, above = slope2[kind == GGX], slope2[kind_above == GGX]
-    scale = np.sqrt(own / slope2[True])
+    own, above, nodes = (distribution_of(name).slope2_quantile(u) for name in (kind, kind_above, GGX))
+    scale = np.sqrt(own / nodes)
     along, across = (np.asarray(alpha)[..., None] for alpha in facets.sides)
     apart_x, apart_y = (np.sqrt(a * a * own + np.square(widened[..., None]) * above) - a * np.sqrt(own) for a in (along, across))
     along, across = along * scale, across * scale

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...optics.fresnel import fresnel_dielectric
-from ...optics.microfacet import GGX
+from ...optics.microfacet import BECKMANN, GGX
 from .calibration import (
     BACK_SPREAD,
     LEAN_BECKMANN,
@@ -94,7 +94,7 @@ def refracted(p, variance, crossing: Crossing):
     c1, c2 = cosine(p, n1), cosine(p, n2)
     turn = (n2 * c2 - n1 * c1) * alpha
     tangent = alpha * np.sqrt(np.maximum(1.0 / np.square(c1) - 1.0, 0.0))
-    a, b, c = LEAN_GGX if crossing.kind == GGX else LEAN_BECKMANN
+    a, b, c = {GGX: LEAN_GGX, BECKMANN: LEAN_BECKMANN}[crossing.kind]
     lean = turn * a * tangent / (1.0 + b * alpha + c * tangent * (alpha if crossing.kind == GGX else 1.0))
     variance = variance + LOBE_SPREAD * np.square(turn / (1.0 + SPREAD_GRAZING * tangent))
     p = np.where(np.asarray(alpha) > 0.0, np.minimum(p, MOST_SHARE * n2), p)
