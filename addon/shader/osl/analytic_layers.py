@@ -15,7 +15,7 @@ from ....reference_py.material.schema import ANISOTROPY
 from ....reference_py.material.stack import Stack
 from .block import numbers
 from .parts import TABLE_BLOCKS, table_starts
-from .surface import Surface, beckmann
+from .surface import Surface, beckmann, is_metal
 
 # Above this many layers there are loops over layers and beams: they do not fold, but eight layers unrolled are 10 MB of
 # bytecode that takes seconds to compile, and thirty take minutes.
@@ -77,7 +77,7 @@ def layers_lines(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface
     for way in ("down", "up"):
         lines += _in_order(stack, energies, way)
     lines.append("Beam beam;")
-    if stack.base.kind != "conductor":
+    if not is_metal(stack):
         lines += _escaping(stack, energies)
     lines += [
         f"float least = min(1.0, {_nested('min', [f'n_{j}' for j in range(count)])});",
@@ -236,7 +236,7 @@ def _below(stack: Stack, energies: Tables) -> list[str]:
         "back = (beam.first + beam.inner) * left * left;", "out = beam.transmitted * left;",
     ]  # fmt: skip
     lines = ["color left, back, out;", "float p, weight;"]
-    if stack.base.kind != "conductor":
+    if not is_metal(stack):
         body.append("absorbed += weight * (1.0 - back - out);")
         lines += ["color absorbed = color(0.0);", *for_each(nodes, body, count)]
         lines.append("reflected = max(reflected - max(absorbed, color(0.0)), color(0.0));")

@@ -15,7 +15,7 @@ from ....reference_py.material.stack import Element, Stack
 from ..inputs import BASE
 from .analytic_layers import Tables, beam_of, for_each, layers_lines, roughest, view_lines
 from .block import Block, Closure
-from .surface import BaseClosures, Surface, beckmann, diffuse_closures, metal_closure, surface_of, top_closure, top_function
+from .surface import BaseClosures, Surface, beckmann, diffuse_closures, is_metal, is_rough, metal_closure, surface_of, top_closure, top_function
 
 NOTE = "Adding over the interfaces at every shading point."
 
@@ -39,7 +39,7 @@ def analytic_block(stack: Stack, owners: Sequence[str]) -> Block:
         lines, closure = _deeper_interfaces(stack.layers[1], surfaces[1], owners[1], energies)
         body += lines
         closures.append(closure)
-    lines, base_closures = _metal(stack, surfaces[-1], energies) if stack.base.kind == "conductor" else _diffuse(stack, surfaces[-1])
+    lines, base_closures = _metal(stack, surfaces[-1], energies) if is_metal(stack) else _diffuse(stack, surfaces[-1])
     return Block(
         functions=(*(name for surface in surfaces for name in surface.functions), *base_closures.functions, *_functions(stack)),
         arrays=energies.arrays,
@@ -58,9 +58,9 @@ def _functions(stack: Stack) -> list[str]:
         names += [top_function(stack.layers[0]), "medium.h", "analytic_beam.h", "analytic_lobe.h"]
         if any(element.has(ANISOTROPY) for element in (*stack.layers[1:2], stack.base)):
             names.append("anisotropic_alpha.h")
-        if stack.base.kind == "oren_nayar":
+        if is_rough(stack.base):
             names.append("oren_nayar_albedo.h")
-    if stack.base.kind == "conductor":
+    if is_metal(stack):
         names += ["analytic_tables.h", "analytic_metal.h"]
         if stack.base.has(ANISOTROPY):
             names.append("anisotropic_metal.h")
@@ -125,7 +125,7 @@ def _diffuse(stack: Stack, surface: Surface) -> tuple[list[str], BaseClosures]:
     if not stack.layers:
         return [], closures
     beam = beam_of(surface.view)
-    if stack.base.kind == "lambert":
+    if not is_rough(stack.base):
         return [], closures.below(f"{beam}.transmitted * escaped / (1.0 - BaseColor * reflected)")
     terms = [f"{2.0 * w * u:.9g} * oren_nayar_albedo({u:.9g}, BaseColor, base_sigma)" for u, w in zip(*base.gauss(ALBEDO_NODES))]
     lines = [

@@ -12,7 +12,7 @@ from ....reference_py.material.stack import Stack
 from ....reference_py.optics.thin_film import sensitivities
 from ..inputs import BASE
 from .block import Block, Closure, numbers
-from .surface import BaseClosures, Surface, beckmann, diffuse_closures, metal_closure, surface_of, top_closure, top_function
+from .surface import BaseClosures, Surface, beckmann, diffuse_closures, is_metal, is_rough, metal_closure, surface_of, top_closure, top_function
 
 NOTE = 'Layered after Weidlich and Wilkie 2007, "Arbitrarily Layered Micro-Facet Surfaces".'
 
@@ -32,7 +32,7 @@ def weidlich_wilkie_block(stack: Stack, owners: Sequence[str]) -> Block:
 
 def _has_weights(stack: Stack) -> bool:
     """Whether the shader computes a weight: all closures but that of a top interface and of a bare diffuse base have one."""
-    return bool(stack.layers) or stack.base.kind == "conductor"
+    return bool(stack.layers) or is_metal(stack)
 
 
 def _has_film(stack: Stack) -> bool:
@@ -47,7 +47,7 @@ def _functions(stack: Stack) -> list[str]:
     names = [top_function(stack.layers[0]), "medium.h"] if stack.layers else []
     if len(stack.layers) > 1:
         names.append(f"weight_glossy{film}.h")
-    if stack.base.kind == "conductor":
+    if is_metal(stack):
         names.append(f"weight_metal{film}.h")
     elif stack.layers:
         names.append(f"weight_diffuse{film}.h")
@@ -106,9 +106,9 @@ def _interface_closure(stack: Stack, index: int, surface: Surface, owner: str) -
 def _base_closures(stack: Stack, surface: Surface) -> BaseClosures:
     base, count = stack.base, len(stack.layers)
     above = f"{_interfaces(stack)}, {surface.view}"
-    if base.kind == "conductor":
+    if is_metal(stack):
         weight = f"weight_metal(Nodes, {count}, {surface.alpha}, {beckmann(base)}, {above}, base_eta, base_k)"
         return metal_closure(base, weight, surface.microfacet(base["distribution"]))
     diffuse = diffuse_closures(base, surface)
-    sigma = "base_sigma" if base.kind == "oren_nayar" else "0.0"
+    sigma = "base_sigma" if is_rough(base) else "0.0"
     return diffuse.below(f"weight_diffuse(Nodes, {count}, {above}, {sigma})") if count else diffuse

@@ -5,7 +5,9 @@ from dataclasses import dataclass, replace
 
 from ....reference_py.lobes.lobe import DARK
 from ....reference_py.material.schema import ANISOTROPY, NORMAL, THIN_FILM
-from ....reference_py.material.stack import Element
+from ....reference_py.material.stack import Element, Stack
+from ....reference_py.optics.bases import ConductorBase
+from ....reference_py.optics.optical_stack import OpticalStack
 from .block import Closure
 
 # Statements that declare the view in tables, and what glossy lobes over it need; they call FRAME_FUNCTIONS.
@@ -103,9 +105,19 @@ class BaseClosures:
         return replace(self, closures=tuple(replace(c, weight=f"{weight} * {c.weight}") for c in self.closures))
 
 
+def is_metal(stack: Stack) -> bool:
+    """Whether the base is a metal; else it is diffuse, as no method that is written here knows others."""
+    return isinstance(OpticalStack.of(stack).base, ConductorBase)
+
+
+def is_rough(base: Element) -> bool:
+    """Whether a diffuse base has inclined facets, by its structure."""
+    return "sigma_deg" in base
+
+
 def diffuse_closures(base: Element, surface: Surface) -> BaseClosures:
     """Those of a diffuse base: of a rough one two, as its color counts otherwise from Blender 5.3 on (osl/oren_nayar.h)."""
-    if base.kind == "lambert":
+    if not is_rough(base):
         return BaseClosures((Closure("BaseColor", f"diffuse({surface.normal})"),))
     white, dark = (
         Closure(weight, f"oren_nayar_diffuse_bsdf({surface.normal}, color({color:g}), base_sigma)")
