@@ -26,4 +26,4 @@ BASELINES = (
     Lafortune,
 )
 
-__all__ = ["PEERS", *(peer.__name__ for peer in BASELINES)]
+__all__ = ["BASELINES", *(peer.__name__ for peer in BASELINES)]
