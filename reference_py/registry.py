@@ -1,7 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Models turn a stack into numbers. All share one signature and are listed in one registry.
 
-A model is built from a stack and named options; `models.model` says what it has.
+A model is built from a stack and named options; `models.model` says what it has. The head of each model's file has a table of
+its options, and an example, which needs these imports:
+
+>>> from lamina.reference_py.material import presets
+>>> from lamina.reference_py.optics.frame import spherical
+>>> from lamina.reference_py.registry import make_model
+>>> make_model("schlick", presets.load("glazed_mug")).albedo(spherical(0.5, 0.0)).round(3).tolist()
+[0.096, 0.243, 0.366]
 """
 
 from .errors import LaminaError

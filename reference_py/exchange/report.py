@@ -58,10 +58,13 @@ class Match:
 
 @dataclass(frozen=True)
 class Report:
+    """Losses of every parameter, and how far the converted material is off."""
+
     losses: tuple[Loss, ...]
     match: Match
 
     def of(self, fate: str) -> tuple[Loss, ...]:
+        """The losses of one of FATES."""
         return tuple(loss for loss in self.losses if loss.fate == fate)
 
     @property

@@ -55,9 +55,11 @@ class Slots:
 
     @property
     def is_metal(self) -> bool:
+        """Whether the base is a metal: then it has an edge tint."""
         return self.edge is not None
 
     def with_color(self, color) -> "Slots":
+        """A copy of another color: (3,), or one number for all channels."""
         return replace(self, color=tuple(float(c) for c in np.broadcast_to(color, 3)))
 
     def image(self, coated: bool) -> Stack:

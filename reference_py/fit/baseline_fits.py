@@ -38,13 +38,16 @@ class PeerModel:
     f: Callable[[dict, np.ndarray, np.ndarray], np.ndarray]
 
     def count(self, channels: int) -> int:
+        """Length p of the parameter vector for data of so many channels."""
         return sum(channels if t.size == "color" else 1 for t in self.terms)
 
     def bounds(self, channels: int) -> tuple[np.ndarray, np.ndarray]:
+        """(low, high) of the parameter vector, each (p,)."""
         repeat = [channels if t.size == "color" else 1 for t in self.terms]
         return np.repeat([t.low for t in self.terms], repeat), np.repeat([t.high for t in self.terms], repeat)
 
     def values(self, x: np.ndarray, channels: int) -> dict:
+        """Values by name, each (channels,) or a number, of a parameter vector (p,)."""
         found, at = {}, 0
         for t in self.terms:
             size = channels if t.size == "color" else 1
@@ -55,6 +58,8 @@ class PeerModel:
 
 @dataclass(frozen=True)
 class PeerFit:
+    """A model at its best parameter vector `x` (p,); `error` is the metric's RMS residual."""
+
     model: PeerModel
     x: np.ndarray
     channels: int
@@ -62,9 +67,11 @@ class PeerFit:
 
     @property
     def count(self) -> int:
+        """Number of parameters."""
         return len(self.x)
 
     def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        """f (n, channels) in 1/sr of the fitted model for directions (n, 3)."""
         return self.model.f(self.model.values(self.x, self.channels), wi, wo)
 
 

@@ -70,6 +70,7 @@ class Fit:
 
     @property
     def structure(self) -> Structure:
+        """Layers, base and distributions that were fitted."""
         return self.parameters.structure
 
     @property
@@ -79,6 +80,7 @@ class Fit:
 
     @property
     def stack(self) -> Stack:
+        """The fitted stack; its source names the data, the error and the model."""
         source = self.metric.measurement.source
         text = f"Fitted to {source}: error {percent(self.error)} of model {self.model}"
         return self.parameters.stack(self.x, self.structure.name.capitalize(), text)

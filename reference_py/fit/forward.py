@@ -59,6 +59,7 @@ class Forward:
         return self.metric.compressed(f).ravel()
 
     def residual(self, x: np.ndarray) -> np.ndarray:
+        """(n * c,), model less data, of coordinates (p,)."""
         m = self.metric
         return self.compressed(x) - m.compressed(m.measurement.f).ravel()
 

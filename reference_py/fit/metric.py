@@ -89,6 +89,7 @@ def percent(error: float) -> str:
 
 
 def rms(residual: np.ndarray) -> float:
+    """Root of the mean square of residuals of any shape."""
     return float(np.sqrt(np.mean(np.square(residual))))
 
 

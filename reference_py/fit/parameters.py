@@ -37,6 +37,7 @@ class Structure:
 
     @property
     def name(self) -> str:
+        """In words, such as "2 layers over conductor"."""
         return f"{self.layers} layer{'s' * (self.layers != 1)} over {self.base}"
 
 
@@ -50,10 +51,12 @@ class Group:
 
     @property
     def is_color(self) -> bool:
+        """Whether it has a coordinate per channel, the root of its value."""
         return self.parameter.type == COLOR
 
     @property
     def name(self) -> str:
+        """In words, such as "roughness of layer 0"."""
         return f"{self.parameter.name} of {self.where}"
 
     def coordinate(self, value):
@@ -72,6 +75,7 @@ class Parameters:
 
     @cached_property
     def groups(self) -> tuple[Group, ...]:
+        """The free parameters of the layers from the top, then of the base, with their places in the vector."""
         s = self.structure
         elements = [(f"layer {i}", DIELECTRIC) for i in range(s.layers)] + [("the base", SCHEMA.bases[s.base])]
         groups, start = [], 0
@@ -84,6 +88,7 @@ class Parameters:
 
     @property
     def size(self) -> int:
+        """Number of coordinates p."""
         return self.groups[-1].index[-1] + 1
 
     @property

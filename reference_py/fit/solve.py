@@ -25,6 +25,7 @@ class Solution:
 
     @property
     def cost(self) -> float:
+        """Sum of the squared residuals."""
         return float(self.residual @ self.residual)
 
 

@@ -43,6 +43,7 @@ def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np
 
 
 def is_specular_lobe(lobe: GlossyLobe) -> bool:
+    """Whether a lobe is a mirror at all its views, so that it has no finite f."""
     return is_specular(np.max(np.sqrt(lobe.alpha_x * lobe.alpha_y)))
 
 

@@ -36,6 +36,7 @@ class Errors:
 
     @property
     def visible(self) -> float:
+        """The error that is seen: the worst view's of albedo, or the views' mean in soft light if that is larger."""
         return float(max(np.max(self.albedo), np.mean(self.soft_light)))
 
 

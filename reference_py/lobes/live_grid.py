@@ -38,6 +38,7 @@ class Axis:
         return i, min((value - self.knots[i]) / (self.knots[i + 1] - self.knots[i]), 1.0)
 
     def value_of(self, stack: Stack) -> float:
+        """The parameter's value in a stack."""
         return self.parameter.value(stack)
 
 
@@ -57,6 +58,7 @@ class LiveLobe:
 
     @property
     def is_specular(self) -> bool:
+        """Whether it is a mirror at every knot."""
         return self.shape is not None and not np.any(self.shape)
 
 
@@ -76,6 +78,7 @@ class LiveLobes:
 
     @property
     def lobe_count(self) -> int:
+        """How many closures they are."""
         return len(self.grid)
 
     def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:

@@ -67,6 +67,7 @@ class Candidate:
 
     @property
     def visible(self) -> float:
+        """The error that is seen, which the tolerance bounds: the larger of albedo's and soft light's."""
         return max(self.albedo, self.soft_light)
 
     def __str__(self) -> str:

@@ -24,6 +24,7 @@ class PatchLobes:
 
     @property
     def lobe_count(self) -> int:
+        """How many closures they are."""
         return len(self.lobes(np.ones(1)))
 
     def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:

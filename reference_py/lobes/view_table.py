@@ -64,6 +64,7 @@ class GlossyTable:
     axis: float | None = None
 
     def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> GlossyLobe:
+        """The lobe at views of cosine cos_theta_o (...) and azimuth phi (...)."""
         alpha_x, alpha_y, slope = np.moveaxis(interpolate(self.shape, cos_theta_o), -1, 0)
         tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)))
         weight = weight_at(self.weight, cos_theta_o, phi, self.axis)
@@ -78,6 +79,7 @@ class DiffuseTable:
     axis: float | None = None
 
     def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> DiffuseLobe:
+        """The lobe at views of cosine cos_theta_o (...) and azimuth phi (...)."""
         return DiffuseLobe(weight_at(self.weight, cos_theta_o, phi, self.axis))
 
 
@@ -91,6 +93,7 @@ class OrenNayarTable:
     axis: float | None = None
 
     def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> DiffuseLobe:
+        """The lobe at views of cosine cos_theta_o (...) and azimuth phi (...)."""
         return DiffuseLobe(np.ones(3), weight_at(self.weight, cos_theta_o, phi, self.axis), self.sigma_deg, self.power)
 
 
@@ -104,6 +107,7 @@ class TableLobes:
 
     @property
     def lobe_count(self) -> int:
+        """How many closures they are."""
         return len(self.tables)
 
     def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:

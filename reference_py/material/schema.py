@@ -33,6 +33,7 @@ class Parameter:
 
     @property
     def is_structural(self) -> bool:
+        """Whether it changes the shader's text, and so has no socket."""
         return self.type == CHOICE
 
     @property
@@ -111,6 +112,7 @@ class Kind:
         return (*self.parameters, *(p for feature in self.features for p in feature.parameters))
 
     def parameter(self, name: str) -> Parameter:
+        """The parameter of a name, which must be the kind's own or a feature's."""
         return next(p for p in self.all_parameters if p.name == name)
 
     @property
@@ -135,13 +137,17 @@ class Kind:
 
 @dataclass(frozen=True)
 class Schema:
+    """The kinds of layers and of bases, by name."""
+
     layers: Mapping[str, Kind]
     bases: Mapping[str, Kind]
 
     def layer(self, kind, where: str) -> Kind:
+        """The kind of a layer. Raises LaminaError on an unknown one, naming `where` and the choices."""
         return _pick(self.layers, kind, where, "layer kind")
 
     def base(self, kind, where: str) -> Kind:
+        """The kind of a base. Raises LaminaError on an unknown one, naming `where` and the choices."""
         return _pick(self.bases, kind, where, "base kind")
 
 

@@ -43,6 +43,7 @@ class Element:
         return replace(self, values=_frozen({**self.values, **values}))
 
     def to_dict(self) -> dict:
+        """Kind, values and unknown keys as plain JSON types."""
         known = {k: list(v) if isinstance(v, tuple) else v for k, v in self.values.items()}
         return {"kind": self.kind, **known, **self.unknown}
 
@@ -91,6 +92,7 @@ class Stack:
         )
 
     def to_dict(self) -> dict:
+        """Plain JSON types, unknown keys included; the inverse of `from_dict`."""
         return {
             "schema_version": SCHEMA_VERSION,
             "name": self.name,
@@ -112,9 +114,11 @@ class Stack:
 
     @classmethod
     def from_json(cls, text: str, where: str = "stack") -> "Stack":
+        """The stack of a JSON text. Raises LaminaError on what is no JSON or no valid stack."""
         return cls.from_dict(parse_json(text, where), where)
 
     def to_json(self) -> str:
+        """JSON text for people to read, with a newline at its end."""
         return _json_text(self.to_dict()) + "\n"
 
     @classmethod

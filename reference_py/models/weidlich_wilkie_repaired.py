@@ -11,6 +11,15 @@
 Still one bounce per interface, without the paper's compensation, which guessed the rest: light that an interface
 turns back is lost, so a coated white base is too dark, by .57 to .68 (figures/stress.csv). `adding` sums all
 bounces.
+
+option  | default | meaning
+------- | ------- | -------
+weights | energy  | by which components are picked for samples: energy that each sends back at the view,
+        |         | or constant, as in Weidlich07
+
+>>> model = make_model("weidlich_wilkie_repaired", presets.load("metallic_car_paint"), weights="constant")
+>>> model.component_weights(spherical(0.5, 0.0)).tolist()
+[0.5, 0.5]
 """
 
 from dataclasses import replace
@@ -34,7 +43,6 @@ _VIEWS, _POINTS = 24, 64
 class WeidlichWilkieRepaired(WeidlichWilkie):
     """Weidlich and Wilkie 2007 with the solid angle of crossing accounted for.
 
-    `weights` picks components by "energy" or, as Weidlich07 does, by "constant" weights.
     Raises LaminaError on an unknown option or choice.
     """
 

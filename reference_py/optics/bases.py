@@ -31,6 +31,7 @@ class DiffuseBase:
 
     @property
     def channels(self) -> int:
+        """Length of the colour axis."""
         return len(self.color)
 
     def channel_key(self, channel: int):
@@ -67,10 +68,12 @@ class ConductorBase:
 
     @property
     def channels(self) -> int:
+        """Length of the colour axis."""
         return len(self.eta)
 
     @property
     def is_specular(self) -> bool:
+        """Whether the metal is smooth, so that it has no finite f."""
         return self.facets.is_specular
 
     @property

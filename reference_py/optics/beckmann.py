@@ -18,14 +18,17 @@ class Beckmann(Distribution):
     mean_slope_per_alpha = 0.5 * _SQRT_PI
 
     def density(self, cos_theta_m, alpha):
+        """D (...): exp(-tan^2 / alpha^2) / (pi alpha^2 cos^4), 0 below (Walter07)."""
         alpha2, cos2 = np.square(alpha), np.clip(np.square(cos_theta_m), 1e-16, 1.0)
         value = np.exp(-(1.0 - cos2) / (cos2 * alpha2)) / (pi * alpha2 * np.square(cos2))
         return np.where(cos_theta_m > 0.0, value, 0.0)
 
     def slope_density(self, slope2):
+        """exp(-slope2)."""
         return np.exp(-slope2)
 
     def slope2_quantile(self, u):
+        """-log(1 - u): slope2 is exponentially distributed."""
         return -np.log1p(-u)
 
     def smith_lambda(self, a2_tan2):
@@ -43,6 +46,7 @@ class Beckmann(Distribution):
         return np.maximum(z, 0.0) + across * (np.exp(-np.minimum(b * b, 700.0)) * _tail_table(b))
 
     def sample_visible_normals(self, w, alpha, rng):
+        """Normals (n, 3), exact, by rejection of slopes."""
         return _visible_normals(w, alpha, rng)
 
 

@@ -12,11 +12,13 @@ class Blinn(Distribution):
     name = "blinn"
 
     def density(self, cos_theta_m, alpha):
+        """D (...): (m + 2) / (2 pi) cos^m, 0 below (Weidlich07, eq. 7)."""
         m = blinn_exponent(alpha)
         value = (m + 2.0) / (2.0 * np.pi) * np.maximum(np.minimum(np.square(cos_theta_m), 1.0), 1e-300) ** (0.5 * m)
         return np.where(cos_theta_m > 0.0, value, 0.0)
 
     def cosine_quantile(self, u, alpha):
+        """(1 - u)^(1 / (m + 2))."""
         return np.power(1.0 - u, 1.0 / (blinn_exponent(alpha) + 2.0))
 
 

@@ -16,24 +16,30 @@ class Ggx(Distribution):
     mean_slope_per_alpha = 0.5 * pi
 
     def density(self, cos_theta_m, alpha):
+        """D (...): alpha^2 / (pi (sin^2 + alpha^2 cos^2)^2), 0 below (Walter07)."""
         cos2, alpha2 = np.minimum(np.square(cos_theta_m), 1.0), np.square(alpha)
         return np.where(cos_theta_m > 0.0, alpha2 / (pi * np.square((1.0 - cos2) + alpha2 * cos2)), 0.0)
 
     def slope_density(self, slope2):
+        """1 / (1 + slope2)^2."""
         return 1.0 / np.square(1.0 + slope2)
 
     def slope2_quantile(self, u):
+        """u / (1 - u)."""
         return u / (1.0 - u)
 
     def smith_lambda(self, a2_tan2):
+        """(sqrt(1 + alpha^2 tan^2) - 1) / 2 (Heitz14)."""
         return 0.5 * (np.sqrt(1.0 + a2_tan2) - 1.0)
 
     def projected_area(self, w, alpha):
+        """(cos + sqrt(cos^2 + alpha^2 sin^2)) / 2, (n,); any w_z."""
         x, y, z = components(w)
         alpha_x, alpha_y = axes(alpha)
         return 0.5 * (z + np.sqrt(z * z + (np.square(alpha_x * x) + np.square(alpha_y * y))))
 
     def sample_visible_normals(self, w, alpha, rng):
+        """Normals (n, 3), by a cap of directions (Dupuy23)."""
         return ggx_visible_normals(w, alpha, rng.random(len(w)), rng.random(len(w)))
 
 

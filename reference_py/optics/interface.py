@@ -72,10 +72,12 @@ class Interface:
 
     @property
     def alpha(self) -> float:
+        """The facets' alpha."""
         return self.facets.alpha
 
     @property
     def distribution(self) -> str:
+        """Name of the facets' distribution."""
         return self.facets.distribution
 
     @property

@@ -32,6 +32,7 @@ class Measurement:
 
     @property
     def channels(self) -> int:
+        """3 (linear RGB) or 1."""
         return self.f.shape[1]
 
     def subset(self, index: np.ndarray) -> "Measurement":

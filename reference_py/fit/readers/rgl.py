@@ -54,6 +54,7 @@ class Material:
 
     @classmethod
     def load(cls, path: Path) -> "Material":
+        """Read the tables of a file. Raises LaminaError on fields that are missing, do not match, or hold what they cannot."""
         fields = read_tensors(path)
         for name, dimensions in _NEEDED.items():
             if name not in fields or fields[name].ndim != dimensions:
@@ -97,6 +98,7 @@ class Material:
 
     @property
     def is_isotropic(self) -> bool:
+        """Whether phi counts from the light's: then the file has two azimuths of it at most."""
         return len(self.phi_i) <= 2
 
     def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

@@ -110,6 +110,7 @@ def _polynomial(coefficients, x):
 
 
 def layers_below(up: Sequence[Crossing], n_base: float) -> Below:
+    """The layers for light from below; `up` are the crossings from the base, which lies in a medium of index `n_base`."""
     least = min([1.0] + [c.n_other for c in up])
     p, weight = _streams(up, n_base)
     shares = from_base(up, n_base, p, np.zeros_like(p))

@@ -30,6 +30,7 @@ class Branches:
 
     @property
     def error(self) -> float:
+        """Mean over the coarse knots, at each that of the better branch."""
         return float(np.mean([min(branch[k].error for branch in self.mixtures) for k in self.mixtures[0]]))
 
 

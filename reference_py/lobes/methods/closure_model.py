@@ -4,6 +4,14 @@
 Equal to the render up to float32 rounding (`make test`, goniometer tests). It is not a model of the stack:
 its distance from one is the lobe set's error. Limits: weights of lobes know the view alone, so f is not reciprocal;
 energy is that of the tier, which exceeds 1 where the tier's own model does.
+
+option | default | meaning
+------ | ------- | -------
+method | auto    | how Cycles is told about the stack: weidlich_wilkie, analytic, baked or auto (`lobes.methods`)
+
+>>> model = make_model("closure_model", presets.load("glazed_mug"), method="analytic")
+>>> model.albedo(spherical(0.5, 0.0)).round(3).tolist()
+[0.07, 0.131, 0.193]
 """
 
 import numpy as np

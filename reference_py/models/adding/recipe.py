@@ -40,6 +40,7 @@ class Recipe:
         return cls(tau_above, tuple(kept), tuple(taus), optics.base)
 
     def grid(self, nodes: int) -> Grid:
+        """Directions in all media, vacuum included; `nodes` from the normal to grazing in the thinnest."""
         return Grid(tuple(sorted({1.0, *(i.n_below for i in self.interfaces)})), nodes)
 
     def narrowest_lobe(self) -> float:

@@ -8,6 +8,12 @@ the tinted base color; without layers the diffuse part of a lobe of no reflectan
 Limits: interfaces between are ignored, nothing is broadened; the diffuse part fades towards grazing views even
 where no lobe takes its place (rough or absent), so a bare white base has albedo .97, .89, .50 at 0, 45, 75 degrees.
 Schlick's curve rises to 1 even from 0, so an interface between equal indices does not vanish.
+
+Options: none.
+
+>>> model = make_model("ashikhmin_shirley", presets.load("glazed_mug"))
+>>> model.albedo(spherical(0.5, 0.0)).round(3).tolist()
+[0.094, 0.232, 0.348]
 """
 
 import numpy as np

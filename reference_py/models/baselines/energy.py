@@ -24,6 +24,7 @@ class Curve:
         self._values = function(self.COSINES)
 
     def __call__(self, cos_o: np.ndarray) -> np.ndarray:
+        """Values (..., channels) at the view's cosines (...)."""
         return np.stack([np.interp(cos_o, self.COSINES, column) for column in self._values.T], axis=-1)
 
     @property

@@ -7,6 +7,14 @@ paint of Weidlich07, figure 9, which is not at hand: three lobes per channel as 
 Humphreys 2004), materials/bluepaint.cpp, not checked against the paper of 1997.
 Limits: fixed data, no mirror-like coat. The third lobe peaks off the mirror direction; the first is a
 retroreflection, the second broad. Its albedo is .31 .40 .73 at normal and .38 .46 .75 at grazing views.
+
+option | default    | meaning
+------ | ---------- | -------
+fit    | blue_paint | measured material: blue_paint
+
+>>> model = make_model("lafortune", presets.load("glazed_mug"), fit="blue_paint")
+>>> model.albedo(spherical(0.5, 0.0)).round(3).tolist()
+[0.317, 0.406, 0.731]
 """
 
 import numpy as np

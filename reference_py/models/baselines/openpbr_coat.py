@@ -8,10 +8,18 @@ f = f_coat + T (1 - E_coat(wo)) Delta f_base, with the specification's suggested
 - a second interface that is optically thinner takes the inverse index.
 The top interface is the coat (weight 1), the media's optical depths add up in it. A metal base has its F82 curve, a
 diffuse base the energy-preserving Oren-Nayar model or Lambert, under a second interface as its gloss if there is one
-(specular weight 0 otherwise). Without layers the base stands alone. Option `darkening`: "on" (weight 1) or "off".
+(specular weight 0 otherwise). Without layers the base stands alone.
 Limits: no place for a third interface, nor for a second over metal: they are left out; GGX only, single scattering;
 one Delta for all views of a diffuse base; the gloss layer's own darkening is left to the base color, as the
 specification does; f is not reciprocal.
+
+option    | default | meaning
+--------- | ------- | -------
+darkening | on      | Delta: on is the specification's weight 1, off is 0
+
+>>> model = make_model("openpbr_coat", presets.load("glazed_mug"), darkening="off")
+>>> model.albedo(spherical(0.5, 0.0)).round(3).tolist()
+[0.097, 0.244, 0.367]
 """
 
 import numpy as np

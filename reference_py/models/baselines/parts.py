@@ -85,6 +85,7 @@ class Lobe:
 
     @property
     def width(self) -> tuple[str, float]:
+        """(distribution, alpha), as the quadrature takes it."""
         return self.distribution, self.alpha
 
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:

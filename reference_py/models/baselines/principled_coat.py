@@ -11,6 +11,12 @@ reflection, so a coated diffuse base is too bright; no broadening; f is not reci
 under a coat that is denser than the second interface's medium the albedo exceeds 1, by up to .64 (figures/stress.csv):
 total reflection is estimated by the table for the inverse index, which has none, so the base is hardly dimmed. Blender
 4.5.15 does it: n = 1.5 of alpha .5 over a smooth 1.3 over Lambert .8 renders 1.635 +- .002 at 75 degrees, here it is 1.639.
+
+Options: none.
+
+>>> model = make_model("principled_coat", presets.load("metallic_car_paint"))
+>>> model.albedo(spherical(0.5, 0.0)).round(3).tolist()
+[0.062, 0.229, 0.345]
 """
 
 import numpy as np

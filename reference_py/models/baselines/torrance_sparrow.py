@@ -7,6 +7,12 @@ tinted likewise and dimmed by 1 - f0 of that interface. Masking is Smith's, with
 Limits: interfaces between are ignored, nothing is broadened, single scattering loses energy at large alpha; the
 sum of lobe and diffuse part exceeds 1 over a light base towards grazing views, by up to .47 at 89.9 degrees
 (figures/stress.csv).
+
+Options: none.
+
+>>> model = make_model("torrance_sparrow", presets.load("metallic_car_paint"))
+>>> model.albedo(spherical(0.5, 0.0)).round(3).tolist()
+[0.035, 0.22, 0.343]
 """
 
 import numpy as np

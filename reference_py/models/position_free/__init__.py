@@ -3,6 +3,16 @@
 
 The first ground truth. Every figure has a standard error; the same seed gives the same figures. Memory does not
 grow with the number of walks: they are done in batches.
+
+option  | default  | meaning
+------- | -------- | -------
+surface | multiple | multiple: lossless microsurfaces (Heitz16); single: what a facet sends to the wrong side is lost
+walks   | 65536    | walks per figure, a whole number from 2
+seed    | 0        | of the random numbers, a whole number from 0
+
+>>> model = make_model("position_free", presets.load("glazed_mug"), walks=2000, seed=1)
+>>> model.albedo(spherical(0.5, 0.0)).round(2).tolist()
+[0.07, 0.13, 0.19]
 """
 
 from collections.abc import Callable
@@ -47,9 +57,8 @@ class Histogram:
 class PositionFree:
     """The truth by Monte Carlo walks, each figure with its standard error.
 
-    surface: `multiple`, the lossless microsurfaces of Heitz16, or `single`, which loses what a facet sends to the
-    wrong side (`optics.microsurface`). Methods take `rng` in place of the seed, `progress`, called with the
-    share done, and `cancel`, asked before every batch; if it says true they raise Cancelled.
+    Methods take `rng` in place of the seed, `progress`, called with the share done, and `cancel`, asked before every
+    batch; if it says true they raise Cancelled.
     Raises LaminaError on an unknown option or choice.
     """
 

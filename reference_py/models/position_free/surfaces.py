@@ -48,6 +48,7 @@ class SmoothDielectric:
         return microsurface.fresnel_and_refraction(cos, eta)
 
     def scatter(self, w, from_below, rng, target=None) -> Event:
+        """Reflection or refraction by chance, as Fresnel's shares are; a film's channels differ, and weigh."""
         eta = self._relative(from_below)
         reflectance, cos_t = self._fresnel(w[:, 2], eta)
         reflected, weight = microsurface.chosen(reflectance, w[:, 2], cos_t, self.film, not from_below, rng)
@@ -95,6 +96,8 @@ class _Rough:
 
 
 class RoughDielectric(_Rough):
+    """An interface of microfacets; `surface` says how many of them light may meet (`optics.microsurface`)."""
+
     is_delta = False
 
     def __init__(self, eta: float, facets: Microfacets, surface: str, film: FilmInterface | None = None):
@@ -105,6 +108,7 @@ class RoughDielectric(_Rough):
         return 1.0 / self.eta if from_below else self.eta
 
     def scatter(self, w, from_below, rng, target=None) -> Event:
+        """One direction per w off the facets; BSDF cos at the target is estimated on the way."""
         eta, target = self._relative(from_below), None if target is None else self._own(target)
         scattered = microsurface.scatter_dielectric(self._own(w), eta, self.alpha, self.distribution, rng, self.surface, target, self.film, not from_below)
         weight = None if self.surface == "multiple" and self.film is None else _columns(scattered.weight)
@@ -120,6 +124,7 @@ class RoughDielectric(_Rough):
         return Event(self._back(scattered.direction), np.where(passed, _columns(scattered.weight), 0.0))
 
     def density(self, w, o, from_below) -> np.ndarray:
+        """Density (n,) in 1/sr by which paths are weighted: single scattering's, with a share of a cosine lobe for `multiple`."""
         eta = self._relative(from_below)
         density = microsurface.scattering_density(self._own(w), self._own(o), eta, self.alpha, self.distribution, self.film, not from_below)
         return _with_cosine_lobe(density, o, self.surface)
@@ -134,6 +139,7 @@ class Diffuse:
         self._f = base.f
 
     def scatter(self, w, from_below, rng, target=None) -> Event:
+        """A direction of density cos / pi; its weight is pi f."""
         u = rng.random(len(w))
         radius, phi = np.sqrt(u), 2.0 * np.pi * rng.random(len(w))
         o = vectors(radius * np.cos(phi), radius * np.sin(phi), np.sqrt(1.0 - u))
@@ -141,23 +147,30 @@ class Diffuse:
         return Event(o, np.pi * self._f(o, w), toward)
 
     def density(self, w, o, from_below) -> np.ndarray:
+        """cos / pi, (n,) in 1/sr."""
         return o[:, 2] / np.pi
 
 
 class SmoothConductor:
+    """A mirror-like metal; `fresnel` is its reflectance (n, 3) at cosines (n,)."""
+
     is_delta = True
 
     def __init__(self, fresnel: Callable[[np.ndarray], np.ndarray]):
         self._fresnel = fresnel
 
     def scatter(self, w, from_below, rng, target=None) -> Event:
+        """The mirror direction, weighted by Fresnel's reflectance."""
         return Event(vectors(-w[:, 0], -w[:, 1], w[:, 2]), self._fresnel(w[:, 2]))
 
     def density(self, w, o, from_below) -> np.ndarray:
+        """(n,) of 1: of the two directions' deltas only the ratio matters."""
         return np.ones(len(w))
 
 
 class RoughConductor(_Rough):
+    """A metal of microfacets; `fresnel` is a facet's reflectance (n, 3) at cosines (n,)."""
+
     is_delta = False
 
     def __init__(self, fresnel: Callable[[np.ndarray], np.ndarray], facets: Microfacets, surface: str):
@@ -165,11 +178,13 @@ class RoughConductor(_Rough):
         self._set_widths(facets)
 
     def scatter(self, w, from_below, rng, target=None) -> Event:
+        """One direction per w off the facets; BSDF cos at the target is estimated on the way."""
         target = None if target is None else self._own(target)
         scattered = microsurface.scatter_conductor(self._own(w), self._fresnel, self.alpha, self.distribution, rng, self.surface, target)
         return Event(self._back(scattered.direction), scattered.weight, scattered.toward)
 
     def density(self, w, o, from_below) -> np.ndarray:
+        """Density (n,) in 1/sr by which paths are weighted, as of `RoughDielectric`."""
         density = microsurface.scattering_density(self._own(w), self._own(o), None, self.alpha, self.distribution)
         return _with_cosine_lobe(density, o, self.surface)
 

@@ -22,6 +22,8 @@ _ROULETTE = 0.1
 
 @dataclass(frozen=True)
 class Rays:
+    """Rays that wait for a surface, one per row."""
+
     w: np.ndarray
     """(n, 3)"""
     throughput: np.ndarray
@@ -32,6 +34,7 @@ class Rays:
     """(n,), what `connect` has to remember; None without a light"""
 
     def take(self, index: np.ndarray) -> "Rays":
+        """The rays at an index (m,)."""
         carry = None if self.carry is None else self.carry[index]
         return Rays(take(self.w, index), take(self.throughput, index), self.path[index], carry)
 
