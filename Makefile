@@ -43,7 +43,7 @@ help:
 	@echo "make surroundings  render one file in its four surroundings (LAMINA_BLENDER names a Blender that has EEVEE)"
 	@echo "make numbers   put the numbers of the tables into README.md and docs/ (a test compares)"
 	@echo "make fuzz      throw 100000 broken inputs at every reader"
-	@echo "make faults    put deliberate faults into a copy, one at a time, and say which the tests catch (five minutes)"
+	@echo "make faults    put deliberate faults into a copy, one at a time, and say which the tests catch (three minutes)"
 	@echo "make matrix    run the tests on every supported Blender whose Python is here, and print a table"
 	@echo "make licences  print the licence of every pinned package"
 	@echo "make clean     remove what was built (not $(VENV))"

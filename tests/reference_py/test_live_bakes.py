@@ -53,7 +53,7 @@ def test_live_values_do_not_make_another_bake(monkeypatch):
     assert key_of(stack, "baked", live=live) != key_of(with_layer(stack, ior=1.7), "baked", live=live)
 
 
-@pytest.mark.parametrize("live", [(Place(0, "tint"),), (Place(0, "roughness"), Place(0, "thickness"), Place(1, "roughness"))])
+@pytest.mark.parametrize("live", [(Place(0, "tint"),), (Place(0, "roughness"), Place(0, "thickness"), Place(None, "roughness"))])
 def test_what_a_bake_cannot_follow_is_analytic_and_said(live):
     made = make_lobe_set(presets.load("metallic_car_paint"), "baked", live=live)
     assert isinstance(made.lobe_set, AnalyticLobes)
