@@ -11,7 +11,8 @@ from ..frame import spherical
 from ..stack import Stack
 from .analytic import AnalyticNetwork
 from .baking import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, axes_of, baked, described, pack_network, unpack_network
-from .closure import is_mirror, lobe_energy
+from .closure import lobe_energy
+from .cost import cost
 from .featured import featured_analytic
 from .grid import GridNetwork
 from .judge import SOFT_LIGHT_DEG, Errors, Judge, ball_cosines
@@ -200,25 +201,6 @@ def _with_values_of(stack: Stack, network):
 def _candidate(label: str, network, errors: Errors, live: bool) -> Candidate:
     means = float(np.mean(errors.soft_light)), float(np.mean(errors.shape))
     return Candidate(label, network.lobe_count, cost(network, live), float(np.max(errors.albedo)), *means)
-
-
-def cost(network, live: bool = False) -> float:
-    """An estimate of the CPU time of a frame-filling object over that of a plain glossy node, good to a quarter.
-
-    Of closures and of the adding in the tier analytic, from what `lamina chart pareto` measured; OSL folds that adding where
-    parameters are constant and layers few.
-    """
-    lobes = network.lobes(np.ones(1))
-    diffuse = sum(isinstance(lobe, DiffuseLobe) for lobe in lobes)
-    mirrors = sum(is_mirror(lobe) for lobe in lobes if isinstance(lobe, GlossyLobe))
-    total = 0.85 + 0.07 * diffuse + 0.1 * mirrors + 0.2 * (len(lobes) - diffuse - mirrors)
-    if isinstance(network, AnalyticNetwork):
-        folds = not live and len(network.stack.layers) <= 3
-        over_metal = network.stack.base.kind == "conductor"
-        total += len(network.stack.layers) * ((0.9 if over_metal else 0.15) if folds else (2.4 if over_metal else 0.8))
-    elif isinstance(network, WeidlichWilkieNetwork):
-        total += 0.25 * len(network.stack.layers)
-    return total
 
 
 def _pack(choice: Choice) -> dict:

@@ -15,7 +15,8 @@ from ..coverage import Patch, patches
 from ..schema import THIN_FILM
 from ..stack import Stack
 from .analytic import AnalyticNetwork
-from .choice import AutoNetwork, cost
+from .choice import AutoNetwork
+from .cost import cost
 from .featured import featured_analytic
 from .grid import GridNetwork
 from .lobe import DiffuseLobe, GlossyLobe, SchlickCurve
@@ -112,7 +113,7 @@ def estimated_error(network) -> float | None:
 
 
 def estimated_cost(network) -> float:
-    """What a network costs, in units of a plain glossy node's, see `choice.cost`; that of the dearest of its patches."""
+    """What a network costs, in units of a plain glossy node's, see `cost.cost`; that of the dearest of its patches."""
     parts = [part for _, part in network.parts] if isinstance(network, PatchNetwork) else [network]
     return max(part.choice.chosen.cost if isinstance(part, AutoNetwork) else cost(part) for part in parts)
 
