@@ -11,7 +11,7 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 # Of the add-on's tests, those that run beside the reference's.
 FIRST_HALF := $(addprefix tests/addon/test_,parity.py stock_nodes.py anisotropy.py bent_normals.py coverage.py)
 
-.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings fuzz matrix licences clean
+.PHONY: calibration fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings fuzz matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -27,6 +27,7 @@ help:
 	@echo "make charts    measure the tables of figures/ anew and draw them"
 	@echo "make pareto    measure error against cost in Cycles anew and draw it (half an hour, best on a quiet machine)"
 	@echo "make viewport  measure how EEVEE shows presets (half an hour without a graphics card; LAMINA_BLENDER names a Blender that has it)"
+	@echo "make calibration  find the constants of the tier analytic and of the cost estimate again, and compare (an hour; writes tables alone)"
 	@echo "make fit       measure how well stacks are found from measurements (an hour; goes on where it was stopped)"
 	@echo "make fit-table measure how long the fit of a whole MERL table takes (three minutes)"
 	@echo "make tilted-lobes  measure what bakes reflect of a white world beside their formula (ten minutes)"
@@ -97,6 +98,10 @@ pareto: $(READY)
 
 viewport: $(READY)
 	$(VENV)/bin/lamina chart viewport -o figures
+
+calibration: $(READY)
+	$(RUN) -m lamina.study.calibrate_analytic
+	$(RUN) -m lamina.study.calibrate_cost --measure
 
 fit: $(READY)
 	$(VENV)/bin/lamina chart fit -o figures

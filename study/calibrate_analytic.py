@@ -15,18 +15,23 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from statistics import median
 
 import numpy as np
 
+from ..addon.cli.charts.output import print_table, write_table
 from ..reference_py import presets
 from ..reference_py.fit.solve import least_squares
 from ..reference_py.frame import spherical
 from ..reference_py.models.adding.model import Adding
+from ..reference_py.models.position_free import PositionFree
 from ..reference_py.network.analytic import AnalyticNetwork, base, beam, calibration, network
-from ..reference_py.network.analytic.tables import closure_energy
+from ..reference_py.network.analytic.tables import brushed_energy, closure_energy
 from ..reference_py.network.closure import lobe_energy
+from ..reference_py.network.featured import featured_analytic
+from ..reference_py.network.judge import Judge
 from ..reference_py.network.lobe import DiffuseLobe, GlossyLobe
 from ..reference_py.stack import Stack
 from ..reference_py.suite import suite
@@ -34,11 +39,18 @@ from .calibration.source import Value, read_constants, rounded, write_constants
 from .calibration.stacks import hard_stacks, plain_stacks
 
 FILE = Path(calibration.__file__)
+TABLE = Path(__file__).parents[1] / "figures" / "calibration.csv"
+ERROR_COLUMNS = ("stacks", "number", "constants", "median", "mean", "worst", "mean gain", "its standard error")
 THETA_DEG = (0.0, 40.0, 65.0, 80.0)
 SEED = 7
 TRAINING, HELD_OUT, HELD_OUT_HARD = 51, 60, 30
 # Of the sum of squares that random stacks have, over those that have names.
 RANDOM_WEIGHT = 0.25
+# Stacks that shapes are fitted to; and brushed metals.
+SHAPES = 12
+BRUSHED_REFLECTANCES, BRUSHED_ROUGHNESSES, BRUSHED_ANISOTROPIES = (0.9, 0.6, 0.2), (0.35, 0.6, 0.9), (0.4, 0.7, 1.0)
+BRUSHED_AZIMUTHS_DEG = (0.0, 45.0, 90.0)
+_BENDS, _KEPTS = np.geomspace(0.2, 3.2, 9), np.geomspace(0.3, 1.2, 9)
 
 # What energies are fitted by, from where a fit starts that knows nothing, and an upper limit.
 _LIMITED = {"MOST_SHARE": 1.0, "TRAPPED_COS": 1.0, "TAU_SHARE": 1.0, "MOST_LOBE_SHARE": 1.0, "KEPT_ORDER": 1.0}
@@ -66,20 +78,21 @@ def in_force(values: Mapping[str, Value]) -> Iterator[None]:
             setattr(module, name, value)
 
 
-def to_numbers(values: Mapping[str, Value]) -> np.ndarray:
-    """The constants of `PLAIN` (p,) as the solver sees them."""
+def to_numbers(values: Mapping[str, Value], names: Sequence[str] = tuple(PLAIN)) -> np.ndarray:
+    """Constants (p,) as the solver sees them."""
     parts = []
-    for name in PLAIN:
+    for name in names:
         v = np.atleast_1d(np.asarray(values[name], float))
         parts.append(np.log(v / (_LIMITED[name] - v)) if name in _LIMITED else np.log(v))
     return np.concatenate(parts)
 
 
-def from_numbers(x: np.ndarray) -> dict[str, Value]:
+def from_numbers(x: np.ndarray, names: Sequence[str] = tuple(PLAIN)) -> dict[str, Value]:
     """The inverse of `to_numbers`."""
     values: dict[str, Value] = {}
     at = 0
-    for name, like in PLAIN.items():
+    for name in names:
+        like = PLAIN[name]
         count = len(like) if isinstance(like, tuple) else 1
         v = np.exp(x[at : at + count])
         v = _LIMITED[name] * v / (1.0 + v) if name in _LIMITED else v
@@ -118,11 +131,13 @@ def _unit_energy(lobe: GlossyLobe | DiffuseLobe, cos_theta: np.ndarray) -> np.nd
     return lobe_energy(type(lobe)(**{**vars(lobe), "weight": np.ones((len(cos_theta), 3))}), cos_theta)
 
 
-def fit(cases: Sequence[Case], start: Mapping[str, Value], steps: int = 40, report: Callable[[str], None] = lambda text: None) -> dict[str, Value]:
-    """Constants that leave least, from those of `start`."""
+def fit(
+    cases: Sequence[Case], start: Mapping[str, Value], steps: int = 40, report: Callable[[str], None] = lambda text: None, names: Sequence[str] = tuple(PLAIN)
+) -> dict[str, Value]:
+    """The constants `names` that leave least, from those of `start`; others are those in force."""
 
     def residual(x: np.ndarray) -> np.ndarray:
-        with in_force(from_numbers(x)):
+        with in_force(from_numbers(x, names)):
             errors = [np.sqrt(case.weight) * 100.0 * case.errors() for case in cases]
         flat = np.concatenate([e.ravel() for e in errors])
         return flat * np.abs(flat)
@@ -131,5 +146,160 @@ def fit(cases: Sequence[Case], start: Mapping[str, Value], steps: int = 40, repo
         report(f"sum of squares {r @ r:.5g}")
         return np.stack([(residual(x + step) - r) / _STEP for step in _STEP * np.eye(len(x))], axis=1)
 
-    x = to_numbers(start)
-    return from_numbers(least_squares(residual, jacobian, x, x - _RANGE, x + _RANGE, steps, tolerance=1e-5).x)
+    x = to_numbers(start, names)
+    return from_numbers(least_squares(residual, jacobian, x, x - _RANGE, x + _RANGE, steps, tolerance=1e-5).x, names)
+
+
+def best_on(grid: np.ndarray, loss: Callable[[float], float]) -> float:
+    """Where a loss is least: the lowest point of the parabola through the best of a grid, even in the logarithm, and its neighbours."""
+    values = np.array([loss(float(v)) for v in grid])
+    i = int(np.clip(np.argmin(values), 1, len(grid) - 2))
+    below, at, above = values[i - 1 : i + 2]
+    bend = below - 2.0 * at + above
+    shift = np.clip(0.5 * (below - above) / bend, -1.0, 1.0) if bend > 0.0 else float(np.argmin(values) - i)
+    return float(np.exp(np.log(grid[i]) + shift * np.log(grid[1] / grid[0])))
+
+
+class ShapeCase:
+    """A stack whose shape is judged at the views of `THETA_DEG`."""
+
+    def __init__(self, stack: Stack):
+        self.stack, self._judge = stack, Judge(stack, Adding(stack), np.cos(np.radians(THETA_DEG)))
+
+    def errors(self) -> np.ndarray:
+        """(v,) distances of f over the albedo, with the constants in force."""
+        return self._judge.errors(AnalyticNetwork(self.stack)).shape
+
+
+def fit_lobe_bend(cases: Sequence[ShapeCase]) -> float:
+    """LOBE_BEND that leaves the least mean distance of shapes; other constants are those in force."""
+
+    def loss(value: float) -> float:
+        with in_force({"LOBE_BEND": value}):
+            return float(np.mean([case.errors() for case in cases]))
+
+    return best_on(_BENDS, loss)
+
+
+class BrushedCase:
+    """A bare brushed metal, and its albedo (v, a, 3) by walks."""
+
+    def __init__(self, reflectance: float, roughness: float, anisotropy: float, walks: int = 1 << 15):
+        grey = {"reflectance": [reflectance] * 3, "edge_color": [reflectance] * 3}
+        self.tier = featured_analytic(Stack.from_dict({"base": {"kind": "conductor", **grey, "roughness": roughness, "anisotropy": anisotropy}}))
+        self._cos, self._phi = np.cos(np.radians(THETA_DEG))[:, None], np.radians(BRUSHED_AZIMUTHS_DEG)
+        self.truth = PositionFree(self.tier.stack, walks=walks).albedo(spherical(np.arccos(self._cos), self._phi))
+
+    def errors(self) -> np.ndarray:
+        """(v, a, 3) signed and relative, with the constants in force."""
+        (lobe,) = self.tier.lobes(self._cos, self._phi)
+        energy = brushed_energy(self._cos, self._phi, lobe.alpha_x, lobe.alpha_y, lobe.distribution)
+        return lobe.weight * energy[..., None] / self.truth - 1.0
+
+
+def brushed_cases() -> list[BrushedCase]:
+    """Metals of three reflectances, widths and anisotropies."""
+    return [BrushedCase(*values) for values in product(BRUSHED_REFLECTANCES, BRUSHED_ROUGHNESSES, BRUSHED_ANISOTROPIES)]
+
+
+def fit_brushed_kept(cases: Sequence[BrushedCase]) -> float:
+    """BRUSHED_KEPT; errors count as in `fit`."""
+
+    def loss(value: float) -> float:
+        with in_force({"BRUSHED_KEPT": value}):
+            return float(sum(np.sum(case.errors() ** 4) for case in cases))
+
+    return best_on(_KEPTS, loss)
+
+
+@dataclass(frozen=True)
+class Set:
+    """Stacks of one kind; `fitted` are those that a fit sees."""
+
+    name: str
+    fitted: bool
+    cases: tuple[Case, ...]
+
+
+def sets(seed: int, report: Callable[[str], None]) -> list[Set]:
+    """All that is fitted and held out, with the truth."""
+    rng = np.random.default_rng(seed)
+    named = suite() | {f"preset {name}": presets.load(name) for name in presets.PAPER}
+    found = []
+    for name, fitted, weight, stacks in (
+        ("suite and paper's presets", True, 1.0, list(named.values())),
+        ("random, 1 or 2 layers", True, RANDOM_WEIGHT, plain_stacks(rng, TRAINING)),
+        ("held out, 1 or 2 layers", False, 1.0, plain_stacks(rng, HELD_OUT)),
+        ("held out, 3 to 6 tinted layers", False, 1.0, hard_stacks(rng, HELD_OUT_HARD)),
+    ):
+        report(f"truth of {name}")
+        found.append(Set(name, fitted, tuple(Case(stack, weight) for stack in stacks)))
+    return found
+
+
+def comparison(
+    measures: Mapping[str, Callable[[Mapping[str, Value]], np.ndarray]], committed: Mapping[str, Value], fitted: Mapping[str, Value]
+) -> list[tuple[str, ...]]:
+    """Rows of `ERROR_COLUMNS`: of each measure (n,) that constants give. Gain is the mean that is better, with its standard error: noise of the draw."""
+    rows = []
+    for name, measure in measures.items():
+        before, after = measure(committed), measure(fitted)
+        gain = before - after
+        noise = np.std(gain, ddof=1) / np.sqrt(len(gain))
+        for constants, e in (("committed", before), ("fitted", after)):
+            shares = [f"{100.0 * v:.2f} %" for v in (median(e), np.mean(e), np.max(e))]
+            rows.append((name, str(len(e)), constants, *shares, f"{100.0 * np.mean(gain):+.2f} %" if e is after else "", f"{100.0 * noise:.2f} %" if e is after else ""))
+    return rows
+
+
+def _measure(cases: Sequence[Case | ShapeCase | BrushedCase], reduce: Callable[[np.ndarray], float]) -> Callable[[Mapping[str, Value]], np.ndarray]:
+    def errors(values: Mapping[str, Value]) -> np.ndarray:
+        with in_force(values):
+            return np.array([reduce(np.abs(case.errors())) for case in cases])
+
+    return errors
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="lamina.study.calibrate_analytic", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seed", type=int, default=SEED, help="of the random stacks (default: %(default)s)")
+    parser.add_argument("--start", choices=("committed", "plain"), default="committed", help="constants that the fit begins with (default: %(default)s)")
+    parser.add_argument("--steps", type=int, default=40, help="of the solver at most (default: %(default)s)")
+    parser.add_argument("--only", nargs="+", choices=tuple(PLAIN), default=tuple(PLAIN), metavar="NAME", help="constants of energies to fit, others stay (default: all)")
+    parser.add_argument("--write", action="store_true", help=f"write the fitted constants into {FILE.name}")
+    options = parser.parse_args(arguments)
+
+    def report(text: str) -> None:
+        print(text, file=sys.stderr, flush=True)
+
+    committed = read_constants(FILE)
+    all_sets = sets(options.seed, report)
+    begin = committed if options.start == "committed" else PLAIN
+    fitted = fit([case for one in all_sets if one.fitted for case in one.cases], begin, options.steps, report, options.only)
+    report("LOBE_BEND and BRUSHED_KEPT")
+    rng = np.random.default_rng([options.seed, 1])
+    shapes, held_out_shapes = ([ShapeCase(stack) for stack in plain_stacks(rng, SHAPES)] for _ in range(2))
+    brushed = brushed_cases()
+    with in_force(fitted):
+        fitted |= {"LOBE_BEND": fit_lobe_bend(shapes), "BRUSHED_KEPT": fit_brushed_kept(brushed)}
+    fitted = {name: rounded(value) for name, value in fitted.items()}
+    print_table(("constant", "committed", "fitted"), [(name, _text(committed[name]), _text(value)) for name, value in fitted.items()])
+    print()
+    measures = {f"albedo, {one.name}": _measure(one.cases, np.max) for one in all_sets}
+    measures |= {"shape, random": _measure(shapes, np.mean), "shape, held out": _measure(held_out_shapes, np.mean), "albedo, brushed metals": _measure(brushed, np.max)}
+    rows = comparison(measures, committed, fitted)
+    print_table(ERROR_COLUMNS, rows)
+    heading = (f"lamina.study.calibrate_analytic --seed {options.seed} --start {options.start}", "albedo: worst view and channel of each stack", "shape: mean of the views")
+    write_table(TABLE, heading, ERROR_COLUMNS, rows, report)
+    if options.write:
+        write_constants(FILE, fitted)
+        print(f"wrote {FILE}")
+    return 0
+
+
+def _text(value: Value) -> str:
+    return ", ".join(f"{v:g}" for v in value) if isinstance(value, tuple) else f"{value:g}"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

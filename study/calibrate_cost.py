@@ -78,7 +78,7 @@ def held_out_errors(rows: Sequence[Row], rng: np.random.Generator) -> np.ndarray
 
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="lamina.study.calibrate_cost", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--measure", action="store_true", help=f"render {TABLE.name} anew (ten minutes)")
+    parser.add_argument("--measure", action="store_true", help=f"render {TABLE.name} anew (five minutes on a quiet machine)")
     parser.add_argument("--rounds", type=int, default=ROUNDS, help="of renders (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=SEED, help="of what is held out (default: %(default)s)")
     parser.add_argument("--write", action="store_true", help=f"write the fitted coefficients into {FILE.name}")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials of few parts, and what Cycles takes for each: what `calibrate_cost.py` fits to. Needs bpy."""
 
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -11,7 +12,9 @@ from ..addon.nodes.backend import OSL
 from ..addon.nodes.elements import find_node
 from ..addon.nodes.material import apply_stack
 from ..addon.pareto.materials import glossy_material, group_material, table_material
-from ..addon.pareto.stage import Stage, ball, render_seconds, sun_stage, with_material
+from ..addon.pareto.stage import Stage, ball, sun_stage, with_material
+from ..addon.rendering.interrupt import interruptible
+from ..reference_py.errors import LaminaError
 from ..reference_py.network import make_network
 from ..reference_py.network.cost import PARTS, parts
 from ..reference_py.network.table import KNOTS, DiffuseTable, GlossyTable, TableNetwork
@@ -24,7 +27,8 @@ LOBES = (
     (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1), (0, 0, 2), (1, 1, 1), (1, 0, 2), (0, 0, 3), (0, 1, 2), (1, 0, 3),
     (1, 1, 2), (0, 0, 4), (1, 1, 3),
 )  # fmt: skip
-LAYERS = (1, 2, 3, 5)
+# (tier, whether roughnesses are linked, counts of layers)
+LIVE_TIERS = (("analytic", False, (1, 2, 3)), ("analytic", True, (1, 3)), ("weidlich_wilkie", False, (1, 3)))
 BASES = {"lambert": {"kind": "lambert", "color": [0.5, 0.4, 0.3]}, "copper": {"kind": "conductor", "metal": "copper", "roughness": 0.5}}
 _ONES = np.ones((KNOTS, 3))
 
@@ -46,13 +50,12 @@ def subjects() -> Iterator[Subject]:
         name = f"{diffuse} diffuse, {mirrors} mirror, {glossy} glossy"
         yield Subject(f"OSL: {name}", table_material(network, Stack.from_dict({"base": BASES["lambert"]}), f"cost_{diffuse}{mirrors}{glossy}"), parts(network), True)
         yield Subject(f"nodes: {name}", group_material(network), parts(network), False)
-    for tier, lives in (("analytic", (False, True)), ("weidlich_wilkie", (False,))):
+    for tier, live, counts in LIVE_TIERS:
         for base in BASES:
-            for layers in LAYERS:
-                for live in lives:
-                    stack = coated(layers, base)
-                    name = f"{tier}: {layers} over {base}{', linked' if live else ''}"
-                    yield Subject(name, _tier_material(name, stack, tier, live), parts(make_network(stack, tier).resolved, live), True)
+            for layers in counts:
+                stack = coated(layers, base)
+                name = f"{tier}: {layers} over {base}{', linked' if live else ''}"
+                yield Subject(name, _tier_material(name, stack, tier, live), parts(make_network(stack, tier).resolved, live), True)
 
 
 def lobes_of(diffuse: int, mirrors: int, glossy: int) -> TableNetwork:
@@ -85,7 +88,7 @@ def _link_roughness(material: bpy.types.Material) -> None:
 
 def measured(rounds: int, report: Callable[[str], None]) -> list[tuple[str, ...]]:
     """Rows of the table: material, counts of PARTS, cost (least CPU time of the rounds over the least of the plain glossy node's that
-    stood before each), its least and most of single rounds, and milliseconds before the first sample. Removes what it makes."""
+    stood before each), its least and most of single rounds, and least milliseconds before the first sample. Removes what it makes."""
     before = {kind: set(getattr(bpy.data, kind)) for kind in ("materials", "meshes", "objects", "texts", "node_groups")}
     try:
         with sun_stage(SIZE) as stage:
@@ -99,25 +102,40 @@ def _rows(stage: Stage, all_subjects: list[Subject], rounds: int, report: Callab
     mesh = ball()
     glossy = with_material(mesh, glossy_material(np.full(3, 0.8), 0.3))
     items = [with_material(mesh, subject.material) for subject in all_subjects]
-
-    def seconds(item: bpy.types.Object, osl: bool, whole: bool) -> float:
-        stage.show([item])
-        stage.settings(SAMPLES if whole else 1, size=None if whole else 8)
-        stage.scene.cycles.shading_system = osl
-        return render_seconds(stage.scene)
-
-    starts = {osl: min(seconds(glossy, osl, False) for _ in range(4)) for osl in (True, False)}
-    own_starts = np.min([[seconds(item, s.osl, False) for item, s in zip(items, all_subjects)] for _ in range(3)], axis=0)
-    own, plain = np.zeros((2, rounds, len(items)))
+    # (start, sampling) of the glossy node before each, and of each
+    plain, own = np.zeros((2, rounds, len(items), 2))
     for turn in range(rounds):
-        report(f"round {turn + 1} of {rounds}")
         for i, (item, subject) in enumerate(zip(items, all_subjects)):
-            plain[turn, i] = seconds(glossy, subject.osl, True) - starts[subject.osl]
-            own[turn, i] = seconds(item, subject.osl, True) - own_starts[i]
-    single = own / plain
-    least = np.min(own, axis=0) / np.min(plain, axis=0)
+            report(f"round {turn + 1} of {rounds}: {subject.name}")
+            plain[turn, i], own[turn, i] = _seconds(stage, glossy, subject.osl), _seconds(stage, item, subject.osl)
+    single = own[..., 1] / plain[..., 1]
+    least, start = np.min(own, axis=0)[:, 1] / np.min(plain, axis=0)[:, 1], 1000.0 * (np.min(own, axis=0) - np.min(plain, axis=0))[:, 0]
     return [
-        (s.name, *(str(s.parts.get(part, 0)) for part in PARTS), f"{least[i]:.3f}", f"{single[:, i].min():.3f}", f"{single[:, i].max():.3f}",
-         f"{1000.0 * (own_starts[i] - starts[s.osl]):.1f}")
+        (s.name, *(str(s.parts.get(part, 0)) for part in PARTS), *(f"{v:.3f}" for v in (least[i], single[:, i].min(), single[:, i].max())), f"{start[i]:.0f}")
         for i, s in enumerate(all_subjects)
     ]
+
+
+def _seconds(stage: Stage, item: bpy.types.Object, osl: bool) -> tuple[float, float]:
+    """CPU time of a render before its first sample, and of its samples."""
+    stage.show([item])
+    stage.settings(SAMPLES)
+    stage.scene.cycles.shading_system = osl
+    at: dict[str, float] = {}
+
+    def listen(*arguments) -> None:
+        text = next((a for a in arguments if isinstance(a, str)), "")
+        if "Sample " in text:
+            at[text[text.rindex("Sample ") :].split()[1]] = time.process_time()
+
+    begin = time.process_time()
+    bpy.app.handlers.render_stats.append(listen)
+    try:
+        with interruptible():
+            bpy.ops.render.render(scene=stage.scene.name)
+    finally:
+        bpy.app.handlers.render_stats.remove(listen)
+    first, last = f"0/{SAMPLES}", f"{SAMPLES}/{SAMPLES}"
+    if first not in at or last not in at:
+        raise LaminaError(f"Blender {bpy.app.version_string} does not tell when it samples: cannot time {item.active_material.name}")
+    return at[first] - begin, at[last] - at[first]

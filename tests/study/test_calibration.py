@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What finds constants: it recovers what made its data, the committed ones are what it finds, and a file is changed in nothing else."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.network import cost
+from lamina.study import calibrate_analytic, calibrate_cost
+from lamina.study.calibrate_analytic import Case, best_on, fit, in_force
+from lamina.study.calibration.source import read_constants, write_constants
+from lamina.study.calibration.stacks import hard_stacks, plain_stacks
+
+COMMITTED = {name: read_constants(calibrate_analytic.FILE)[name] for name in calibrate_analytic.PLAIN}
+
+
+def scaled(values, factors):
+    """Constants off by factors, in the logarithm or logit that the solver sees."""
+    return calibrate_analytic.from_numbers(calibrate_analytic.to_numbers(values) + np.log(factors))
+
+
+def worst(cases, values):
+    with in_force(values):
+        return max(float(np.max(np.abs(case.errors()))) for case in cases)
+
+
+def test_stacks_are_those_of_their_seed():
+    def texts(seed):
+        rng = np.random.default_rng(seed)
+        return [stack.to_json() for stack in (*plain_stacks(rng, 20), *hard_stacks(rng, 20))]
+
+    assert texts(3) == texts(3)
+    assert not set(texts(3)) & set(texts(4))
+    counts = [len(stack.layers) for stack in (*plain_stacks(np.random.default_rng(3), 20), *hard_stacks(np.random.default_rng(3), 20))]
+    assert set(counts[:20]) == {1, 2} and set(counts[20:]) == {3, 4, 5, 6}
+
+
+def test_constants_become_numbers_and_come_back():
+    back = calibrate_analytic.from_numbers(calibrate_analytic.to_numbers(COMMITTED))
+    assert {name: type(value) for name, value in back.items()} == {name: type(value) for name, value in COMMITTED.items()}
+    for name, value in back.items():
+        assert value == pytest.approx(COMMITTED[name], rel=1e-12)
+
+
+def test_constants_in_force_are_used_and_then_gone():
+    case = Case(hard_stacks(np.random.default_rng(5), 1)[0], truth=np.ones((4, 3)))
+    before = case.albedo()
+    with pytest.raises(ZeroDivisionError), in_force(scaled(COMMITTED, 1.5)):
+        assert np.max(np.abs(case.albedo() - before)) > 1e-3
+        raise ZeroDivisionError
+    assert np.array_equal(case.albedo(), before)
+
+
+def test_the_fit_finds_what_made_its_data():
+    """Data of the tier itself with three other constants, which come back, and with them the albedos of stacks that were not fitted."""
+    made_with = {"LOBE_SPREAD": 1.2, "STIR_SCALE": 0.2, "BASE_LOSS": 0.2}
+    stacks = plain_stacks(np.random.default_rng(11), 7)
+    with in_force(made_with):
+        truths = [Case(stack, truth=np.ones((len(calibrate_analytic.THETA_DEG), 3))).albedo() for stack in stacks]
+    cases = [Case(stack, truth=truth) for stack, truth in zip(stacks, truths)]
+    assert worst(cases[:5], {}) > 0.05
+    found = fit(cases[:5], COMMITTED, names=tuple(made_with))
+    assert found == pytest.approx(made_with, rel=1e-3)
+    assert worst(cases[5:], found) < 1e-4
+
+
+def test_committed_constants_are_no_worse_than_others_on_what_was_held_out():
+    cases = [Case(stack) for stack in plain_stacks(np.random.default_rng(23), 5)]
+
+    def size(values):
+        with in_force(values):
+            return float(np.mean([np.abs(case.errors()) ** 4 for case in cases]) ** 0.25)
+
+    rng = np.random.default_rng(29)
+    others = [size(scaled(COMMITTED, np.exp(rng.normal(0.0, 0.5, len(calibrate_analytic.to_numbers(COMMITTED)))))) for _ in range(5)]
+    print(f"{size(COMMITTED):.4f}, others {np.round(others, 4)}")
+    assert size(COMMITTED) <= min(others)
+
+
+def test_the_lowest_point_of_a_curve():
+    grid = np.geomspace(0.1, 10.0, 9)
+    assert best_on(grid, lambda v: (np.log(v) - np.log(1.3)) ** 2) == pytest.approx(1.3, rel=1e-9)
+
+
+def test_the_cost_fit_finds_what_made_its_data():
+    rng = np.random.default_rng(3)
+    made_with = dict(zip(cost.PARTS, rng.uniform(0.05, 2.0, len(cost.PARTS))))
+    rows = []
+    for i in range(40):
+        counts = dict(zip(cost.PARTS, [1, *map(int, rng.integers(0, 4, len(cost.PARTS) - 1))]))
+        rows.append(calibrate_cost.Row(str(i), counts, sum(made_with[part] * count for part, count in counts.items())))
+    assert calibrate_cost.fit(rows) == pytest.approx(made_with, rel=1e-4)
+
+
+def test_no_part_costs_less_than_nothing():
+    rows = [calibrate_cost.Row("a", dict.fromkeys(cost.PARTS, 0) | {"object": 1}, 1.0), calibrate_cost.Row("b", dict.fromkeys(cost.PARTS, 0) | {"object": 1, "diffuse": 1}, 0.9)]
+    found = calibrate_cost.fit(rows)
+    assert found["diffuse"] == 0.0 and 0.9 < found["object"] < 1.0
+
+
+def test_constants_are_written_in_their_place_alone(tmp_path: Path):
+    file = tmp_path / "constants.py"
+    text = '"""A = 1"""\nA = 1.0  # kept\nB, C = 2.0, (3.0, 4.0)\n"""ä"""\nD = {\n    "x": 1.0,\n    "y": 2.0,\n}\nname = 5.0\n'
+    file.write_text(text, encoding="utf-8")
+    assert read_constants(file) == {"A": 1.0, "B": 2.0, "C": (3.0, 4.0), "D.x": 1.0, "D.y": 2.0}
+    write_constants(file, {"A": 1.23456, "C": (30.0, 4e-7), "D.y": 2.5})
+    assert file.read_text(encoding="utf-8") == text.replace("A = 1.0 ", "A = 1.235 ").replace("(3.0, 4.0)", "(30.0, 4e-07)").replace('"y": 2.0', '"y": 2.5')
+    with pytest.raises(LaminaError, match="E"):
+        write_constants(file, {"A": 7.0, "E": 1.0})
+    assert "A = 1.235 " in file.read_text(encoding="utf-8")
