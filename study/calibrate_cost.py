@@ -21,7 +21,7 @@ from ..addon.cli.charts.output import print_table, write_table
 from ..reference_py.errors import LaminaError
 from ..reference_py.fit.solve import least_squares
 from ..reference_py.network import cost
-from .calibration.source import rounded, write_constants
+from .constants_file import rounded, write_constants
 
 FILE = Path(cost.__file__)
 TABLE = Path(__file__).parents[1] / "figures" / "cost_fit.csv"
@@ -114,7 +114,8 @@ def _measure(rounds: int) -> None:
         from .cost_renders import measured
 
         rows = measured(rounds, report)
-        heading = ("lamina.study.calibrate_cost --measure", f"Blender {bpy.app.version_string}", f"{rounds} rounds", "cost: CPU time over a plain glossy node's, least of the rounds")
+        meaning = "cost: least CPU time of the rounds over a plain glossy node's least"
+        heading = (f"lamina.study.calibrate_cost --measure --rounds {rounds}", f"Blender {bpy.app.version_string}", meaning)
         write_table(TABLE, heading, ("material", *cost.PARTS, *MEASURED), rows, report)
 
 

@@ -8,10 +8,11 @@ import pytest
 
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.network import cost
+from lamina.reference_py.suite import suite
 from lamina.study import calibrate_analytic, calibrate_cost
 from lamina.study.calibrate_analytic import Case, best_on, fit, in_force
-from lamina.study.calibration.source import read_constants, write_constants
-from lamina.study.calibration.stacks import hard_stacks, plain_stacks
+from lamina.study.constants_file import read_constants, write_constants
+from lamina.study.random_stacks import hard_stacks, plain_stacks
 
 COMMITTED = {name: read_constants(calibrate_analytic.FILE)[name] for name in calibrate_analytic.PLAIN}
 
@@ -61,22 +62,30 @@ def test_the_fit_finds_what_made_its_data():
         truths = [Case(stack, truth=np.ones((len(calibrate_analytic.THETA_DEG), 3))).albedo() for stack in stacks]
     cases = [Case(stack, truth=truth) for stack, truth in zip(stacks, truths)]
     assert worst(cases[:5], {}) > 0.05
-    found = fit(cases[:5], COMMITTED, names=tuple(made_with))
+    found = fit(cases[:5], COMMITTED, names=tuple(made_with), pull=0.0)
     assert found == pytest.approx(made_with, rel=1e-3)
     assert worst(cases[5:], found) < 1e-4
 
 
-def test_committed_constants_are_no_worse_than_others_on_what_was_held_out():
-    cases = [Case(stack) for stack in plain_stacks(np.random.default_rng(23), 5)]
+# Stacks of the suite whose errors the constants decide and whose truth takes little time.
+DECIDED = (
+    "gold_coat_0_1_metal_0_1", "copper_coat_0_02_metal_0_3", "silver_coat_0_2_metal_0_4", "titanium_coat_0_1_metal_0", "copper_1_5_0_3_over_1_8_0",
+    "copper_1_8_0_3_over_1_33_0", "copper_1_33_0_1_over_1_5_0_5", "copper_1_5_0_5_over_1_33_0_1", "car_paint_red_smooth", "plastic_tinted_deep",
+)  # fmt: skip
+
+
+def test_no_constant_is_better_doubled_or_halved():
+    """As errors count in the fit: 4 % is what the best of 56 changes gains on these few (printed), 10 % is asked."""
+    cases = [Case(suite()[name]) for name in DECIDED]
 
     def size(values):
         with in_force(values):
             return float(np.mean([np.abs(case.errors()) ** 4 for case in cases]) ** 0.25)
 
-    rng = np.random.default_rng(29)
-    others = [size(scaled(COMMITTED, np.exp(rng.normal(0.0, 0.5, len(calibrate_analytic.to_numbers(COMMITTED)))))) for _ in range(5)]
-    print(f"{size(COMMITTED):.4f}, others {np.round(others, 4)}")
-    assert size(COMMITTED) <= min(others)
+    count = len(calibrate_analytic.to_numbers(COMMITTED))
+    others = [size(scaled(COMMITTED, np.exp(sign * np.log(2.0) * row))) for row in np.eye(count) for sign in (1.0, -1.0)]
+    print(f"{size(COMMITTED):.4f}, best of the others {min(others):.4f}")
+    assert size(COMMITTED) <= 1.1 * min(others)
 
 
 def test_the_lowest_point_of_a_curve():
@@ -95,7 +104,8 @@ def test_the_cost_fit_finds_what_made_its_data():
 
 
 def test_no_part_costs_less_than_nothing():
-    rows = [calibrate_cost.Row("a", dict.fromkeys(cost.PARTS, 0) | {"object": 1}, 1.0), calibrate_cost.Row("b", dict.fromkeys(cost.PARTS, 0) | {"object": 1, "diffuse": 1}, 0.9)]
+    none = dict.fromkeys(cost.PARTS, 0)
+    rows = [calibrate_cost.Row("a", none | {"object": 1}, 1.0), calibrate_cost.Row("b", none | {"object": 1, "diffuse": 1}, 0.9)]
     found = calibrate_cost.fit(rows)
     assert found["diffuse"] == 0.0 and 0.9 < found["object"] < 1.0
 

@@ -3,8 +3,8 @@
 
 import numpy as np
 
-from ...reference_py.schema import METALS
-from ...reference_py.stack import Stack
+from ..reference_py.schema import METALS
+from ..reference_py.stack import Stack
 
 # Of layers: index of refraction, and the alphas that every kind of set has.
 _IOR = (1.2, 2.1)

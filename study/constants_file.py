@@ -5,8 +5,8 @@ import ast
 from collections.abc import Mapping
 from pathlib import Path
 
-from ...reference_py.atomic import write_text
-from ...reference_py.errors import LaminaError
+from ..reference_py.atomic import write_text
+from ..reference_py.errors import LaminaError
 
 # Significant digits of what is written; the fits determine fewer.
 DIGITS = 4
