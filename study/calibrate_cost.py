@@ -5,7 +5,8 @@
 
 Least squares of relative errors, no coefficient below 0, over the rows of figures/cost_fit.csv; `--measure` renders them anew first (needs
 bpy, `cost_renders.py`). Every row is fitted from the others as well, in `FOLDS` parts by the seed: the error of what was held out.
-Prints committed and fitted coefficients, and the errors of both.
+Prints committed and fitted coefficients, and the errors of both, also on the live tiers of figures/pareto.csv: other stacks, measured at
+another time. Layers cost by what they hold, so `--write` is for who measured layers of many kinds.
 """
 
 import argparse
@@ -18,13 +19,15 @@ from pathlib import Path
 import numpy as np
 
 from ..addon.cli.charts.output import print_table, write_table
+from ..addon.pareto.surfaces import load_surface
 from ..reference_py.errors import LaminaError
 from ..reference_py.fit.solve import least_squares
-from ..reference_py.network import cost
+from ..reference_py.network import cost, make_network
 from .constants_file import rounded, write_constants
 
 FILE = Path(cost.__file__)
 TABLE = Path(__file__).parents[1] / "figures" / "cost_fit.csv"
+PARETO = TABLE.with_name("pareto.csv")
 SEED, ROUNDS, FOLDS = 7, 5, 5
 MEASURED = ("cost", "cost_low", "cost_high", "start_ms")
 # What the estimate promises.
@@ -36,7 +39,7 @@ class Row:
     """A material that was timed: its parts, and its CPU time over a plain glossy node's."""
 
     name: str
-    parts: Mapping[str, int]
+    parts: Mapping[str, int]  # those that it has
     cost: float
 
 
@@ -52,9 +55,18 @@ def read_rows(path: Path = TABLE) -> list[Row]:
     return [Row(row["material"], {part: int(row[part]) for part in cost.PARTS}, float(row["cost"])) for row in table]
 
 
+def pareto_rows() -> list[Row]:
+    """What `lamina chart pareto` measured of the live tiers."""
+    with PARETO.open(newline="", encoding="utf-8") as file:
+        file.readline()  # the comment
+        table = [row for row in csv.DictReader(file) if row["method"] in ("analytic", "weidlich_wilkie")]
+    networks = [make_network(load_surface(row["surface"]), row["method"]).resolved for row in table]
+    return [Row(f"{row['surface']}, {row['method']}", cost.parts(network), float(row["cost"])) for row, network in zip(table, networks)]
+
+
 def fit(rows: Sequence[Row]) -> dict[str, float]:
     """Cost of each part, 0 or more."""
-    counts = np.array([[row.parts[part] for part in cost.PARTS] for row in rows], float)
+    counts = np.array([[row.parts.get(part, 0) for part in cost.PARTS] for row in rows], float)
     relative = counts / np.array([row.cost for row in rows])[:, None]
     start, high = np.full(len(cost.PARTS), 0.5), np.full(len(cost.PARTS), np.inf)
     found = least_squares(lambda x: relative @ x - 1.0, lambda x, r: relative, start, 0.0 * start, high)
@@ -90,6 +102,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print_table(("part", "committed", "fitted"), [(part, f"{cost.PARTS[part]:g}", f"{fitted[part]:g}") for part in fitted])
     print()
     kinds = {"committed": errors(rows, cost.PARTS), "fitted": errors(rows, fitted), "fitted, held out": held_out_errors(rows, np.random.default_rng(options.seed))}
+    kinds |= {f"{name}, {PARETO.stem}": errors(pareto_rows(), found) for name, found in (("committed", cost.PARTS), ("fitted", fitted))}
     print_table(("coefficients", "materials", "error RMS", "median", "worst", f"above {GOOD_TO:.0%}"), [_statistics(name, e) for name, e in kinds.items()])
     if options.write:
         write_constants(FILE, {f"PARTS.{part}": value for part, value in fitted.items()})

@@ -103,11 +103,32 @@ def test_the_cost_fit_finds_what_made_its_data():
     assert calibrate_cost.fit(rows) == pytest.approx(made_with, rel=1e-4)
 
 
+def test_the_measured_table_gives_the_committed_costs_of_closures():
+    """To .05 of a glossy node, and the estimate is good to 20 % for every material without layers' arithmetic (worst 12 %, printed)."""
+    rows = calibrate_cost.read_rows()
+    found = calibrate_cost.fit(rows)
+    closures = ("object", "lit", "diffuse", "mirror", "glossy")
+    assert [found[part] for part in closures] == pytest.approx([cost.PARTS[part] for part in closures], abs=0.05)
+    plain = [row for row in rows if not any(count for part, count in row.parts.items() if part not in closures)]
+    off = np.abs(calibrate_cost.errors(plain, cost.PARTS))
+    print(f"{len(plain)} materials, median {np.median(off):.3f}, worst {np.max(off):.3f}")
+    assert len(plain) == 30 and np.max(off) < 0.2
+
+
+def test_a_table_of_other_parts_is_refused(tmp_path: Path):
+    table = tmp_path / "cost_fit.csv"
+    with pytest.raises(LaminaError, match="--measure"):
+        calibrate_cost.read_rows(table)
+    table.write_text("# x\nmaterial,object,cost\na,1,1.0\n", encoding="utf-8")
+    with pytest.raises(LaminaError, match="weidlich_wilkie_layer"):
+        calibrate_cost.read_rows(table)
+
+
 def test_no_part_costs_less_than_nothing():
     none = dict.fromkeys(cost.PARTS, 0)
     rows = [calibrate_cost.Row("a", none | {"object": 1}, 1.0), calibrate_cost.Row("b", none | {"object": 1, "diffuse": 1}, 0.9)]
     found = calibrate_cost.fit(rows)
-    assert found["diffuse"] == 0.0 and 0.9 < found["object"] < 1.0
+    assert found["diffuse"] == 0.0 and 0.9 < found["object"] <= 1.0
 
 
 def test_constants_are_written_in_their_place_alone(tmp_path: Path):
