@@ -56,7 +56,7 @@ build/demo/ready: $(READY) $(SOURCES)
 
 test: $(READY)
 	@# side by side: each is bound to one core, and these of the add-on's tests make the halves about even
-	@$(RUN) -m pytest tests/reference_py $(FIRST_HALF) & first=$$!; \
+	@$(RUN) -m pytest tests/reference_py tests/study $(FIRST_HALF) & first=$$!; \
 	$(RUN) -m pytest tests/addon tests/test_package.py tests/test_trust.py $(FIRST_HALF:%=--ignore=%); second=$$?; \
 	wait $$first && exit $$second
 	@$(MAKE) --no-print-directory validate
