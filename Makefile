@@ -11,7 +11,7 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 # Of the add-on's tests, those that run beside the reference's.
 FIRST_HALF := $(addprefix tests/addon/test_,parity.py stock_nodes.py anisotropy.py bent_normals.py coverage.py)
 
-.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings fuzz matrix licences clean
+.PHONY: fit help demo test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings fuzz faults matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -37,6 +37,7 @@ help:
 	@echo "make branches  measure what both branches of a material cost beside one alone (five minutes on a quiet machine)"
 	@echo "make surroundings  render one file in its four surroundings (LAMINA_BLENDER names a Blender that has EEVEE)"
 	@echo "make fuzz      throw 100000 broken inputs at every reader"
+	@echo "make faults    put deliberate faults into a copy, one at a time, and say which the tests catch (three minutes)"
 	@echo "make matrix    run the tests on every supported Blender whose Python is here, and print a table"
 	@echo "make licences  print the licence of every pinned package"
 	@echo "make clean     remove what was built (not $(VENV))"
@@ -127,6 +128,9 @@ surroundings: $(READY)
 
 fuzz: $(READY)
 	$(RUN) tests/benchmarks/fuzz.py 100000 figures/fuzz.txt
+
+faults: $(READY)
+	$(RUN) tests/deliberate_faults.py
 
 matrix:
 	@$(or $(PYTHON),python3) tools/matrix.py -o figures/matrix.txt

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Are tests able to fail? Puts one fault at a time into a copy of the tree, and runs the tests that must see it.
+
+    tests/deliberate_faults.py [WORD]    # of faults whose name has the word; `make faults` for all
+
+Prints what was caught and what survived. Exits with 1 where one survives or no longer can be put in. A fault is a line of
+`FAULTS`; whoever finds one that no test sees adds it there, with its test.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+# What no test of `FAULTS` reads, or would be another version's.
+LEFT_OUT = (".*", "__pycache__", "build", "dist", "demo_blend", "scenes", "*.png", "*.blend")
+
+
+@dataclass(frozen=True)
+class Fault:
+    """`old` stands once in `file` and becomes `new`; each of `tests` fails then."""
+
+    name: str
+    file: str
+    old: str
+    new: str
+    tests: tuple[str, ...]
+
+
+CHOICE, JUDGE = "reference_py/network/choice.py", "reference_py/network/judge.py"
+MIXTURE, MEMORY = "reference_py/network/mixture.py", "reference_py/network/memory.py"
+PAPER = "reference_py/models/weidlich_wilkie.py"
+OF_CHOICE, OF_ERROR = "tests/reference_py/test_choice.py::", "tests/reference_py/test_error_estimate.py::"
+OF_MIXTURE, OF_CACHE = "tests/reference_py/test_mixture.py::", "tests/reference_py/test_cache.py::"
+OF_CAVITIES, OF_FILM = "tests/reference_py/test_v_cavities.py::", "tests/reference_py/test_thinnest_film.py::"
+OF_WARNING, OF_PAPER = "tests/reference_py/test_fit_warnings.py::", "tests/reference_py/test_weidlich_wilkie.py::"
+
+FAULTS = (
+    Fault("auto takes the dearest", CHOICE, "return min(good, key=lambda t: t[0].cost)", "return max(good, key=lambda t: t[0].cost)",
+          (f"{OF_CHOICE}test_the_cheapest_within_the_tolerance_is_taken",)),
+    Fault("auto takes the closest, whatever it costs", CHOICE, "return min(good, key=lambda t: t[0].cost)", "return min(good, key=lambda t: t[0].seen)",
+          (f"{OF_CHOICE}test_the_cheapest_within_the_tolerance_is_taken",)),
+    Fault("half as much error again is as close", CHOICE, "_AS_CLOSE = 0.05", "_AS_CLOSE = 0.5",
+          (f"{OF_CHOICE}test_where_none_is_good_enough_the_cheapest_of_the_closest_is_taken",)),
+    Fault("bakes go on though one is good enough", CHOICE, "and tried[-1][0].seen <= tolerance:", "and tried[-1][0].seen <= 0.0:",
+          (f"{OF_CHOICE}test_the_cheapest_within_the_tolerance_is_taken",)),
+    Fault("the albedo of the mean view", CHOICE, "float(np.max(errors.albedo)), *means", "float(np.mean(errors.albedo)), *means",
+          (f"{OF_CHOICE}test_errors_are_the_worst_albedo_and_the_mean_soft_light",)),
+    Fault("soft light left out of what is chosen by", CHOICE, "return max(self.albedo, self.soft_light)", "return self.albedo",
+          (f"{OF_CHOICE}test_the_cheapest_within_the_tolerance_is_taken", f"{OF_CHOICE}test_what_people_read_of_a_candidate_is_the_worse_of_both_errors")),
+    Fault("a lobe costs twice", CHOICE, "+ 0.2 * (len(lobes)", "+ 0.4 * (len(lobes)", (f"{OF_CHOICE}test_costs_of_lobes_are_those_measured",)),
+    Fault("live layers are folded", CHOICE, "folds = not live and", "folds =", (f"{OF_CHOICE}test_everything_that_a_shader_has_costs",)),
+    Fault("layers over metals cost as those over paint", CHOICE, '"conductor"', '"gold"', (f"{OF_CHOICE}test_costs_of_coated_stacks_are_those_measured",)),
+    Fault("soft light left out of the judge", JUDGE, "return float(max(np.max(self.albedo), np.mean(self.soft_light)))", "return float(np.max(self.albedo))",
+          (f"{OF_ERROR}test_the_error_that_is_seen_is_the_worse_of_the_worst_albedo_and_the_mean_soft_light",
+           f"{OF_ERROR}test_light_on_the_wrong_side_is_seen_though_the_albedo_is_right")),
+    Fault("soft lights are not measured", JUDGE, "soft[i] = np.sum(", "soft[i] = 0.0 * np.sum(",
+          (f"{OF_ERROR}test_too_much_or_too_little_everywhere_is_all_three_errors",)),
+    Fault("soft lights leave gaps", JUDGE, "SOFT_LIGHT_DEG = 40.0", "SOFT_LIGHT_DEG = 4.0",
+          (f"{OF_ERROR}test_too_much_or_too_little_everywhere_is_all_three_errors",)),
+    Fault("soft lights are three times as wide", JUDGE, "SOFT_LIGHT_DEG = 40.0", "SOFT_LIGHT_DEG = 120.0",
+          (f"{OF_ERROR}test_light_on_the_wrong_side_is_seen_though_the_albedo_is_right",)),
+    Fault("too bright makes up for too dark", JUDGE, "np.sum(np.abs(self._lights[i] @ (f - view.f)))", "np.abs(np.sum(self._lights[i] @ (f - view.f)))",
+          (f"{OF_ERROR}test_light_on_the_wrong_side_is_seen_though_the_albedo_is_right",)),
+    Fault("views crowd at a ball's middle", JUDGE, "np.sqrt(1.0 - (np.arange(_PIXELS) + 0.5) / _PIXELS)", "1.0 - 0.5 * (np.arange(_PIXELS) + 0.5) / _PIXELS",
+          (f"{OF_ERROR}test_views_split_a_balls_pixels_evenly",)),
+    Fault("patches' shares are forgotten", MIXTURE, "weight=patch.share * np.asarray(lobe.weight)", "weight=np.asarray(lobe.weight)",
+          (f"{OF_MIXTURE}test_energy_is_the_patches_mean", f"{OF_MIXTURE}test_a_coat_on_a_quarter_of_a_grey_surface")),
+    Fault("of equal lobes the last is kept", MIXTURE, "weight=other.weight + lobe.weight", "weight=lobe.weight",
+          (f"{OF_MIXTURE}test_lobes_that_differ_in_weight_alone_are_one", f"{OF_MIXTURE}test_energy_is_the_patches_mean")),
+    Fault("lobes of other widths are one", MIXTURE, "shapes = ((a.alpha_x, b.alpha_x), ", "shapes = (", (f"{OF_MIXTURE}test_lobes_that_differ_in_anything_else_stay_two",)),
+    Fault("the error of the best patch", MIXTURE, "return max(part.choice.chosen.seen", "return min(part.choice.chosen.seen",
+          (f"{OF_MIXTURE}test_error_is_the_worst_patchs_and_cost_the_dearests",)),
+    Fault("live values by the whole stack's numbers", MIXTURE, "live = tuple((places[index], name)", "live = tuple((index, name)",
+          (f"{OF_MIXTURE}test_keys_are_those_of_the_patches_with_their_own_layers_numbers",)),
+    Fault("bakes of another version are used", MEMORY, "(_code() + key)", "key", (f"{OF_CACHE}test_what_another_version_computed_is_not_used",)),
+    Fault("two digits are the same content", MEMORY, 'f"{value:.5g}"', 'f"{value:.2g}"', (f"{OF_CACHE}test_what_changes_the_light_is_another_content",)),
+    Fault("live values make other bakes", MEMORY, "None if name in ALWAYS_LIVE or (i, name) in live else", "None if name in ALWAYS_LIVE else",
+          (f"{OF_CACHE}test_of_live_values_only_that_they_are_live_counts",)),
+    Fault("the newest files go first", MEMORY, "key=lambda file: file.stat().st_mtime)", "key=lambda file: -file.stat().st_mtime)",
+          (f"{OF_CACHE}test_the_oldest_go_first",)),
+    Fault("a remembered tier keeps another stack's values", CHOICE, "else type(network)(stack)", "else network",
+          (f"{OF_CACHE}test_a_chosen_live_tier_is_made_of_the_stack_that_asks",)),
+    Fault("V cavities of factor 1.9", "reference_py/optics/microfacet.py", "2.0 * cos_m * np.minimum", "1.9 * cos_m * np.minimum",
+          (f"{OF_CAVITIES}test_the_factor_is_what_rays_see_of_a_groove", f"{OF_CAVITIES}test_equation_1_with_its_factor", f"{OF_CAVITIES}test_out_of_the_plane")),
+    Fault("V cavities block the upper direction", "reference_py/optics/microfacet.py", "np.minimum(cos_i, cos_o) / safe", "np.maximum(cos_i, cos_o) / safe",
+          (f"{OF_CAVITIES}test_the_factor_is_what_rays_see_of_a_groove",)),
+    Fault("films from 20 nm on", "reference_py/optics/thin_film.py", "THINNEST_NM = 0.1", "THINNEST_NM = 20.0",
+          (f"{OF_FILM}test_a_tenth_of_a_nanometre_is_the_thinnest_film", f"{OF_FILM}test_a_film_comes_gradually",
+           f"{OF_FILM}test_thin_films_reflect_as_airy_says")),
+    Fault("films are met once", "reference_py/optics/thin_film.py", "path = 2.0 * ior", "path = 1.0 * ior", (f"{OF_FILM}test_thin_films_reflect_as_airy_says",)),
+    Fault("no warning of hidden values", "reference_py/fit/outcome.py", "if share <= _HIDDEN_SHARE:", "if share <= 1.0:",
+          (f"{OF_WARNING}test_a_color_that_is_off_beside_a_highlight_is_warned_of", f"{OF_WARNING}test_a_twentieth_of_the_values_is_worth_a_warning")),
+    Fault("the command keeps warnings to itself", "addon/cli/fit.py", 'for warning in told["warnings"]:', "for warning in ():",
+          ("tests/addon/test_fit_told.py::test_a_dim_color_that_no_metal_has_is_warned_of",)),
+    Fault("bright values are hidden", "reference_py/fit/metric.py", "dim = (m.f * self._scale < FLOOR) & (m.f > _DARK)", "dim = m.f > _DARK",
+          (f"{OF_WARNING}test_nothing_is_hidden_where_nothing_is_bright",)),
+    Fault("no value is ever undetermined", "reference_py/fit/certainty.py", "OF_VALUE = 0.05", "OF_VALUE = 50.0",
+          ("tests/reference_py/test_fit.py::test_what_data_do_not_determine_is_named",)),
+    Fault("eq. 4 compensates nothing", PAPER, "t21 = (1.0 - g) + t21 * g", "t21 = t21 * g", (f"{OF_PAPER}test_compensation_is_equation_4",)),
+    Fault("eq. 6 counts one way twice", PAPER, "(1.0 / cos_i + 1.0 / cos_o)", "(2.0 / cos_i)", (f"{OF_PAPER}test_clear_interface_leaves_absorption_alone",)),
+)  # fmt: skip
+
+
+def put_in(fault: Fault, tree: Path) -> str:
+    """Put a fault into a tree; the file's text before. Raises ValueError where its old text does not stand there once."""
+    path = tree / fault.file
+    text = path.read_text(encoding="utf-8") if path.is_file() else ""
+    if text.count(fault.old) != 1:
+        raise ValueError(f"{fault.old!r} stands {text.count(fault.old)} times in {fault.file}, not once")
+    path.write_text(text.replace(fault.old, fault.new), encoding="utf-8")
+    return text
+
+
+def run(tests: tuple[str, ...], tree: Path) -> subprocess.CompletedProcess:
+    """Run tests of a tree, as `lamina` in the folder that it is in."""
+    # bytecode is known by second and length, which a fault may share with what was there
+    environment = {**os.environ, "PYTHONPATH": str(tree.parent), "PYTHONDONTWRITEBYTECODE": "1"}
+    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *tests]
+    return subprocess.run(command, cwd=tree, env=environment, capture_output=True, text=True)
+
+
+def verdict(fault: Fault, tree: Path) -> str:
+    """"caught", or what is wrong. The tree is left as it was."""
+    try:
+        text = put_in(fault, tree)
+    except ValueError as error:
+        return str(error)
+    # one by one, as each must see it
+    codes = {test: run((test,), tree).returncode for test in fault.tests}
+    (tree / fault.file).write_text(text, encoding="utf-8")
+    wrong = [f"{test} {'passes' if code == 0 else f'does not run (pytest says {code})'}" for test, code in codes.items() if code != 1]
+    return f"SURVIVED: {', '.join(wrong)}" if wrong else "caught"
+
+
+def main(word: str = "") -> int:
+    faults = [fault for fault in FAULTS if word in fault.name]
+    if not faults:
+        print(f"no fault's name has {word!r}; choose a word of: {', '.join(fault.name for fault in FAULTS)}")
+        return 2
+    with tempfile.TemporaryDirectory() as folder:
+        tree = Path(folder) / "lamina"
+        shutil.copytree(ROOT, tree, ignore=shutil.ignore_patterns(*LEFT_OUT))
+        sound = run(tuple(dict.fromkeys(test for fault in faults for test in fault.tests)), tree)
+        if sound.returncode != 0:
+            print(sound.stdout + sound.stderr + "\ntests fail without a fault: nothing can be told")
+            return 2
+        caught = 0
+        for fault in faults:
+            found = verdict(fault, tree)
+            caught += found == "caught"
+            print(f"{fault.name:48} {found}", flush=True)
+    print(f"{caught} of {len(faults)} caught")
+    return 0 if caught == len(faults) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:2]))
