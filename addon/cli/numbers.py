@@ -73,7 +73,7 @@ def albedo(options) -> None:
         value, stderr = model.albedo_stderr(wo, progress=tenths(say(options.command)))
     else:
         value, stderr = model.albedo(wo), None
-    print_albedo(options.model, theta, value, stderr, options.json, how)
+    print_albedo(model.name, theta, value, stderr, options.json, how)
 
 
 def print_albedo(model: str, theta: Sequence[float], value: np.ndarray, stderr: np.ndarray | None, as_json: bool, how: dict | None = None) -> None:
@@ -101,10 +101,10 @@ def eval(options) -> None:
     else:
         value, stderr = model.f(wo_all, wi), None
     if options.json:
-        result = {"model": options.model, **how, "wo_deg": _numbers(options.wo), "wi_deg": [_numbers(w) for w in options.wi], "f": value.tolist()}
+        result = {"model": model.name, **how, "wo_deg": _numbers(options.wo), "wi_deg": [_numbers(w) for w in options.wi], "f": value.tolist()}
         print(json.dumps(result if stderr is None else {**result, "stderr": stderr.tolist()}))
         return
-    print(f"{options.model}: f in 1/sr, red green blue, wo {options.wo}")
+    print(f"{model.name}: f in 1/sr, red green blue, wo {options.wo}")
     for i, text in enumerate(options.wi):
         error = "" if stderr is None else "   +- " + " ".join(f"{v:.3g}" for v in stderr[i])
         print(f"wi {text:12}   {' '.join(f'{v:.6g}' for v in value[i])}{error}")

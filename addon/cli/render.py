@@ -49,7 +49,7 @@ def _refuse_what_has_no_effect(options) -> None:
 
 
 def _tier(options) -> str:
-    return method_of(options.tier or DEFAULT_METHOD)
+    return method_of(options.tier or DEFAULT_METHOD).name
 
 
 def _material(stack, tier, backend, report):

@@ -106,7 +106,7 @@ def test_a_stack_file_with_spaces_and_unicode(tmp_path):
 
 def test_shader_is_printed_without_bpy():
     out, _ = lamina("shader", "metallic_car_paint", "--tier", "analytic")
-    assert out.startswith("// Lamina shader") and "Layer1Ior" in out and "BaseEta" in out
+    assert out.startswith("// SPDX-License-Identifier: GPL-3.0-or-later\n// Lamina shader") and "Layer1Ior" in out and "BaseEta" in out
 
 
 def test_commands_without_blender_start_within_half_a_second():
@@ -140,7 +140,7 @@ BAD = [
     (["demo", "-o", "/proc/none"], ["/proc/none", "cannot make this folder"]),
     (["apply", "--stack", "crayon_paint", "--object", "Cube", "none.blend", "-o", "x.txt"], ["x.txt", ".blend"]),
     (["render", "crayon_paint", "-o", "x.png", "--backend", "cuda"], ["--backend", "'cuda'", "auto", "osl", "nodes"]),
-    (["render", "crayon_paint", "-o", "x.png", "--tier", "magic"], ["tier 'magic'", "weidlich_wilkie"]),
+    (["render", "crayon_paint", "-o", "x.png", "--tier", "magic"], ["quality 'magic'", "weidlich_wilkie"]),
     (["apply", "--stack", "crayon_paint", "--object", "Cube", "none.blend", "-o", "x.blend"], ["none.blend", "no such"]),
     (["frobnicate"], ["frobnicate", "albedo"]),
     ([], ["COMMAND"]),
