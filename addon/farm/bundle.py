@@ -17,7 +17,7 @@ from .bundle_names import ITEMS, SCRIPT
 
 _ADDON = Path(__file__).resolve().parents[1]
 # name in the bundle: the module it is a copy of
-_SCRIPTS = {SCRIPT: _ADDON / "batch" / "task.py", "oiio.py": _ADDON / "rendering" / "oiio.py"}
+_SCRIPTS = {SCRIPT: _ADDON / "batch" / "task.py", "oiio.py": _ADDON / "blender" / "oiio.py"}
 
 
 def write_files(items: Sequence[Item], limit: float | None, folder: Path, report: Callable[[str], None]) -> None:
