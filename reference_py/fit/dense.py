@@ -8,6 +8,7 @@ from ..models.adding.direct import direct_f
 from ..models.adding.facets import MULTIPLE
 from ..models.adding.recipe import Recipe
 from ..optics.frame import spherical
+from ..optics.optical_stack import OpticalStack
 from ..registry import make_model
 
 _CHUNK = 50_000
@@ -25,7 +26,7 @@ def evaluate_all(model: str, stack: Stack, wo: np.ndarray, wi: np.ndarray) -> np
     if len(wo) <= _FEW or model != "adding":
         exact = make_model(model, stack)
         return np.concatenate([exact.f(wo[i : i + _CHUNK], wi[i : i + _CHUNK]) for i in range(0, len(wo), _CHUNK)])
-    recipe, table = Recipe.of(stack), _rest(stack)
+    recipe, table = Recipe.of(OpticalStack.of(stack)), _rest(stack)
     parts = []
     for i in range(0, len(wo), _CHUNK):
         o, n = wo[i : i + _CHUNK], wi[i : i + _CHUNK]
@@ -40,7 +41,7 @@ def _rest(stack: Stack) -> np.ndarray:
     phi = np.linspace(0.0, np.pi, _PHIS)
     to, ti, p = (a.ravel() for a in np.meshgrid(theta, theta, phi, indexing="ij"))
     wo, wi = spherical(to, 0.0), spherical(ti, p)
-    recipe, model = Recipe.of(stack), make_model("adding", stack)
+    recipe, model = Recipe.of(OpticalStack.of(stack)), make_model("adding", stack)
     f = model.f(wo, wi) - direct_f(recipe, MULTIPLE, wo, wi)
     return f.reshape(_THETAS, _THETAS, _PHIS, 3)
 

@@ -16,7 +16,7 @@ from lamina.reference_py.models.adding.recipe import Recipe
 from lamina.reference_py.models.position_free import PositionFree
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.fresnel import cos_theta_t, fresnel_dielectric
-from lamina.reference_py.optics.optical_stack import rough_surfaces
+from lamina.reference_py.optics.optical_stack import OpticalStack, rough_surfaces
 from lamina.reference_py.optics.quadrature import directional_albedo
 from lamina.reference_py.registry import make_model
 from lamina.study.suite import suite, suite_stack
@@ -303,13 +303,13 @@ def test_the_shape_of_further_events_changes_no_energy(alpha, eta):
 
 def test_f_takes_more_nodes_where_a_narrow_lobe_lies_below_a_rough_surface():
     """Refraction at a slope of alpha turns s by half of it, twice; the mirror below adds nothing."""
-    narrow = Recipe.of(suite_stack("titanium_coat_0_1_metal_0")).narrowest_lobe()
+    narrow = Recipe.of(OpticalStack.of(suite_stack("titanium_coat_0_1_metal_0"))).narrowest_lobe()
     assert narrow == pytest.approx(np.sqrt(2.0) * 0.5 * 0.1, rel=1e-4)
-    wide = Recipe.of(stack({**METAL, "roughness": 0.2**0.5}, coat(1.5, 0.1))).narrowest_lobe()
+    wide = Recipe.of(OpticalStack.of(stack({**METAL, "roughness": 0.2**0.5}, coat(1.5, 0.1)))).narrowest_lobe()
     assert wide == pytest.approx(np.hypot(narrow, 2.0 * 1.5 * 0.2), rel=1e-4)
-    assert Recipe.of(stack(lambert(0.5), coat(1.5, 0.01))).narrowest_lobe() == np.inf
+    assert Recipe.of(OpticalStack.of(stack(lambert(0.5), coat(1.5, 0.01)))).narrowest_lobe() == np.inf
     # f of a smooth coat over a narrow metal is a formula
-    assert Recipe.of(stack({**METAL, "roughness": 0.02**0.5}, coat(1.5))).narrowest_lobe() == np.inf
+    assert Recipe.of(OpticalStack.of(stack({**METAL, "roughness": 0.02**0.5}, coat(1.5)))).narrowest_lobe() == np.inf
 
 
 def test_the_suite_is_large_and_valid():

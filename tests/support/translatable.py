@@ -19,7 +19,7 @@ from lamina.reference_py.material.schema import SCHEMA
 
 ADDON = Path(lamina.__file__).parent / "addon"
 # Folders whose sources show text in Blender's window.
-_SHOWN = ("background", "check", "exchange", "library", "nodes", "operators", "ui")
+_SHOWN = ("check", "exchange", "jobs", "library", "material", "operators", "ui")
 _TRANSLATING = {"iface_", "rpt_", "tip_", "pgettext_iface", "pgettext_rpt", "pgettext_tip", "translated"}
 
 
