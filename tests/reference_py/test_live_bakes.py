@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.lobes import cache
 from lamina.reference_py.lobes.cache import truth_of
 from lamina.reference_py.lobes.closure import lobe_energy
@@ -58,3 +59,8 @@ def test_what_a_bake_cannot_follow_is_analytic_and_said(live):
     made = make_lobe_set(presets.load("metallic_car_paint"), "baked", live=live)
     assert isinstance(made.lobe_set, AnalyticLobes)
     assert "analytic, as a bake cannot follow the" in made.reason and live[0].name in made.reason
+
+
+def test_a_live_value_of_no_layer_is_refused():
+    with pytest.raises(LaminaError, match="live value: the roughness of layer 7 of a stack of 1 layers"):
+        make_lobe_set(presets.load("tinted_glaze"), "baked", live=(Place(7, "roughness"),))

@@ -60,7 +60,7 @@ def holds_values(name: str) -> bool:
 def make_lobe_set(stack: Stack, method: str = DEFAULT_METHOD, **options) -> Made:
     """The lobe set of a stack; `options` are those of `Options`.
 
-    Raises LaminaError on an unknown method, what it does not support, and too many covered layers.
+    Raises LaminaError on an unknown method, what it does not support, too many covered layers, and a live value of no layer.
     """
     row, asked = method_of(method), Options(**options)
     parts = _parts(row, stack, asked)
@@ -109,6 +109,9 @@ def glossy_of_each(count: int) -> int:
 
 def _parts(row: Method, stack: Stack, options: Options) -> list[tuple[Patch, Options]]:
     """The patches of a stack, each with its own options: live values are placed by its layers; what is always live needs no place."""
+    for place in options.live:
+        if place.layer is not None and not 0 <= place.layer < len(stack.layers):
+            raise LaminaError(f"live value: {place} of a stack of {len(stack.layers)} layers, which are numbered from 0")
     parts = patches(stack)
     if row.computed is None:
         return [(patch, options) for patch in parts]
