@@ -11,6 +11,7 @@ from lamina.reference_py.models.position_free.walk import connected_f
 from lamina.reference_py.optics import microsurface
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.fresnel import cos_theta_t, fresnel_dielectric
+from lamina.reference_py.optics.optical_stack import OpticalStack
 from lamina.reference_py.registry import make_model
 
 SURFACES = ("multiple", "single")
@@ -147,7 +148,7 @@ def test_faults_of_f_are_caught(fault, monkeypatch):
 
 
 def _with_equal_indices(*arguments):
-    surfaces = Surfaces(*arguments)
+    surfaces = Surfaces(OpticalStack.of(arguments[0]), *arguments[1:])
     surfaces.n_above = [1.0] * len(surfaces)
     return surfaces
 
@@ -155,7 +156,7 @@ def _with_equal_indices(*arguments):
 @pytest.mark.parametrize("surface", SURFACES)
 @pytest.mark.parametrize("name", MIXED)
 def test_connections_are_reciprocal(name, surface):
-    surfaces, n, rng = Surfaces(MIXED[name], surface), 20_000, np.random.default_rng(6)
+    surfaces, n, rng = Surfaces(OpticalStack.of(MIXED[name]), surface), 20_000, np.random.default_rng(6)
     a, b = np.tile(view(20.0), (n, 1)), np.tile(view(60.0, 2.5), (n, 1))
     there, back = connected_f(surfaces, a, b, rng), connected_f(surfaces, b, a, rng)
     error = np.hypot(there.std(axis=0), back.std(axis=0)) / n**0.5
