@@ -148,7 +148,7 @@ def test_faults_of_f_are_caught(fault, monkeypatch):
 
 
 def _with_equal_indices(*arguments):
-    surfaces = Surfaces(OpticalStack.of(arguments[0]), *arguments[1:])
+    surfaces = Surfaces(*arguments)
     surfaces.n_above = [1.0] * len(surfaces)
     return surfaces
 
