@@ -11,13 +11,14 @@ its options, and an example, which needs these imports:
 [0.096, 0.243, 0.366]
 """
 
+from typing import Any
+
 from .errors import LaminaError
 from .lobes.methods.closure_model import ClosureModel
 from .material.coverage import covered_layers, patches
 from .material.stack import Stack
 from .models.adding import Adding
 from .models.baselines import BASELINES
-from .models.model import Model
 from .models.patch_model import PatchModel
 from .models.position_free import PositionFree
 from .models.weidlich_wilkie import WeidlichWilkie
@@ -30,8 +31,8 @@ MODELS = {model.name: model for model in (WeidlichWilkie, WeidlichWilkieRepaired
 OLD_NAMES = {"mirror": ClosureModel.name}
 
 
-def make_model(name: str, stack: Stack, **options: str) -> Model:
-    """Build a model by name; of a stack with covered layers, the mixture of its patches.
+def make_model(name: str, stack: Stack, **options: str) -> Any:
+    """Build a model (`models.model.Model`) by name; of a stack with covered layers, the mixture of its patches.
 
     Raises LaminaError on an unknown name or option, what is no Stack, or what the model does not know (`OpticalStack.of`).
     """

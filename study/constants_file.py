@@ -46,8 +46,8 @@ def _places(text: str) -> dict[str, ast.expr]:
         if not isinstance(statement, ast.Assign):
             continue
         target, value = statement.targets[0], statement.value
-        several = isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple)
-        for name, node in zip(target.elts, value.elts) if several else [(target, value)]:
+        pairs = zip(target.elts, value.elts) if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple) else [(target, value)]
+        for name, node in pairs:
             if isinstance(name, ast.Name) and name.id.isupper():
                 parts = {f"{name.id}.{key.value}": part for key, part in zip(node.keys, node.values)} if isinstance(node, ast.Dict) else {name.id: node}
                 found |= {key: part for key, part in parts.items() if _is_numbers(part)}
