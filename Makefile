@@ -17,8 +17,8 @@ FIRST_HALF := tests/reference_py $(addprefix tests/addon/test_,parity.py stock_n
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
-	@echo "make check     look at style and types, and run what starts no Blender and takes under a second (a minute)"
-	@echo "make slow-tests  measure which tests take more than a second (tests/slow.txt, half an hour)"
+	@echo "make check     look at style and types, and run what is quick without Blender (a minute)"
+	@echo "make slow-tests  measure which tests without Blender are slow (tests/slow.txt, ten minutes)"
 	@echo "make test      run all tests, then build and validate the extension"
 	@echo "make operations  do 1,000 random things with layers and check after each that all agree"
 	@echo "make bench     print how fast the reference models are"

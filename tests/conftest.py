@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-# Tests without Blender that took more than a second when `make slow-tests` measured all; `make check` leaves them out.
+# Tests without Blender that took more than `QUICK` seconds when `make slow-tests` measured all; `make check` leaves them out.
 SLOW = Path(__file__).with_name("slow.txt")
-SECOND = 1.0
+QUICK = 0.2
 
 # A shell lets its background jobs, and so all that tests start, ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -63,7 +63,7 @@ def pytest_sessionfinish(session, exitstatus):
     session.config.lamina_exit_status = int(exitstatus)
     if os.environ.get("LAMINA_MEASURE_TESTS"):
         known = set(SLOW.read_text(encoding="utf-8").splitlines())
-        slow = {name for name, seconds in _seconds.items() if seconds > SECOND}
+        slow = {name for name, seconds in _seconds.items() if seconds > QUICK}
         SLOW.write_text("".join(f"{name}\n" for name in sorted(slow | (known - set(_seconds)))), encoding="utf-8")
 
 

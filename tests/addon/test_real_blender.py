@@ -52,7 +52,8 @@ def test_numbers_and_refusals_are_those_of_the_wheel(blender):
     for arguments in (["presets"], ["schema", "--json"], ["albedo", "clean_copper"], ["shader", "clean_copper", "--tier", "weidlich_wilkie"]):
         assert blender("--command", "lamina", *arguments)[0] == [line for line in lamina(*arguments)[0].splitlines() if line]
     for arguments in (["albedo", "nope"], ["batch", "none.json"], ["frobnicate"]):
-        assert lamina(*arguments, code=2)[1] in blender("--command", "lamina", *arguments, code=2)[1]
+        told = lamina(*arguments, code=2)[1].replace(", 'chart', 'figures'", "")  # which a checkout has besides
+        assert told in blender("--command", "lamina", *arguments, code=2)[1]
 
 
 def test_a_batch_and_its_bundle_in_a_blender_without_lamina(blender, tmp_path):
