@@ -6,6 +6,7 @@
 
 from ...errors import LaminaError
 from ...material.coverage import Patch, patches
+from ...material.place import in_words
 from ...material.schema import THIN_FILM
 from ...material.stack import Stack
 from ...optics.optical_stack import OpticalStack
@@ -126,10 +127,16 @@ def _live_of(patch: Patch, options: Options):
 
 def _made(row: Method, stack: Stack, options: Options) -> Made:
     OpticalStack.of(stack, row)  # refuses what the method does not know, before any work
-    if row.computed is None or not not_bakeable(stack):
+    if row.computed is None:
         return row.make(stack, options)
+    plain = bakeable(stack)
+    if row.follows(plain, options.live):
+        made = row.make(plain, options)
+    else:
+        made = Made(row.name, plain, AnalyticLobes(plain), f"{AnalyticLobes.name}, as a bake cannot follow {in_words(options.live)}")
+    if not not_bakeable(stack):
+        return made
     # what is chosen for the plain stack, which has a truth that is quick to compute, is made of the whole one
-    made = row.make(bakeable(stack), options)
     whole = featured_analytic(stack) if isinstance(made.lobe_set, AnalyticLobes) else type(made.lobe_set)(stack)
     reason = made.reason
     if any(element.has(THIN_FILM) for element in (*stack.layers, stack.base)):

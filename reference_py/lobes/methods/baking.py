@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Method `baked`: the truth of a stack, fitted by few closures. Stacks of equal content share one bake.
 
-Live values are followed by tables over them too (`axes_of`); where that cannot be, the lobes are those of `analytic`.
+Live values are followed by tables over them too (`axes_of`).
 """
 
 from dataclasses import replace
 
-from ...material.place import in_words
+from ...material.place import Place, in_words
 from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
@@ -26,6 +26,10 @@ def is_bare_oren_nayar(stack: Stack) -> bool:
     return not stack.layers and isinstance(base, DiffuseBase) and base.sigma_deg > 0.0
 
 
+def _follows(stack: Stack, live: tuple[Place, ...]) -> bool:
+    return not live or is_bare_oren_nayar(stack) or axes_of(stack, live) is not None
+
+
 def _glossy(options: Options) -> int:
     return options.glossy or DEFAULT_GLOSSY
 
@@ -33,8 +37,6 @@ def _glossy(options: Options) -> int:
 def _make(stack: Stack, options: Options) -> Made:
     if is_bare_oren_nayar(stack):
         return Made(NAME, stack, AnalyticLobes(stack), "the base's own closures, which are exact")
-    if options.live and axes_of(stack, options.live) is None:
-        return Made(NAME, stack, AnalyticLobes(stack), f"analytic, as a bake cannot follow {in_words(options.live)}")
     lobe_set = COMPUTED.result(stack, options)
     if isinstance(lobe_set, LiveLobes):
         lobe_set = replace(lobe_set, stack=stack)
@@ -46,7 +48,7 @@ COMPUTED = Computed(
     key=lambda stack, options: f"baked {content(stack, options.live)} {_glossy(options)}",
     pack=pack_lobes,
     unpack=unpack_lobes,
-    is_instant=lambda stack, options: is_bare_oren_nayar(stack) or (bool(options.live) and axes_of(stack, options.live) is None),
+    is_instant=lambda stack, options: is_bare_oren_nayar(stack) or not _follows(stack, options.live),
     most_glossy=DEFAULT_GLOSSY,
 )
 
@@ -54,6 +56,6 @@ METHOD = Method(
     NAME,
     "The truth, computed once when values rest and fitted by few lobes: closest and cheapest",
     _make,
-    lambda stack, live: not live or axes_of(stack, live) is not None,
+    _follows,
     COMPUTED,
 )

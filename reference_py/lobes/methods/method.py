@@ -43,7 +43,7 @@ class Computed:
 class Method:
     """One way to tell Cycles about a stack without coverage.
 
-    `follows` says which live values its shaders follow. Where `computed` is None it takes no time, and its shaders hold a stack's
+    `follows` says whether its shaders follow live values; where they do not, the lobes of `analytic` stand in. Where `computed` is None it takes no time, and its shaders hold a stack's
     structure alone; else they hold values too.
     """
 
