@@ -23,7 +23,7 @@ pytest.importorskip("bpy")
 
 pytestmark = pytest.mark.blender
 
-JOB = {"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "backend": "nodes", "frames": "1-3", "size": 16, "samples": 2}
+JOB = {"stacks": ["clean_copper"], "qualities": ["weidlich_wilkie"], "backend": "nodes", "frames": "1-3", "size": 16, "samples": 2}
 
 
 def write_job(folder, **keys):

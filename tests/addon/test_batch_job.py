@@ -28,7 +28,7 @@ def test_everything_is_combined(tmp_path):
             tmp_path,
             stacks=[{"name": "metal", "stack": {"base": {"kind": "conductor"}}}],
             sweeps=sweeps,
-            tiers=["auto", "analytic"],
+            qualities=["auto", "analytic"],
             views=[0, 90],
             frames="1-5x2",
         )

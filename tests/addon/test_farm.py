@@ -17,7 +17,7 @@ pytest.importorskip("bpy")
 pytestmark = pytest.mark.blender
 
 NAME = "Größe & Lack, 漆 " + "x" * 183
-JOB = {"stacks": [{"name": NAME, "stack": "clean_copper"}], "tiers": ["weidlich_wilkie"], "views": [0, 40], "size": 16, "samples": 2}
+JOB = {"stacks": [{"name": NAME, "stack": "clean_copper"}], "qualities": ["weidlich_wilkie"], "views": [0, 40], "size": 16, "samples": 2}
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +128,7 @@ def test_what_fails_half_way_leaves_nothing_and_can_be_tried_again(tmp_path):
     """A .blend that breaks the farm after the first material; baked stock nodes; a folder that was there, empty."""
     (tmp_path / "broken.blend").write_bytes(b"BLENDER")
     (tmp_path / "out").mkdir()
-    job = {"stacks": ["polished_chrome"], "views": [0, 90], "size": 16, "samples": 2, "tiers": ["baked"], "backend": "nodes"}
+    job = {"stacks": ["polished_chrome"], "views": [0, 90], "size": 16, "samples": 2, "qualities": ["baked"], "backend": "nodes"}
     for keys, code in (({"scenes": ["ball", {"blend": "broken.blend", "object": "Cup"}]}, 2), ({}, 0)):
         (tmp_path / "job.json").write_text(json.dumps(job | keys))
         _, said = lamina("farm", tmp_path / "job.json", "-o", tmp_path / "out", code=code)

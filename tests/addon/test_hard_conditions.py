@@ -81,7 +81,7 @@ def test_a_full_disk_keeps_what_was_there(mounted, registered_lamina):
 def test_a_batch_on_a_full_disk_names_what_failed_and_goes_on_later(mounted, tmp_path, registered_lamina):
     disk = mounted("disk", "4k")
     job = tmp_path / "job.json"
-    job.write_text(json.dumps({"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "backend": "nodes", "size": 16, "samples": 1}))
+    job.write_text(json.dumps({"stacks": ["clean_copper"], "qualities": ["weidlich_wilkie"], "backend": "nodes", "size": 16, "samples": 1}))
     _, said = lamina("batch", job, "-o", disk / "out", code=1)
     assert not list((disk / "out").glob("*.exr")), said
     subprocess.run(["mount", "-o", "remount,size=90m", disk], check=True)
@@ -160,7 +160,7 @@ def test_without_osl_stock_nodes_work_and_osl_is_refused_in_one_line(tmp_path, r
     (tmp_path / "without" / "sitecustomize.py").write_text('import sys\nsys.modules["oslquery"] = None\n')
     environment = os.environ | {"PYTHONPATH": str(tmp_path / "without")}
     job = tmp_path / "job.json"
-    job.write_text(json.dumps({"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "backend": "osl", "size": 8, "samples": 1}))
+    job.write_text(json.dumps({"stacks": ["clean_copper"], "qualities": ["weidlich_wilkie"], "backend": "osl", "size": 8, "samples": 1}))
     stack = ("clean_copper", "--tier", "weidlich_wilkie", "--samples", 1, "--size", 8, "--scene", "sphere")
     _, said = lamina("batch", job, "-o", tmp_path / "out", code=2, env=environment)
     assert len(said.splitlines()) == 1 and "backend osl needs Cycles with OSL" in said and "choose backend auto or nodes" in said

@@ -58,7 +58,7 @@ def test_numbers_and_refusals_are_those_of_the_wheel(blender):
 
 def test_a_batch_and_its_bundle_in_a_blender_without_lamina(blender, tmp_path):
     job = tmp_path / "job.json"
-    job.write_text(json.dumps({"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "size": 16, "samples": 2}))
+    job.write_text(json.dumps({"stacks": ["clean_copper"], "qualities": ["weidlich_wilkie"], "size": 16, "samples": 2}))
     blender("--command", "lamina", "batch", job, "-o", tmp_path / "here", "--no-sheet")
     blender("--command", "lamina", "farm", job, "-o", tmp_path / "bundle")
     files = tmp_path / "bundle" / "files"
@@ -81,7 +81,7 @@ def osl_of(blender) -> bool:
 def test_a_bundle_of_osl_shaders_is_refused_where_there_is_no_osl(blender, tmp_path):
     """Written by the wheel, which has OSL. Where there is some, it renders."""
     job = tmp_path / "job.json"
-    job.write_text(json.dumps({"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "backend": "osl", "size": 4, "samples": 1}))
+    job.write_text(json.dumps({"stacks": ["clean_copper"], "qualities": ["weidlich_wilkie"], "backend": "osl", "size": 4, "samples": 1}))
     lamina("farm", job, "-o", tmp_path / "bundle")
     files = tmp_path / "bundle" / "files"
     has_osl = osl_of(blender)
@@ -94,7 +94,7 @@ def test_a_bundle_of_osl_shaders_is_refused_where_there_is_no_osl(blender, tmp_p
 def test_osl_where_there_is_none_is_code_2(blender, tmp_path):
     """Of a Blender with OSL, that it is there."""
     job = tmp_path / "job.json"
-    job.write_text(json.dumps({"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "backend": "osl", "size": 4, "samples": 1}))
+    job.write_text(json.dumps({"stacks": ["clean_copper"], "qualities": ["weidlich_wilkie"], "backend": "osl", "size": 4, "samples": 1}))
     has_osl = osl_of(blender)
     _, said = blender("--command", "lamina", "batch", job, "-o", tmp_path / "out", "--no-sheet", code=0 if has_osl else 2)
     assert has_osl or "needs Cycles with OSL" in said
@@ -102,7 +102,7 @@ def test_osl_where_there_is_none_is_code_2(blender, tmp_path):
 
 def test_ctrl_c_is_130_as_in_the_wheel(profile, tmp_path):
     job = tmp_path / "job.json"
-    job.write_text(json.dumps({"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "size": 256, "samples": 100_000}))
+    job.write_text(json.dumps({"stacks": ["clean_copper"], "qualities": ["weidlich_wilkie"], "size": 256, "samples": 100_000}))
     command = [BLENDER, "-b", "--command", "lamina", "batch", str(job), "-o", str(tmp_path / "out")]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, **profile)
     assert "0 of them" in process.stderr.readline()

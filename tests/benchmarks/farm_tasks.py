@@ -23,7 +23,7 @@ from lamina.study.stamp import module_blender, stamp
 from lamina.study.tables import write_table
 
 PICTURES = 8
-JOB = {"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "frames": f"1-{PICTURES}", "size": 32, "samples": 4}
+JOB = {"stacks": ["clean_copper"], "qualities": ["weidlich_wilkie"], "frames": f"1-{PICTURES}", "size": 32, "samples": 4}
 
 
 def _version_of(blender: str) -> str:

@@ -238,7 +238,7 @@ def main() -> int:
         "frames": "1-5x2",
         "size": [20, 10],
         "sweeps": [{"parameter": "base.roughness", "values": [0.1, 0.2]}],
-        "tiers": ["auto"],
+        "qualities": ["auto"],
         "scenes": ["ball"],
         "seed": 3,
         "samples": 4,

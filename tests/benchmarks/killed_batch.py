@@ -22,7 +22,7 @@ from lamina.study.tables import write_table
 RUN = [sys.executable, "-c", "from lamina.addon.cli.main import main; main()", "batch"]
 KILLS, SEED = 5, 20
 JOB = {
-    "name": "Roughness of two metals", "stacks": ["clean_copper", "frosted_metal"], "tiers": ["weidlich_wilkie"],
+    "name": "Roughness of two metals", "stacks": ["clean_copper", "frosted_metal"], "qualities": ["weidlich_wilkie"],
     "sweeps": [{"parameter": "base.roughness", "from": 0.1, "to": 0.9, "steps": 10}],
     "views": [0, 40], "frames": "1-5", "samples": 4, "size": 32, "seed": 7,
 }  # fmt: skip
