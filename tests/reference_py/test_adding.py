@@ -9,7 +9,7 @@ from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.adding import Adding, facets, operators
 from lamina.reference_py.models.adding.assembly import Layers, add
-from lamina.reference_py.models.adding.bounces import Microsurface
+from lamina.reference_py.models.adding.bounces import Microsurface, detail_of
 from lamina.reference_py.models.adding.direction_grid import Grid
 from lamina.reference_py.models.adding.operators import Resolution, interface_operators
 from lamina.reference_py.models.adding.recipe import Recipe
@@ -110,7 +110,7 @@ def test_albedo_stays_physical_up_to_the_horizon(name, surface):
 def test_a_lobe_has_the_energy_of_its_facets(alpha, surface):
     """Two quadratures of one event, over outgoing directions and over facet normals, up to grazing."""
     cos = np.cos(np.radians([0.0, 45.0, 80.0, 88.0, 89.5, 89.99]))
-    lobe = operators._resolved_lobe(np.ones_like, cos, 1.0, alpha, "ggx", surface, Grid((1.0, 1.5), 32), 1)
+    lobe = operators._resolved_lobes([np.ones_like], cos, 1.0, alpha, "ggx", surface, Grid((1.0, 1.5), 32), 1)[0]
     seen = facets.visible_facets(cos, alpha, "ggx", surface, 64, 128).reflected()[1]
     np.testing.assert_allclose(lobe[0].sum(axis=1), seen.sum(axis=1), rtol=4e-4)
 
@@ -296,7 +296,7 @@ def test_the_shape_of_further_events_changes_no_energy(alpha, eta):
     """Both sides share the leftover alike, whether the shape or the energy alone is solved for."""
     cos = np.cos(np.radians([10.0, 60.0, 80.0]))
     surface = Microsurface(alpha, "ggx", etas=(eta, 1.0 / eta))
-    energy, shape = (surface.shares(cos, modes)[:, 0, :, 0] for modes in (1, 16))
+    energy, shape = (surface.shares(cos, detail_of(alpha, modes, draft=False))[:, 0, :, 0] for modes in (1, 16))
     np.testing.assert_allclose(energy, shape, atol=4e-3)
     np.testing.assert_allclose(shape.sum(axis=0), 1.0, rtol=1e-9)
 
@@ -379,4 +379,4 @@ def test_light_that_no_second_facet_meets_has_no_shape(roughness):
     wo = np.broadcast_to(spherical(np.radians(30.0), 0.0), wi.shape)
     np.testing.assert_allclose(Adding(metal).f(wo, wi), make_model("weidlich_wilkie", metal).f(wo, wi), rtol=1e-3, atol=1e-3)
     grazing = np.cos(np.radians([20.0, 45.0, 80.0]))
-    assert np.all(np.abs(Microsurface(roughness**2, "beckmann", index=(0.2, 3.0)).shares(grazing, 64)) <= 1.0)
+    assert np.all(np.abs(Microsurface(roughness**2, "beckmann", index=(0.2, 3.0)).shares(grazing, detail_of(roughness**2, 64, draft=False))) <= 1.0)

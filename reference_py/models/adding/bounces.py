@@ -7,9 +7,9 @@ transmission and over directions, is solved here without noise, as transport in 
 A height h enters through c = C1(h) alone: a ray of direction w is free from c to c' with probability
 (c / c')^Lambda(w), where Lambda(w) = -1 - Lambda(-w) downwards. Below a dielectric the same holds upside down, with
 1 - c, so a ray that crosses a facet goes on in the mirrored frame. The unknown is what a ray of direction w that
-leaves height c gives after at least one more event; it is collocated at DIRECTIONS x HEIGHTS nodes per side, with
+leaves height c gives after at least one more event; it is collocated at directions x heights nodes per side, with
 the stretched polar angle (tan = alpha tan(theta)) and c = sin^2 as smooth variables. Energies need few polar moments
-of what leaves; f needs many, and azimuthal modes (`Microsurface.detail`).
+of what leaves; f needs many, and azimuthal modes (`detail_of`).
 """
 
 from dataclasses import dataclass, replace
@@ -21,7 +21,6 @@ from ...optics.fresnel import fresnel_conductor, fresnel_dielectric
 from .direction_grid import chebyshev, gauss_legendre, legendre
 from .facets import MULTIPLE, smith_lambda, visible_facets
 
-DIRECTIONS, HEIGHTS = 20, 10
 # Quadrature over heights along a ray.
 _STEPS = 12
 # A leftover below this is rounding.
@@ -32,18 +31,31 @@ _ACCURACY = 1e-4
 
 @dataclass(frozen=True)
 class Detail:
-    """Azimuthal modes and polar moments of what leaves; facets across and along the plane of incidence that tell them."""
+    """Azimuthal modes and polar moments of what leaves; facets across and along the plane of incidence that tell them; nodes of the
+    collocation: directions, half of them up and half down, and heights."""
 
     azimuths: int
     moments: int
     across: int
     along: int
+    directions: int = 20
+    heights: int = 10
 
 
-_ENERGY = Detail(azimuths=1, moments=8, across=16, along=28)
+ENERGY = Detail(azimuths=1, moments=8, across=16, along=28)
 # Two events on a narrow surface leave a lobe about as narrow as one does: fewer modes or moments put light far from it.
-_NARROW = Detail(azimuths=48, moments=24, across=24, along=42)
-_WIDE, _WIDE_ALPHA = Detail(azimuths=24, moments=16, across=24, along=42), 0.25
+_NARROW, NARROW_ALPHA = Detail(azimuths=48, moments=24, across=24, along=42), 0.25
+_WIDE = Detail(azimuths=24, moments=16, across=24, along=42)
+# What a draft saves.
+_DRAFT = {"across": 16, "along": 28, "directions": 14, "heights": 7}
+
+
+def detail_of(alpha: float, modes: int, draft: bool) -> Detail:
+    """What is told of a surface when operators have so many azimuthal modes."""
+    if modes == 1:
+        return ENERGY
+    shape = _NARROW if alpha < NARROW_ALPHA else _WIDE
+    return replace(shape, azimuths=min(modes, shape.azimuths), **(_DRAFT if draft else {}))
 
 
 @dataclass(frozen=True)
@@ -55,26 +67,18 @@ class Microsurface:
     etas: tuple[float, ...] = ()
     index: tuple[float, float] = (0.0, 0.0)
 
-    def detail(self, modes: int) -> Detail:
-        """What `shares` tells when operators have so many azimuthal modes."""
-        if modes == 1:
-            return _ENERGY
-        shape = _NARROW if self.alpha < _WIDE_ALPHA else _WIDE
-        return replace(shape, azimuths=min(modes, shape.azimuths))
-
-    def shares(self, cos_theta: np.ndarray, modes: int) -> np.ndarray:
-        """How the leftover of light at cosines (I,) on side 0 is shared: (side, azimuths, I, moments) of `detail`.
+    def shares(self, cos_theta: np.ndarray, detail: Detail) -> np.ndarray:
+        """How the leftover of light at cosines (I,) on side 0 is shared: (side, azimuths, I, moments).
 
         Mean of P_k(1 - 2 cos^2) cos(m turn) per unit of leftover; [:, 0, :, 0] sums to 1 over the sides of a dielectric.
         """
-        detail = self.detail(modes)
         # The two sides of an interface are one problem, whichever the light comes from.
         surface, side = self, 0
         if self.etas and self.etas[0] < 1.0:
             surface, side = replace(self, etas=self.etas[::-1]), 1
         scatter = _Scatter(surface, side, cos_theta, detail)
         # from above the surface, where c = 1, every ray comes down to some height
-        descent = _descent(np.ones(1), cos_theta, self)[:, 0]
+        descent = _descent(np.ones(1), cos_theta, self, detail.heights)[:, 0]
         again = np.einsum("ih,mihr->mir", descent, scatter.apply(_solution(surface, detail)))
         left = np.einsum("ih,ih->i", descent, scatter.leftover())
         again = np.moveaxis(again.reshape(detail.azimuths, len(cos_theta), -1, detail.moments), 2, 0)
@@ -94,25 +98,25 @@ class Microsurface:
 
 @lru_cache(maxsize=64)
 def _solution(surface: Microsurface, detail: Detail) -> np.ndarray:
-    """(azimuths, side, DIRECTIONS, HEIGHTS, sides * moments) of the unknown at the nodes."""
+    """(azimuths, side, directions, heights, sides * moments) of the unknown at the nodes."""
     sides = max(len(surface.etas), 1)
-    cosines = _node_cosines(surface.alpha)
-    heights = _node_heights()
-    walk = _path(heights, cosines, surface)
+    directions, heights = detail.directions, detail.heights
+    cosines = _node_cosines(surface.alpha, directions)
+    walk = _path(_node_heights(heights), cosines, surface)
     scatters = [_Scatter(surface, side, -cosines, detail) for side in range(sides)]
     once = np.stack([s.once(sides) for s in scatters])
     source = np.einsum("jhk,smjkr->msjhr", walk, once)
-    size = sides * DIRECTIONS * HEIGHTS
+    size = sides * directions * heights
     result = []
     for m in range(detail.azimuths):
-        kernel = np.zeros((sides, DIRECTIONS, HEIGHTS, sides, DIRECTIONS, HEIGHTS))
+        kernel = np.zeros((sides, directions, heights, sides, directions, heights))
         for side, s in enumerate(scatters):
             kernel[side, :, :, side] += np.einsum("jhk,jl->jhlk", walk, s.reflect[m])
             if sides == 2:
                 kernel[side, :, :, 1 - side] += np.einsum("jhk,jl->jhlk", walk, s.refract[m])[..., ::-1]
         right = source[m].reshape(size, -1)
         result.append(np.linalg.solve(np.eye(size) - kernel.reshape(size, size), right))
-    return np.stack(result).reshape(detail.azimuths, sides, DIRECTIONS, HEIGHTS, -1)
+    return np.stack(result).reshape(detail.azimuths, sides, directions, heights, -1)
 
 
 class _Scatter:
@@ -138,23 +142,24 @@ class _Scatter:
         self.refract = self._matrix(self.refracted, self.w_refracted) if surface.etas else None
 
     def _matrix(self, w, weights) -> np.ndarray:
-        """(azimuths, I, DIRECTIONS): weights of the direction nodes, half of them up and half down."""
+        """(azimuths, I, directions): weights of the direction nodes, half of them up and half down."""
         alpha = self.surface.alpha
         polar = np.arctan2(alpha * np.hypot(w[..., 0], w[..., 1]), w[..., 2])
         # the unknown jumps at the horizon: of two rays from the top, one leaves and one comes down again
         down = polar > 0.5 * np.pi
-        half = DIRECTIONS // 2
+        half = self.detail.directions // 2
         basis = legendre(4.0 / np.pi * (polar - np.where(down, 0.5 * np.pi, 0.0)) - 1.0, half)
         turns = np.swapaxes(_turns(w, self.detail.azimuths), 0, 1)
         moments = [turns @ np.moveaxis(weights * part * basis, 0, -1) for part in (~down, down)]
         return np.swapaxes(np.concatenate(moments @ _to_nodes(half), axis=-1), 0, 1)
 
     def once(self, sides: int) -> np.ndarray:
-        """(azimuths, I, HEIGHTS, sides * moments): what leaves directly after this event, at the heights' nodes."""
-        result = np.zeros((self.detail.azimuths, len(self.weights), HEIGHTS, sides, self.detail.moments))
-        result[:, :, :, self.side] = self._leaving(self.reflected, self.w_reflected, _node_heights())
+        """(azimuths, I, heights, sides * moments): what leaves directly after this event, at the heights' nodes."""
+        heights = _node_heights(self.detail.heights)
+        result = np.zeros((self.detail.azimuths, len(self.weights), len(heights), sides, self.detail.moments))
+        result[:, :, :, self.side] = self._leaving(self.reflected, self.w_reflected, heights)
         if sides == 2:
-            result[:, :, :, 1 - self.side] = self._leaving(self.refracted, self.w_refracted, 1.0 - _node_heights())
+            result[:, :, :, 1 - self.side] = self._leaving(self.refracted, self.w_refracted, 1.0 - heights)
         return result.reshape(*result.shape[:3], -1)
 
     def _leaving(self, w, weights, heights) -> np.ndarray:
@@ -165,8 +170,8 @@ class _Scatter:
         return np.stack(left, axis=1).reshape(len(turns), len(w), len(heights), -1)
 
     def leftover(self) -> np.ndarray:
-        """(I, HEIGHTS): share of the light that does not leave directly after this event, without absorption."""
-        heights = _node_heights()
+        """(I, heights): share of the light that does not leave directly after this event, without absorption."""
+        heights = _node_heights(self.detail.heights)
         stays = np.einsum("iq,hiq->ih", self.weights, 1.0 - _free(self.reflected[..., 2], heights, self.surface))
         if not self.surface.etas:
             return stays
@@ -175,7 +180,7 @@ class _Scatter:
         return stays + np.einsum("iq,hiq->ih", self.w_refracted, crossed)
 
     def apply(self, solution: np.ndarray) -> np.ndarray:
-        """(azimuths, I, HEIGHTS, ...): the unknown after this event, at the heights' nodes."""
+        """(azimuths, I, heights, ...): the unknown after this event, at the heights' nodes."""
         result = _through(self.reflect, solution[:, self.side])
         if self.surface.etas:
             result += _through(self.refract, solution[:, 1 - self.side, :, ::-1])
@@ -192,16 +197,16 @@ def _turns(w, modes: int) -> np.ndarray:
     return chebyshev(-w[..., 0] / np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-12), modes)
 
 
-def _node_cosines(alpha: float) -> np.ndarray:
-    """Cosines (DIRECTIONS,) of travel, from up to down."""
-    up = 0.25 * np.pi * (gauss_legendre(DIRECTIONS // 2)[0] + 1.0)
+def _node_cosines(alpha: float, directions: int) -> np.ndarray:
+    """Cosines (directions,) of travel, from up to down."""
+    up = 0.25 * np.pi * (gauss_legendre(directions // 2)[0] + 1.0)
     polar = np.concatenate([up, up + 0.5 * np.pi])
     return alpha * np.cos(polar) / np.hypot(np.sin(polar), alpha * np.cos(polar))
 
 
-def _node_heights() -> np.ndarray:
-    """c (HEIGHTS,), symmetric about 1/2."""
-    return np.square(np.sin(0.25 * np.pi * (gauss_legendre(HEIGHTS)[0] + 1.0)))
+def _node_heights(heights: int) -> np.ndarray:
+    """c (heights,), symmetric about 1/2."""
+    return np.square(np.sin(0.25 * np.pi * (gauss_legendre(heights)[0] + 1.0)))
 
 
 def _lambda(cos_theta, surface: Microsurface):
@@ -215,16 +220,16 @@ def _free(cos_theta, heights, surface: Microsurface) -> np.ndarray:
 
 
 def _path(start, cos_theta, surface: Microsurface) -> np.ndarray:
-    """(I, len(start), HEIGHTS): weights of the height of the next event for rays of cosines of travel (I,)."""
+    """(I, heights, heights): weights of the height of the next event for rays of cosines of travel (I,) from `start` (heights,)."""
     up = (cos_theta > 0.0)[:, None, None]
-    return np.where(up, _ascent(start, cos_theta, surface), _descent(start, cos_theta, surface))
+    return np.where(up, _ascent(start, cos_theta, surface), _descent(start, cos_theta, surface, len(start)))
 
 
-def _descent(start, cos_theta, surface: Microsurface) -> np.ndarray:
+def _descent(start, cos_theta, surface: Microsurface, heights: int) -> np.ndarray:
     u, gauss = gauss_legendre(_STEPS)
     t = 0.5 * (u + 1.0)  # the probability is t^2, which softens the root at 0
     fall = t ** (2.0 / (1.0 + _lambda(cos_theta, surface)))[:, None]
-    return np.einsum("ihtk,t->ihk", _at_heights(start[:, None] * fall[:, None, :]), gauss * t)
+    return np.einsum("ihtk,t->ihk", _at_heights(start[:, None] * fall[:, None, :], heights), gauss * t)
 
 
 def _ascent(start, cos_theta, surface: Microsurface) -> np.ndarray:
@@ -232,13 +237,13 @@ def _ascent(start, cos_theta, surface: Microsurface) -> np.ndarray:
     log_c, rise = np.log(start)[:, None], np.maximum(_lambda(cos_theta, surface), 1e-12)[:, None, None]
     hit = -np.expm1(np.maximum(rise * log_c, -700.0))
     c = np.exp(np.minimum(log_c - np.log1p(-hit * 0.5 * (u + 1.0)) / rise, 0.0))
-    return np.einsum("ihtk,t->ihk", _at_heights(c), 0.5 * gauss) * hit
+    return np.einsum("ihtk,t->ihk", _at_heights(c, len(start)), 0.5 * gauss) * hit
 
 
-def _at_heights(c) -> np.ndarray:
-    """(..., HEIGHTS) weights that interpolate values at the heights' nodes at c."""
+def _at_heights(c, heights: int) -> np.ndarray:
+    """(..., heights) weights that interpolate values at the heights' nodes at c."""
     y = 4.0 / np.pi * np.arcsin(np.sqrt(np.clip(c, 0.0, 1.0))) - 1.0
-    return np.moveaxis(legendre(y, HEIGHTS), 0, -1) @ _to_nodes(HEIGHTS)
+    return np.moveaxis(legendre(y, heights), 0, -1) @ _to_nodes(heights)
 
 
 def _to_nodes(count: int) -> np.ndarray:

@@ -88,8 +88,9 @@ class Projector:
             to_nodes = legendre(nodes, len(nodes)) * gauss * (np.arange(len(nodes)) + 0.5)[:, None]
             bounds = np.searchsorted(chosen, np.arange(self._shape[0] + 1) * self._shape[1])
             self._parts.append((chosen, basis, to_nodes, bounds))
-        # travel of the walker, which starts along -x: the azimuth by which the interface turned it
-        self._turn = np.arctan2(-y, -x) if modes > 1 else None
+        # travel of the walker, which starts along -x: the cosine of the azimuth by which the interface turned it
+        across = np.hypot(x, y)
+        self._cos_turn = np.where(across > 0.0, -x / np.maximum(across, 1e-300), 1.0) if modes > 1 else None
 
     def __call__(self, weights: np.ndarray) -> np.ndarray:
         """Rows (modes, I, count(n)): sum over the points of weights (I, Q) times cos(m turn) times the node's basis."""
@@ -97,14 +98,15 @@ class Projector:
         starts = self._grid.starts
         rows = np.zeros((self._modes, self._shape[0], starts[self._panel_count]))
         for p, (chosen, basis, to_nodes, bounds) in enumerate(self._parts):
-            weighted = basis * weights[chosen]
             moments = np.zeros((self._modes, self._shape[0], len(basis)))
-            for i in range(self._shape[0]):
+            part_weights = weights[chosen]
+            for i in np.flatnonzero(np.diff(bounds)):
                 part = slice(bounds[i], bounds[i + 1])
                 if self._modes == 1:
-                    moments[0, i] = weighted[:, part].sum(axis=1)
+                    moments[0, i] = basis[:, part] @ part_weights[part]
                 else:
-                    moments[:, i] = chebyshev(np.cos(self._turn[chosen[part]]), self._modes) @ weighted[:, part].T
+                    turns = chebyshev(self._cos_turn[chosen[part]], self._modes)
+                    moments[:, i] = (turns * part_weights[part]) @ basis[:, part].T
             rows[:, :, starts[p] : starts[p + 1]] = moments @ to_nodes
         return rows
 

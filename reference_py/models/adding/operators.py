@@ -6,7 +6,7 @@ A row belongs to the direction in which a walker arrives (from the viewer), a co
 K[i, j] / grid.weights[j] is symmetric between the two sides. Azimuth is that of travel: a mirror turns by 0.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -17,7 +17,7 @@ from ...optics.frame import spherical
 from ...optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
 from ...optics.microfacet import is_specular
 from .assembly import Layers
-from .bounces import Microsurface
+from .bounces import ENERGY, Microsurface, detail_of
 from .direction_grid import Grid, gauss_legendre, legendre
 from .facets import MULTIPLE, dielectric_events, reflection_lobe, visible_facets
 
@@ -33,11 +33,12 @@ _CHUNK = 64
 
 @dataclass(frozen=True)
 class Resolution:
-    """Azimuthal modes, and facets across and along the plane of incidence per direction."""
+    """Azimuthal modes, facets across and along the plane of incidence per direction, and whether multiple scattering is a draft."""
 
     modes: int
     across: int
     along: int
+    draft: bool = False
 
 
 @dataclass(frozen=True)
@@ -89,14 +90,15 @@ def _dielectric_chunk(n_own, n_other, cos_theta, alpha, kind, surface, grid, res
     facets = visible_facets(cos_theta, alpha, kind, surface, resolution.across, resolution.along, eta)
     (wi, w_reflected), (wt, w_refracted) = dielectric_events(facets, eta)
     if _is_resolved(alpha, grid):
-        once = _resolved_lobe(lambda cos: fresnel_dielectric(cos, eta), cos_theta, n_own, alpha, kind, surface, grid, modes)
+        once = _resolved_lobes([lambda cos: fresnel_dielectric(cos, eta)], cos_theta, n_own, alpha, kind, surface, grid, modes)[0]
     else:
         once = grid.project(n_own, wi, modes)(w_reflected)
     more = np.zeros_like(once)
     transmitted = grid.project(n_other, wt, modes)(w_refracted)
     if _meets_more(surface, alpha, modes):
         left = 1.0 - once[0].sum(axis=1) - transmitted[0].sum(axis=1)
-        moments = Microsurface(alpha, kind, etas=(eta, n_own / n_other)).shares(cos_theta, modes) * left[:, None]
+        detail = detail_of(alpha, modes, resolution.draft)
+        moments = Microsurface(alpha, kind, etas=(eta, n_own / n_other)).shares(cos_theta, detail) * left[:, None]
         more[: moments.shape[1]] = _spread(moments[0], grid, n_own)
         transmitted[: moments.shape[1]] += _spread(moments[1], grid, n_other)
     return once, more, transmitted
@@ -139,43 +141,62 @@ def oren_nayar_rows(color: float, sigma_deg: float, n: float, cos_theta, grid: G
     return np.einsum("mp,ijp->mij", harmonics, f) * grid.weights[: grid.count(n)] / (n * n)
 
 
-def conductor_rows(index, channel, n, cos_theta, alpha, kind, surface, grid: Grid, resolution: Resolution):
-    """Rows (modes, I, N) of a conductor of relative (eta, k) per channel: (reflected once, reflected otherwise)."""
-    parts = [_conductor_chunk(index, channel, n, cos_theta[i : i + _CHUNK], alpha, kind, surface, grid, resolution) for i in range(0, len(cos_theta), _CHUNK)]
-    return tuple(np.concatenate(rows, axis=1) for rows in zip(*parts))
+def conductor_rows(index, n, cos_theta, alpha, kind, surface, grid: Grid, resolution: Resolution):
+    """By channel, rows (modes, I, N) of a conductor of relative (eta, k) per channel: (reflected once, reflected otherwise)."""
+    setup = (alpha, kind, surface, grid, resolution)
+    return _conductor_rows(index, n, tuple(cos_theta.tolist()), *setup)
 
 
-def _conductor_chunk(index, channel, n, cos_theta, alpha, kind, surface, grid, resolution):
-    eta, k = index[channel]
-    if is_specular(alpha):
-        mirrored = fresnel_conductor(cos_theta, eta, k)[:, None] * grid.interpolation(n, cos_theta)
-        every = np.ones((resolution.modes, 1, 1))
-        return 0.0 * every * mirrored, every * mirrored
+@lru_cache(maxsize=8)
+def _conductor_rows(index, n, cos_theta: tuple, alpha, kind, surface, grid, resolution):
+    distinct = list(dict.fromkeys(index))
+    cosines = np.array(cos_theta)
+    parts = [_conductor_chunk(distinct, n, cosines[i : i + _CHUNK], alpha, kind, surface, grid, resolution) for i in range(0, len(cosines), _CHUNK)]
+    by_channel = [tuple(np.concatenate(rows, axis=1) for rows in zip(*chunks)) for chunks in zip(*parts)]
+    return tuple(by_channel[distinct.index(pair)] for pair in index)
+
+
+def _conductor_chunk(index, n, cos_theta, alpha, kind, surface, grid, resolution) -> list[tuple[np.ndarray, np.ndarray]]:
     modes = resolution.modes
-
-    def fresnel(cos):
-        return fresnel_conductor(cos, eta, k)
-
+    if is_specular(alpha):
+        every = np.ones((modes, 1, 1))
+        mirrored = [fresnel_conductor(cos_theta, *pair)[:, None] * grid.interpolation(n, cos_theta) for pair in index]
+        return [(0.0 * every * rows, every * rows) for rows in mirrored]
+    curves = [lambda cos, pair=pair: fresnel_conductor(cos, *pair) for pair in index]
     if _is_resolved(alpha, grid):
         lobe = (cos_theta, n, alpha, kind, surface, grid)
-        once, white = _resolved_lobe(fresnel, *lobe, modes), _resolved_lobe(np.ones_like, *lobe, 1)[0].sum(axis=1)
+        once, white = _resolved_lobes(curves, *lobe, modes), _resolved_lobes([np.ones_like], *lobe, 1)[0][0].sum(axis=1)
     else:
         facets = visible_facets(cos_theta, alpha, kind, surface, 2 * resolution.across, 2 * resolution.along)
         wi, weights = facets.reflected()
-        once, white = grid.project(n, wi, modes)(weights * fresnel(facets.cos_om)), weights.sum(axis=1)
-    more = np.zeros_like(once)
+        projected, cos_om = grid.project(n, wi, modes), facets.cos_om
+        once, white = [projected(weights * curve(cos_om)) for curve in curves], weights.sum(axis=1)
+    more = [np.zeros_like(rows) for rows in once]
     if _meets_more(surface, alpha, modes):
-        moments = Microsurface(alpha, kind, index=index[channel]).shares(cos_theta, modes)[0]
-        more[: len(moments)] = _spread(moments * np.maximum(1.0 - white, 0.0)[:, None], grid, n)
-    return once, more
+        left = np.maximum(1.0 - white, 0.0)[:, None]
+        for rows, moments in zip(more, _conductor_shares(index, alpha, kind, cos_theta, resolution)):
+            rows[: len(moments)] = _spread(moments * left, grid, n)
+    return list(zip(once, more))
+
+
+def _conductor_shares(index, alpha, kind, cos_theta, resolution) -> list[np.ndarray]:
+    """(azimuths, I, moments) of each channel's leftover. A draft has each channel's energy, and the shape of the middle one."""
+    detail = detail_of(alpha, resolution.modes, resolution.draft)
+    if not resolution.draft or detail is ENERGY:
+        return [Microsurface(alpha, kind, index=pair).shares(cos_theta, detail)[0] for pair in index]
+    energies = [Microsurface(alpha, kind, index=pair).shares(cos_theta, ENERGY)[0, 0, :, 0] for pair in index]
+    middle = int(np.argsort([energy.sum() for energy in energies])[len(index) // 2])
+    shape = Microsurface(alpha, kind, index=index[middle]).shares(cos_theta, detail)[0]
+    shape = shape / np.maximum(shape[:1, :, :1], 1e-12)
+    return [shape * energy[:, None] for energy in energies]
 
 
 def _is_resolved(alpha: float, grid: Grid) -> bool:
     return alpha * grid.nodes >= _RESOLVED
 
 
-def _resolved_lobe(fresnel: Callable, cos_theta, n: float, alpha, kind, surface, grid: Grid, modes: int) -> np.ndarray:
-    """Rows (modes, I, N) of one reflection whose lobe is so wide that its values at the nodes do.
+def _resolved_lobes(curves: Sequence[Callable], cos_theta, n: float, alpha, kind, surface, grid: Grid, modes: int) -> list[np.ndarray]:
+    """By Fresnel curve, rows (modes, I, N) of one reflection whose lobe is so wide that its values at the nodes do.
 
     Scattered facets would miss the root that radiance has at a critical angle; the grid's panels do not.
     """
@@ -192,10 +213,11 @@ def _resolved_lobe(fresnel: Callable, cos_theta, n: float, alpha, kind, surface,
     # 1 + cos of the angle between wo and wi, whose azimuths differ by pi for a turn of 0
     both = np.maximum(1.0 + cos_o * cos_i - sines * cos_turn, 1e-30)
     cos_m, cos_om = np.minimum((cos_o + cos_i) / np.sqrt(2.0 * both), 1.0), np.sqrt(0.5 * both)
-    f = reflection_lobe(cos_o, cos_i, cos_m, alpha, kind, surface) * fresnel(cos_om) * measure
+    lobe = reflection_lobe(cos_o, cos_i, cos_m, alpha, kind, surface) * measure
+    f = np.stack([lobe * curve(cos_om) for curve in curves])
     before, now = cos_turn, np.ones_like(cos_turn)
-    rows = []
-    for _ in range(modes):
-        rows.append(np.sum(f * now, axis=-1))
+    rows = np.empty((len(curves), modes, *lobe.shape[:2]))
+    for m in range(modes):
+        np.einsum("cijp,ijp->cij", f, now, out=rows[:, m])
         before, now = now, 2.0 * cos_turn * now - before
-    return np.stack(rows) * grid.weights[: cos_i.shape[0]] / (n * n)
+    return list(rows * grid.weights[: cos_i.shape[0]] / (n * n))

@@ -59,6 +59,11 @@ class Recipe:
             passed = np.hypot(passed, np.sqrt(2.0) * step * alpha)  # on the way down and up
         return narrowest
 
+    def rough_alphas(self) -> list[float]:
+        """Alphas of all surfaces that are not smooth."""
+        facets = [i.facets for i in self.interfaces] + ([self.base.facets] if self.base.facets else [])
+        return [f.alpha for f in facets if not is_specular(f.alpha)]
+
     def channels(self) -> list[tuple[int, list[int]]]:
         """(representative, members) of each set of channels that are alike."""
         groups: dict = {}
@@ -74,7 +79,7 @@ def base_rows(base: DiffuseBase | ConductorBase, channel: int, cos_theta: np.nda
         case ConductorBase():
             index = tuple(zip(*base.relative_index))
             facets = base.facets
-            return conductor_rows(index, channel, base.n_above, cos_theta, facets.alpha, facets.distribution, surface, grid, resolution)
+            return conductor_rows(index, base.n_above, cos_theta, facets.alpha, facets.distribution, surface, grid, resolution)[channel]
         case DiffuseBase(sigma_deg=0.0):
             rows = lambert_rows(float(base.color[channel]), base.n_above, len(cos_theta), grid, resolution.modes)
         case DiffuseBase():
