@@ -116,7 +116,7 @@ def truth_of(stack: Stack):
         for feature in (ANISOTROPY, THIN_FILM):
             if element.has(feature):
                 raise LaminaError(f"the truth that tiers are judged by, adding, knows no {feature.name}, which {where} has")
-    return Adding(stack)
+    return Adding(stack, draft=1)
 
 
 def _rounded(value):

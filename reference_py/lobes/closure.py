@@ -14,15 +14,15 @@ from ..optics.diffuse import oren_nayar
 from ..optics.directions import components, vectors
 from ..optics.fresnel import fresnel_dielectric
 from ..optics.ggx import ggx_visible_normals
-from ..optics.microfacet import GGX, anisotropic_distribution, is_specular, smith_lambda_stretched
+from ..optics.microfacet import GGX, anisotropic_distribution, distribution_of, is_specular, smith_lambda_stretched
 from ..optics.quadrature import GOLDEN, cosine_directions, points
 from ..optics.thin_film import film_reflectance
 from .lobe import DielectricCurve, DiffuseLobe, FilmCurve, GlossyLobe, SchlickCurve
 
 # Cycles drops a closure whose mean weight is below this.
 WEIGHT_CUTOFF = 1e-5
-# Directions per view for a ratio of energies: rings about the lobe's axis, and places on each.
-_RINGS, _PLACES = 64, 16
+# Directions per view, as rings about the lobe's axis and places on each: for an energy, and for a ratio of energies.
+ENERGY_RULE, _SHARE_RULE = (192, 32), (64, 16)
 
 
 def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
@@ -74,6 +74,45 @@ def unit_glossy(kind: str, alpha_x, alpha_y, tilt, wo: np.ndarray, wi: np.ndarra
     return np.where((oz > 0.0) & (iz > 0.0), value, 0.0), 0.5 * length
 
 
+def glossy_rates(kind: str, alpha_x, alpha_y, tilt, wo: tuple, wi: tuple) -> np.ndarray:
+    """(4, ...): f as `unit_glossy` has it, and its derivatives by log alpha_x, log alpha_y and the tilt.
+
+    `wo` is (x, z) in the plane of incidence, `wi` (x, y, z), each (...).
+    """
+    law, cos_t, sin_t = distribution_of(kind), np.cos(tilt), np.sin(tilt)
+    x, iy, z = wi
+    ix, iz = cos_t * x - sin_t * z, cos_t * z + sin_t * x
+    ox, oz = cos_t * wo[0] - sin_t * wo[1], cos_t * wo[1] + sin_t * wo[0]
+    seen = (oz > 0.0) & (iz > 0.0)
+    iz, oz = np.where(seen, iz, 1.0), np.where(oz > 0.0, oz, 1.0)
+    inverse_z = 1.0 / (iz + oz)
+    lean, across = (ix + ox) * inverse_z, iy * inverse_z
+    lean2, across2 = np.square(lean), np.square(across)
+    x2, y2 = lean2 / np.square(alpha_x), across2 / np.square(alpha_y)
+    slope2 = x2 + y2
+    by_slope2 = -2.0 * law.log_slope_density_rate(slope2)
+    into = _masking_rates(law, alpha_x, alpha_y, ix / iz, iy / iz)
+    out = _masking_rates(law, alpha_x, alpha_y, ox / oz, 0.0)
+    g2 = 1.0 / (1.0 + into[0] + out[0])
+    value = law.slope_density(slope2) * np.square(1.0 + lean2 + across2) * g2 / np.maximum(z, 1e-20)
+    value *= np.where(seen, 0.25 / (np.pi * alpha_x * alpha_y * oz), 0.0)
+    result = np.empty((4, *value.shape))
+    result[0] = value
+    result[1] = value * (by_slope2 * x2 - 1.0 - g2 * (into[1] + out[1]))
+    result[2] = value * (by_slope2 * y2 - 1.0 - g2 * (into[2] + out[2]))
+    result[3] = value * (lean * (by_slope2 * (1.0 / np.square(alpha_x) + slope2) - 4.0) - ox / oz - g2 * (into[3] + out[3]))
+    return result
+
+
+def _masking_rates(law, alpha_x, alpha_y, lean, across) -> tuple:
+    """Smith's Lambda of directions of slopes `lean` and `across`, and its derivatives as `glossy_rates` has them."""
+    along = np.square(alpha_x)
+    x2, y2 = along * np.square(lean), np.square(alpha_y * across)
+    total = x2 + y2
+    rate = 2.0 * law.smith_lambda_rate(total)
+    return law.smith_lambda(total), rate * x2, rate * y2, -rate * lean * (along + total)
+
+
 def _in_lobe_frame(tilt, wo, wi):
     """Components of wi and of wo, whose y is 0."""
     sin_o = np.hypot(wo[..., 0], wo[..., 1])
@@ -97,8 +136,10 @@ def _lambda(stretched2, cos, kind):
     return smith_lambda_stretched(stretched2 / np.maximum(np.square(cos), 1e-30), kind)
 
 
-def unit_energy(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, count: int = 8192) -> np.ndarray:
+def unit_energy(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, rule: tuple[int, int] = ENERGY_RULE) -> np.ndarray:
     """Directional albedo (n, 3) that a glossy lobe has with weight 1, for views (n,) at the azimuth phi from the tangent.
+
+    `rule` is how many rings of directions, and how many on each.
 
     GGX visible normals of the lobe's own widths carry both distributions. Error below 5e-4 (tests/reference_py/test_closure.py).
     """
@@ -106,9 +147,10 @@ def unit_energy(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, cou
     if is_specular_lobe(lobe):
         return fresnel(lobe, cos_o) * np.ones(3)
     shapes, views, result = _shapes(lobe, cos_o), _views(lobe, cos_o, phi), np.empty(cos_o.shape + (3,))
+    u1, u2, weights = _rings(*rule)
     for i in range(len(cos_o)):  # all at once would not fit into a processor's cache
-        energy, cos_ih = _carried(lobe.distribution, *shapes[:, i : i + 1], views[i : i + 1], *points(count))
-        result[i] = np.mean(energy[0, :, None] * fresnel(lobe, cos_ih[0]), axis=0)
+        energy, cos_ih = _carried(lobe.distribution, *shapes[:, i : i + 1], views[i : i + 1], u1, u2)
+        result[i] = (energy[0] * weights) @ fresnel(lobe, cos_ih[0]) / np.sum(weights)
     return result
 
 
@@ -127,7 +169,7 @@ def fresnel_share(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -
         return at_view
     alpha_x, alpha_y, tilt = _shapes(lobe, cos_o)
     mirror = is_specular(np.sqrt(alpha_x * alpha_y))
-    u1, u2, weights = _rings()
+    u1, u2, weights = _rings(*_SHARE_RULE)
     alphas = np.where(mirror, 1.0, alpha_x), np.where(mirror, 1.0, alpha_y)
     energy, cos_ih = _carried(lobe.distribution, *alphas, tilt, _views(lobe, cos_o, phi), u1, u2)
     energy *= weights
@@ -136,14 +178,14 @@ def fresnel_share(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -
 
 
 @cache
-def _rings() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _rings(rings: int, places: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points of the unit square, and their weights, not to be written to: Gauss' rule of rings.
 
     Each is turned from the one before, so that few of them meet a horizon alike.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(_RINGS)
-    turns = (np.arange(_RINGS)[:, None] * GOLDEN + np.arange(_PLACES) + 0.5) / _PLACES
-    return np.repeat(0.5 - 0.5 * nodes, _PLACES), turns.ravel() % 1.0, np.repeat(weights, _PLACES)
+    nodes, weights = np.polynomial.legendre.leggauss(rings)
+    turns = (np.arange(rings)[:, None] * GOLDEN + np.arange(places) + 0.5) / places
+    return np.repeat(0.5 - 0.5 * nodes, places), turns.ravel() % 1.0, np.repeat(weights, places)
 
 
 def _shapes(lobe: GlossyLobe, cos_o: np.ndarray) -> np.ndarray:

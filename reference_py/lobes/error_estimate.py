@@ -14,10 +14,12 @@ from ..material.stack import Stack
 from ..optics.frame import spherical
 from ..optics.optical_stack import rough_surfaces
 from .closure import lobe_energy, lobe_f
-from .samples import View, truth_at
+from .samples import Views, truth_at
 
 SOFT_LIGHT_DEG = 40.0
 _PIXELS = 8
+# Points of each strategy at a view.
+_POINTS = 300
 _RINGS, _AROUND = 9, 12
 
 
@@ -45,28 +47,28 @@ class ErrorEstimator:
 
     def __init__(self, stack: Stack, truth, cosines: np.ndarray, light_deg: float = SOFT_LIGHT_DEG):
         self._cosines = np.asarray(cosines, float)
-        self._views = truth_at(truth, self._cosines, [alpha for _, alpha in rough_surfaces(stack)])
-        self._albedo = np.maximum(truth.albedo(np.stack([v.wo for v in self._views])), 1e-9)
-        self._lights = [_soft_lights(view, light_deg) for view in self._views]
+        self._views = truth_at(truth, self._cosines, [alpha for _, alpha in rough_surfaces(stack)], _POINTS)
+        self._albedo = np.maximum(truth.albedo(self._views.wo), 1e-9)
+        self._lights = _soft_lights(self._views, light_deg)
 
     def errors(self, lobe_set) -> Errors:
         """Errors of a lobe set of the stack."""
         albedo = np.max(np.abs(sum(lobe_energy(lobe, self._cosines) for lobe in lobe_set.lobes(self._cosines)) - self._albedo) / self._albedo, axis=-1)
-        soft, shape = np.zeros(len(self._views)), np.zeros(len(self._views))
-        for i, view in enumerate(self._views):
-            wo = np.broadcast_to(view.wo, view.wi.shape)
-            f = sum(lobe_f(lobe, wo, view.wi) for lobe in lobe_set.lobes(np.full(len(view.wi), view.cos_theta_o)))
-            shape[i] = np.max(view.share @ np.abs(f - view.f) / self._albedo[i])
-            soft[i] = np.sum(np.abs(self._lights[i] @ (f - view.f))) / np.sum(self._albedo[i])
+        views = self._views
+        wo = np.broadcast_to(views.wo[:, None], views.wi.shape)
+        f = sum(lobe_f(lobe, wo, views.wi) for lobe in lobe_set.lobes(np.broadcast_to(views.cos_theta_o[:, None], views.share.shape)))
+        gap = views.share[..., None] * (f - views.f)
+        shape = np.max(np.sum(np.abs(gap), axis=1) / self._albedo, axis=-1)
+        soft = np.sum(np.abs(self._lights @ gap), axis=(1, 2)) / np.sum(self._albedo, axis=1)
         return Errors(albedo, soft, shape)
 
 
-def _soft_lights(view: View, light_deg: float) -> np.ndarray:
-    """(lights, q): what each point adds to what each light sends, scaled so that a point's lights sum to its measure."""
+def _soft_lights(views: Views, light_deg: float) -> np.ndarray:
+    """(V, lights, Q): the part of what each point sends that each light lights; a point's lights sum to 1."""
     theta = np.arccos(1.0 - (np.arange(_RINGS) + 0.5) / _RINGS)
     phi = 2.0 * np.pi * (np.arange(_AROUND) + 0.5) / _AROUND
     centers = spherical(theta[:, None], phi).reshape(-1, 3)
     inside = np.cos(np.radians(0.5 * light_deg))
-    other_half = view.wi * np.array([1.0, -1.0, 1.0])
-    lit = 0.5 * ((centers @ view.wi.T > inside).astype(float) + (centers @ other_half.T > inside))
-    return lit * view.share / np.maximum(lit.sum(axis=0), 0.5)
+    both = (np.swapaxes(half, 1, 2) for half in (views.wi, views.wi * np.array([1.0, -1.0, 1.0])))
+    lit = 0.5 * sum((centers @ half > inside).astype(float) for half in both)
+    return lit / np.maximum(lit.sum(axis=1, keepdims=True), 0.5)

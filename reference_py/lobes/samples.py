@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Truth at one view, as points that any lobe of the stack is seen by."""
+"""Truth at several views, as points that any lobe of the stack is seen by."""
 
 from dataclasses import dataclass
 
@@ -10,24 +10,24 @@ from ..optics.quadrature import balanced_directions
 
 # Widths of successive strategies are at most this factor apart.
 _STEP = 3.0
-# Points of each strategy.
-_COUNT = 300
 
 
 @dataclass(frozen=True)
-class View:
-    """`wi` (q, 3), `share` (q,) the measure cos(theta_i) dw of each point, `f` (q, 3) the truth there."""
+class Views:
+    """Of each of V views, Q points: `wi` (V, Q, 3), `share` (V, Q) the measure cos(theta_i) dw of each, `f` (V, Q, 3) the truth there.
 
-    cos_theta_o: float
+    `cos_theta_o` is (V,) and `wo` (V, 3), in the xz plane. Points below the horizon have no measure.
+    """
+
+    cos_theta_o: np.ndarray
     wo: np.ndarray
     wi: np.ndarray
     share: np.ndarray
     f: np.ndarray
 
-    def distance(self, f: np.ndarray) -> float:
-        """Cosine-weighted L1 between f (q, 3) and the truth over the truth's albedo, worst channel."""
-        gap = self.share @ np.abs(f - self.f)
-        return float(np.max(gap / np.maximum(self.share @ self.f, 1e-9)))
+    def of(self, chosen) -> "Views":
+        """The views that an index or a mask (V,) chooses."""
+        return Views(self.cos_theta_o[chosen], self.wo[chosen], self.wi[chosen], self.share[chosen], self.f[chosen])
 
 
 def view_of(cos_theta_o: float) -> np.ndarray:
@@ -35,13 +35,15 @@ def view_of(cos_theta_o: float) -> np.ndarray:
     return np.array([np.sqrt(max(1.0 - cos_theta_o**2, 0.0)), 0.0, cos_theta_o])
 
 
-def truth_at(truth, cosines: np.ndarray, widths: list[float]) -> list[View]:
-    """Samples of `truth` at view cosines; `widths` are the alphas of the stack's rough surfaces."""
-    placed = [_points(cos_o, _ladder(widths)) for cos_o in cosines]
-    wo = np.concatenate([np.broadcast_to(view_of(c), wi.shape) for c, (wi, _) in zip(cosines, placed)])
-    f = truth.f(wo, np.concatenate([wi for wi, _ in placed]))
-    ends = np.cumsum([len(wi) for wi, _ in placed])[:-1]
-    return [View(float(c), view_of(c), wi, share, part) for c, (wi, share), part in zip(cosines, placed, np.split(f, ends))]
+def truth_at(truth, cosines: np.ndarray, widths: list[float], count: int) -> Views:
+    """Samples of `truth` at view cosines (V,); `widths` are the alphas of the stack's rough surfaces, `count` the points of each strategy."""
+    strategies = [(GGX, alpha) for alpha in _ladder(widths)]
+    wo = np.stack([view_of(c) for c in cosines])
+    placed = [balanced_directions(view, strategies, count) for view in wo]
+    wi, share = (np.stack(parts) for parts in zip(*placed))
+    wi[..., 1] = np.abs(wi[..., 1])  # f is even in azimuth
+    f = truth.f(np.broadcast_to(wo[:, None], wi.shape), wi)
+    return Views(np.asarray(cosines, float), wo, wi, share, f)
 
 
 def _ladder(widths: list[float]) -> list[float]:
@@ -50,10 +52,3 @@ def _ladder(widths: list[float]) -> list[float]:
         return []
     low, high = min(widths), min(1.0, float(np.sqrt(np.sum(np.square(widths)))))
     return list(np.geomspace(low, high, int(np.ceil(np.log(high / low) / np.log(_STEP))) + 1)) if high > low else [low]
-
-
-def _points(cos_o: float, alphas: list[float]) -> tuple[np.ndarray, np.ndarray]:
-    """wi (q, 3) on the half with y >= 0, as f is even in azimuth, and their measure (q,)."""
-    wi, measure = balanced_directions(view_of(cos_o), [(GGX, alpha) for alpha in alphas], _COUNT)
-    wi[:, 1] = np.abs(wi[:, 1])
-    return wi, measure

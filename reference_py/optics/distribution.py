@@ -21,6 +21,10 @@ class Distribution:
         """D times pi alpha_x alpha_y cos^4 of the facet."""
         raise self._unknown("no density of slopes, which anisotropic surfaces need")
 
+    def log_slope_density_rate(self, slope2: np.ndarray) -> np.ndarray:
+        """Derivative of the logarithm of `slope_density` by slope2."""
+        raise self._unknown("no derivative of its density of slopes, which bakes need")
+
     def slope2_quantile(self, u: np.ndarray) -> np.ndarray:
         """slope2 of the facet normals of density D cos, for uniform u in [0, 1)."""
         raise self._unknown("no quantiles of slopes")
@@ -28,6 +32,10 @@ class Distribution:
     def smith_lambda(self, a2_tan2: np.ndarray) -> np.ndarray:
         """Lambda of Smith's masking function, as Cycles evaluates it, where alpha^2 tan^2 of the direction is known (Heitz14, eq. 86)."""
         raise self._unknown("no Smith masking")
+
+    def smith_lambda_rate(self, a2_tan2: np.ndarray) -> np.ndarray:
+        """Derivative of `smith_lambda` by its argument."""
+        raise self._unknown("no derivative of Smith masking, which bakes need")
 
     def projected_area(self, w: np.ndarray, alpha) -> np.ndarray:
         """Area (n,) of the facets seen from w per unit of macrosurface, cos(w) (1 + Lambda(w)), exact; any w_z (Heitz16)."""

@@ -24,6 +24,10 @@ class Ggx(Distribution):
         """1 / (1 + slope2)^2."""
         return 1.0 / np.square(1.0 + slope2)
 
+    def log_slope_density_rate(self, slope2):
+        """-2 / (1 + slope2)."""
+        return -2.0 / (1.0 + slope2)
+
     def slope2_quantile(self, u):
         """u / (1 - u)."""
         return u / (1.0 - u)
@@ -31,6 +35,10 @@ class Ggx(Distribution):
     def smith_lambda(self, a2_tan2):
         """(sqrt(1 + alpha^2 tan^2) - 1) / 2 (Heitz14)."""
         return 0.5 * (np.sqrt(1.0 + a2_tan2) - 1.0)
+
+    def smith_lambda_rate(self, a2_tan2):
+        """1 / (4 sqrt(1 + alpha^2 tan^2))."""
+        return 0.25 / np.sqrt(1.0 + a2_tan2)
 
     def projected_area(self, w, alpha):
         """(cos + sqrt(cos^2 + alpha^2 sin^2)) / 2, (n,); any w_z."""

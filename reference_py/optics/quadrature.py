@@ -64,18 +64,19 @@ def directional_albedo(
 
 def _albedo_of_view(f, wo, lobes, count) -> np.ndarray:
     wi, measure = balanced_directions(wo, lobes, count)
+    wi, measure = wi[measure > 0.0], measure[measure > 0.0]
     return measure @ f(np.broadcast_to(wo, wi.shape), wi)
 
 
 def balanced_directions(wo: np.ndarray, lobes: Sequence[tuple[str, float]], count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Directions wi (q, 3) above the surface for a view wo (3,), and the measure cos(theta_i) dw (q,) of each.
+    """Directions wi (q, 3) for a view wo (3,), and the measure cos(theta_i) dw (q,) of each, 0 below the surface.
 
     `count` points are spent on the cosine and on each (distribution, alpha), weighted by the balance heuristic (Veach95).
     """
     u1, u2 = points(count)
     wi = np.concatenate([cosine_directions(u1, u2)] + [reflect(wo, facet_normals(u1, u2, alpha, kind)) for kind, alpha in lobes])
-    wi = wi[wi[:, 2] > 0.0]
-    return wi, wi[:, 2] / (count * _mixture_density(wo, wi, lobes))
+    above = wi[:, 2] > 0.0
+    return wi, np.where(above, wi[:, 2] / (count * _mixture_density(wo, np.where(above[:, None], wi, wo), lobes)), 0.0)
 
 
 def _mixture_density(wo, wi, lobes) -> np.ndarray:

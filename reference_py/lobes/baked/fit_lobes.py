@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The best mixture of closures at one view, by variable projection (Golub and Pereyra 1973).
+"""The best mixtures of closures at many views at once, by variable projection (Golub and Pereyra 1973).
 
-Outer: Levenberg-Marquardt over (log alpha_x, log alpha_y, tan(tilt) / sin(theta_o)) of every glossy lobe. Inner: the
-weights, which enter linearly, by non-negative least squares per channel. Points are weighted by 1 / residual, so that
-squares measure the L1 distance.
+Outer: Levenberg-Marquardt over (log alpha_x, log alpha_y, tan(tilt) / sin(theta_o)) of every glossy lobe, with exact derivatives.
+Inner: the weights, which enter linearly, by non-negative least squares per channel. Points are weighted by 1 / residual, so that
+squares measure the L1 distance. Each view is a problem of its own, with its own damping; arrays have the views first.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from ..closure import unit_glossy
-from ..samples import View
+from ..closure import glossy_rates, lobe_f, unit_glossy
+from ..lobe import GlossyLobe
+from ..samples import Views
 
-ITERATIONS = 12
 # Cycles takes no alpha above 1.
 _ALPHA_RANGE = (1e-3, 1.0)
 _MAX_TILT = 1.5
@@ -21,120 +21,207 @@ _MAX_TILT = 1.5
 _LOWEST_MIRROR = np.radians(88.0)
 # Residuals below this share of f, and of the albedo, count alike.
 _FLOOR_OF_F, _FLOOR_OF_ALBEDO = 0.02, 0.001
-_STEP, _LONGEST_STEP = 1e-3, 0.7
+_HIGH = np.array([np.log(_ALPHA_RANGE[1])] * 2 + [_MAX_TILT])
+_LONGEST_STEP = 0.7
+_FIRST_DAMPING, _LEAST_DAMPING = 1e-2, 1e-6
 
 
 @dataclass(frozen=True)
-class Mixture:
-    """`shape` (k, 3) of the glossy lobes as the optimiser sees them; `weight` (3, k + 1), the last that of a Lambert lobe."""
+class Mixtures:
+    """One mixture for each of V views: `shape` (V, k, 3) of the glossy lobes as the optimiser sees them; `weight` (V, 3, k + 1), the
+    last that of a Lambert lobe; `error` (V,)."""
 
     shape: np.ndarray
     weight: np.ndarray
-    error: float
+    error: np.ndarray
+
+    def of(self, chosen) -> "Mixtures":
+        """The mixtures that an index chooses."""
+        return Mixtures(self.shape[chosen], self.weight[chosen], self.error[chosen])
+
+    def where(self, mask: np.ndarray, other: "Mixtures") -> "Mixtures":
+        """These where the mask (V,) is true, and `other` elsewhere."""
+        wide = mask[:, None, None]
+        return Mixtures(np.where(wide, self.shape, other.shape), np.where(wide, self.weight, other.weight), np.where(mask, self.error, other.error))
 
 
-class ViewFit:
-    """Fits mixtures to the truth at one view, beside lobes `known` (q, 3) that are not fitted."""
+@dataclass(frozen=True)
+class ViewFits:
+    """Fits mixtures to the truth at V views of Q points, beside a lobe that is not fitted.
 
-    def __init__(self, view: View, known: np.ndarray):
-        self.view = view
-        self._albedo = np.maximum(view.share @ view.f, 1e-9)
-        self._goal = view.f - known
-        self._floor = _FLOOR_OF_F * view.f + _FLOOR_OF_ALBEDO * self._albedo
-        self._sin_o = np.sqrt(max(1.0 - view.cos_theta_o**2, 0.0))
-        away = np.tan(0.5 * max(_LOWEST_MIRROR - np.arccos(view.cos_theta_o), 0.0)) / max(self._sin_o, 1e-6)
-        self._low = np.array([np.log(_ALPHA_RANGE[0])] * 2 + [-min(away, _MAX_TILT)])
-        self._high = np.array([np.log(_ALPHA_RANGE[1])] * 2 + [_MAX_TILT])
+    `wo` is (V, 1, 3), `x`, `y`, `z` (V, Q) are the components of wi, `sin_o` is (V,).
+    `truth` and `goal` (V, 3, Q) are f with and without that lobe, `share` (V, 3, Q) is each point's measure over the albedo,
+    `floor` (V, 3, Q) the residual that no smaller one outweighs, `low` (V, 1, 3) the least shape.
+    """
 
-    def lobe(self, kind: str, shape: np.ndarray) -> np.ndarray:
-        """f (q,) of one glossy lobe of weight 1."""
-        alpha_x, alpha_y = np.exp(shape[:2])
-        tilt = np.arctan(shape[2] * self._sin_o)
-        return unit_glossy(kind, alpha_x, alpha_y, tilt, self.view.wo, self.view.wi)[0]
+    wo: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    z: np.ndarray
+    sin_o: np.ndarray
+    truth: np.ndarray
+    goal: np.ndarray
+    share: np.ndarray
+    floor: np.ndarray
+    low: np.ndarray
+
+    @classmethod
+    def at(cls, views: Views, known: GlossyLobe | None) -> "ViewFits":
+        """Fits beside the lobe `known`, or beside none."""
+        wo, sin_o = views.wo[:, None], np.hypot(views.wo[:, 0], views.wo[:, 1])
+        truth = np.swapaxes(views.f, 1, 2)
+        albedo = np.maximum(truth @ views.share[..., None], 1e-9)
+        goal = truth
+        if known is not None:
+            goal = truth - np.swapaxes(lobe_f(known, np.broadcast_to(wo, views.wi.shape), views.wi), 1, 2)
+        away = np.tan(0.5 * np.maximum(_LOWEST_MIRROR - np.arccos(views.cos_theta_o), 0.0)) / np.maximum(sin_o, 1e-6)
+        narrowest = np.full(len(away), np.log(_ALPHA_RANGE[0]))
+        low = np.stack([narrowest, narrowest, -np.minimum(away, _MAX_TILT)], axis=-1)[:, None]
+        return cls(
+            wo,
+            *np.ascontiguousarray(np.moveaxis(views.wi, -1, 0)),
+            sin_o,
+            truth,
+            goal,
+            views.share[:, None] / albedo,
+            _FLOOR_OF_F * truth + _FLOOR_OF_ALBEDO * albedo,
+            low,
+        )
+
+    def of(self, chosen) -> "ViewFits":
+        """Fits at the views that an index chooses, which may name one several times."""
+        return ViewFits(*(getattr(self, field.name)[chosen] for field in fields(self)))
+
+    def thinned(self, step: int) -> "ViewFits":
+        """Fits to every so many points."""
+        some = {name: getattr(self, name)[..., ::step] for name in ("x", "y", "z", "truth", "goal", "share", "floor")}
+        return replace(self, **{name: np.ascontiguousarray(values) for name, values in some.items()})
 
     def columns(self, kinds: tuple[str, ...], shape: np.ndarray) -> np.ndarray:
-        """f (k + 1, q) of the lobes of weight 1."""
-        lobes = [self.lobe(kind, s) for kind, s in zip(kinds, shape)]
-        return np.stack([*lobes, np.full(len(self.view.wi), 1.0 / np.pi)])
+        """f (V, k + 1, Q) of lobes of these shapes (V, k, 3) and weight 1, and of the Lambert lobe."""
+        wi = np.stack([self.x, self.y, self.z], axis=-1)
+        lobes = [unit_glossy(kind, *self._parameters(shape[:, i]), self.wo, wi)[0] for i, kind in enumerate(kinds)]
+        return np.stack([*lobes, np.full(self.x.shape, 1.0 / np.pi)], axis=1)
 
-    def fit(self, kinds: tuple[str, ...], start: np.ndarray, iterations: int = ITERATIONS) -> Mixture:
-        """The best mixture that is found from `start` (k, 3)."""
-        shape = np.clip(np.array(start, float), self._low, self._high)
-        columns = self.columns(kinds, shape)
-        c = self._solve(columns, self._point_weights(0.1 * self.view.f))
-        best = self._mixture(shape, columns, c)
-        damping = 1e-2
-        for _ in range(iterations):
-            weights = self._point_weights(self._residual(columns, c))
-            c = self._solve(columns, weights)
-            hessian, gradient = self._normal_equations(kinds, shape, columns, c, weights)
-            before = np.sum(weights * np.square(self._residual(columns, c)))
-            for _ in range(6):
-                step = -np.linalg.solve(hessian + damping * np.diag(np.diag(hessian) + 1e-9), gradient)
-                trial = np.clip(shape + np.clip(step.reshape(shape.shape), -_LONGEST_STEP, _LONGEST_STEP), self._low, self._high)
-                trial_columns = self.columns(kinds, trial)
-                trial_c = self._solve(trial_columns, weights)
-                if np.sum(weights * np.square(self._residual(trial_columns, trial_c))) < before:
-                    break
-                damping *= 6.0
-            else:
-                break
-            damping = max(0.2 * damping, 1e-6)
-            shape, columns, c = trial, trial_columns, trial_c
-            mixture = self._mixture(shape, columns, c)
-            if mixture.error < best.error:
-                best = mixture
-        return best
+    def fit(self, kinds: tuple[str, ...], start: np.ndarray, iterations: int) -> Mixtures:
+        """The best mixtures that are found from `start` (V, k, 3)."""
+        count = len(kinds)
+        shape = np.clip(start, self.low, _HIGH)
+        rows = self._rows(kinds, shape)
+        weights = self._point_weights(0.1 * self.truth)
+        weight = non_negative(*self._moments(rows[:, 3 * count :], weights))
+        best = self._mixtures(shape, rows, weight)
+        damping = np.full(len(shape), _FIRST_DAMPING)
+        for _ in range(iterations if count else 0):
+            weights = self._point_weights(self._residual(rows[:, 3 * count :], weight))
+            gram, moments = self._moments(rows, weights)
+            weight = non_negative(gram[:, :, 3 * count :, 3 * count :], moments[:, :, 3 * count :])
+            step = _gauss_newton_step(gram, moments, weight, damping)
+            trial = np.clip(shape + np.clip(step, -_LONGEST_STEP, _LONGEST_STEP), self.low, _HIGH)
+            trial_rows = self._rows(kinds, trial)
+            trial_weight = non_negative(*self._moments(trial_rows[:, 3 * count :], weights))
+            before, after = (self._squares(r[:, 3 * count :], c, weights) for r, c in ((rows, weight), (trial_rows, trial_weight)))
+            better = after < before
+            damping = np.where(better, np.maximum(0.2 * damping, _LEAST_DAMPING), 8.0 * damping)
+            wide = better[:, None, None]
+            shape, rows, weight = (np.where(wide, new, old) for new, old in ((trial, shape), (trial_rows, rows), (trial_weight, weight)))
+            found = self._mixtures(shape, rows, weight)
+            best = found.where(found.error < best.error, best)
+        return self._with_energy(kinds, best)
 
-    def errors(self, columns: np.ndarray, c: np.ndarray) -> tuple[float, float]:
-        """Cosine-weighted L1 and energy error of weights c (3, k + 1), over the truth's albedo, worst channel."""
-        residual = self._residual(columns, c)
-        distance, energy = self.view.share @ np.abs(residual), np.abs(self.view.share @ residual)
-        return float(np.max(distance / self._albedo)), float(np.max(energy / self._albedo))
+    def errors(self, columns: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Cosine-weighted L1 and energy error (V,) of weights (V, 3, k + 1), over the truth's albedo, worst channel."""
+        residual = self._residual(columns, weight)
+        return np.max(np.sum(self.share * np.abs(residual), axis=2), axis=1), np.max(np.abs(np.sum(self.share * residual, axis=2)), axis=1)
 
-    def _mixture(self, shape, columns, c) -> Mixture:
-        return Mixture(shape.copy(), c, self.errors(columns, c)[0])
+    def _parameters(self, shape):
+        """alpha_x, alpha_y and tilt, each (V, 1), of one lobe's shape (V, 3)."""
+        return np.exp(shape[:, :1]), np.exp(shape[:, 1:2]), np.arctan(shape[:, 2] * self.sin_o)[:, None]
 
-    def _residual(self, columns, c):
-        return self._goal - (c @ columns).T
+    def _rows(self, kinds, shape) -> np.ndarray:
+        """(V, 4 k + 1, Q): the derivatives of the lobes by their shapes, and their columns."""
+        wo, wi = (self.wo[:, :, 0], self.wo[:, :, 2]), (self.x, self.y, self.z)
+        result = np.empty((len(shape), 4 * len(kinds) + 1, self.x.shape[1]))
+        for i, kind in enumerate(kinds):
+            value, *rates = glossy_rates(kind, *self._parameters(shape[:, i]), wo, wi)
+            result[:, 3 * len(kinds) + i] = value
+            rates[2] *= (self.sin_o / (1.0 + np.square(shape[:, i, 2] * self.sin_o)))[:, None]
+            for j, rate in enumerate(rates):
+                result[:, 3 * i + j] = rate
+        result[:, -1] = 1.0 / np.pi
+        return result
+
+    def _with_energy(self, kinds, found: Mixtures) -> Mixtures:
+        """With weights scaled to the energy of the goal, as tables are."""
+        columns = self.columns(kinds, found.shape)
+        energy, wanted = (np.sum(self.share * f, axis=2) for f in (found.weight @ columns, self.goal))
+        scale = np.where(energy > 1e-6, np.maximum(wanted, 0.0) / np.maximum(energy, 1e-6), 1.0)
+        weight = found.weight * scale[..., None]
+        return Mixtures(found.shape, weight, self.errors(columns, weight)[0])
+
+    def _mixtures(self, shape, rows, weight) -> Mixtures:
+        return Mixtures(shape, weight, self.errors(rows[:, 3 * shape.shape[1] :], weight)[0])
+
+    def _residual(self, columns, weight):
+        return self.goal - weight @ columns
 
     def _point_weights(self, residual) -> np.ndarray:
-        return self.view.share[:, None] / np.maximum(np.abs(residual), self._floor) / self._albedo
+        return self.share / np.maximum(np.abs(residual), self.floor)
 
-    def _solve(self, columns, weights) -> np.ndarray:
-        weighted = columns[None] * weights.T[:, None]
-        return non_negative(weighted @ columns.T, np.einsum("cmq,qc->cm", weighted, self._goal))
+    def _squares(self, columns, weight, weights) -> np.ndarray:
+        return np.einsum("vcq,vcq->v", weights, np.square(self._residual(columns, weight)))
 
-    def _normal_equations(self, kinds, shape, columns, c, weights):
-        """Gauss-Newton's for the shape, the weights' part projected out (Kaufman 1975)."""
-        slopes = np.zeros((shape.size, columns.shape[1]))
-        for i, j in np.ndindex(shape.shape):
-            moved = shape[i].copy()
-            moved[j] += _STEP
-            slopes[3 * i + j] = (self.lobe(kinds[i], moved) - columns[i]) / _STEP
-        hessian, gradient = np.zeros((shape.size,) * 2), np.zeros(shape.size)
-        root, residual = np.sqrt(weights), self._residual(columns, c)
+    def _moments(self, rows, weights) -> tuple[np.ndarray, np.ndarray]:
+        """Weighted products of the rows with each other (V, 3, r, r), and with the goal (V, 3, r)."""
+        gram, moments = [], []
         for channel in range(3):
-            jacobian = -slopes * np.repeat(c[channel, :-1], 3)[:, None] * root[:, channel]
-            used = c[channel] > 0.0
-            if used.any():
-                q, _ = np.linalg.qr((columns[used] * root[:, channel]).T)
-                jacobian -= (jacobian @ q) @ q.T
-            hessian += jacobian @ jacobian.T
-            gradient += jacobian @ (root[:, channel] * residual[:, channel])
-        return hessian, gradient
+            weighted = rows * weights[:, channel, None]
+            gram.append(weighted @ np.swapaxes(rows, 1, 2))
+            moments.append(weighted @ self.goal[:, channel, :, None])
+        return np.stack(gram, axis=1), np.stack(moments, axis=1)[..., 0]
+
+
+def _gauss_newton_step(gram, moments, weight, damping) -> np.ndarray:
+    """(V, k, 3): Gauss-Newton's for the shapes, the weights' part projected out (Kaufman 1975), damped."""
+    lobes = weight.shape[2] - 1
+    size = 3 * lobes
+    used = weight > 0.0
+    scale = np.repeat(weight[..., :lobes], 3, axis=2)
+    among = np.where(used[..., None] & used[..., None, :], gram[:, :, size:, size:], np.eye(lobes + 1))
+    across = np.where(used[..., None], gram[:, :, size:, :size], 0.0)
+    projected = gram[:, :, :size, :size] - np.swapaxes(across, 2, 3) @ _solve(among, across)
+    hessian = np.sum(scale[..., None] * projected * scale[..., None, :], axis=1)
+    slope = moments[:, :, :size] - (gram[:, :, :size, size:] @ weight[..., None])[..., 0]
+    gradient = np.sum(scale * slope, axis=1)
+    diagonal = np.einsum("vii->vi", hessian)
+    hessian = hessian + (damping[:, None] * (diagonal + 1e-9))[..., None] * np.eye(size)
+    return np.linalg.solve(hessian, gradient[..., None]).reshape(len(weight), lobes, 3)
+
+
+def _solve(gram, right) -> np.ndarray:
+    """Solutions for gram matrices (..., m, m), of which columns may be alike."""
+    count = gram.shape[-1]
+    trace = np.einsum("...ii->...", gram)[..., None, None]
+    return np.linalg.solve(gram + 1e-12 * trace * np.eye(count), right)
 
 
 def non_negative(gram: np.ndarray, moments: np.ndarray) -> np.ndarray:
-    """Minimiser c >= 0 (3, m) of c G c - 2 b c for gram G (3, m, m) and moments b (3, m), by trying every active set."""
+    """Minimisers c >= 0 (..., m) of c G c - 2 b c for gram G (..., m, m) and moments b (..., m).
+
+    Where the free minimiser is not one, every active set is tried.
+    """
+    c = _solve(gram, moments[..., None])[..., 0]
+    bad = np.any(c < 0.0, axis=-1)
+    if bad.any():
+        c[bad] = _by_active_sets(gram[bad], moments[bad])
+    return c
+
+
+def _by_active_sets(gram, moments) -> np.ndarray:
     count = moments.shape[-1]
-    on = (np.arange(1, 2**count)[:, None] >> np.arange(count)) & 1 == 1
-    identity = np.eye(count)
-    ridge = 1e-12 * np.trace(gram, axis1=1, axis2=2)[:, None, None] * identity
-    systems = np.where((on[:, :, None] & on[:, None, :])[:, None], gram + ridge, identity)
-    c = np.linalg.solve(systems, np.where(on[:, None], moments, 0.0)[..., None])[..., 0]
-    value = np.einsum("sci,cij,scj->sc", c, gram, c) - 2.0 * np.sum(moments * c, axis=-1)
-    value = np.where(np.all(c >= 0.0, axis=-1), value, 0.0)
-    best = np.argmin(value, axis=0)
-    channels = np.arange(len(moments))
-    return np.where((value[best, channels] < 0.0)[:, None], c[best, channels], 0.0)
+    on = (np.arange(2**count - 1)[:, None] >> np.arange(count)) & 1 == 1  # all of them were tried
+    systems = np.where(on[:, None, :, None] & on[:, None, None, :], gram, np.eye(count))
+    c = _solve(systems, np.where(on[:, None], moments, 0.0)[..., None])[..., 0]
+    value = np.einsum("spi,pij,spj->sp", c, gram, c, optimize=True) - 2.0 * np.sum(moments * c, axis=-1)
+    best = np.argmin(np.where(np.all(c >= 0.0, axis=-1), value, np.inf), axis=0)
+    return c[best, np.arange(len(moments))]

@@ -1,59 +1,58 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fits at every knot of the view that change slowly along it."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import permutations
 
 import numpy as np
 
-from ..closure import lobe_f
 from ..lobe import GlossyLobe
-from ..samples import View
-from .fit_lobes import Mixture, ViewFit
+from ..samples import Views
+from ..view_table import KNOTS
+from .fit_lobes import Mixtures, ViewFits
 
-# Every so many knots are fitted first; at the anchors (83, 74 and 41 degrees) fits begin.
-STRIDE, ANCHORS = 4, (8, 12, 20)
-# Iterations of a fit that starts next to its solution.
-_REFINEMENTS = 5
+# Starts are tried at these knots, and branches filled in from them.
+COARSE = np.array([0, 4, 8, 12, 16, 20, 23])
+_NEAREST = np.argmin(np.abs(np.arange(KNOTS)[:, None] - COARSE), axis=1)
+# Trials look at every so many points.
+_STRIDE = 2
+# Of each coarse knot its neighbours, and how often fits begin at what these found.
+_BEFORE, _AFTER, _PASSES = np.maximum(np.arange(len(COARSE)) - 1, 0), np.minimum(np.arange(len(COARSE)) + 1, len(COARSE) - 1), 2
+# Steps of a trial, of the better half of the trials, of a branch at every knot, and of fits to a truth much like the one before.
+_TRIAL, _MORE, _FILL, _CONTINUED = 5, 8, 5, 5
+# Branches that a path may take.
+_BRANCHES = 3
 # Widths that starts are chosen from.
 _WIDTHS = 5
-# A wrong energy between knots weighs so much more than a wrong shape.
-_ENERGY_COUNTS = 3.0
+# A wrong energy between knots weighs so much more than a wrong shape, and twice that at `_ENERGY_HURTS`, as eyes see the worst view.
+_ENERGY_COUNTS, _ENERGY_HURTS = 3.0, 0.003
 
 
 @dataclass(frozen=True)
 class Branches:
-    """Mixtures of lobes of `kinds` at the coarse knots, continued from each anchor, and their mean error."""
+    """Mixtures of lobes of `kinds` at the coarse knots, the best branch first, and their mean error where each is the best."""
 
     kinds: tuple[str, ...]
-    mixtures: tuple[dict[int, Mixture], ...]
+    mixtures: tuple[Mixtures, ...]
 
     @property
     def error(self) -> float:
-        """Mean over the coarse knots, at each that of the better branch."""
-        return float(np.mean([min(branch[k].error for branch in self.mixtures) for k in self.mixtures[0]]))
+        """Mean over the coarse knots, at each that of the best branch."""
+        return float(np.mean(np.min([branch.error for branch in self.mixtures], axis=0)))
 
 
 class Plan:
     """Fits beside one known lobe, or none. `views` are at the knots, `middles` half-way between them."""
 
-    def __init__(self, known: GlossyLobe | None, surfaces: list[tuple[str, float]], views: list[View], middles: list[View]):
+    def __init__(self, known: GlossyLobe | None, surfaces: list[tuple[str, float]], views: Views, middles: Views):
         self.known = known
         self._kinds = sorted({kind for kind, _ in surfaces})
         self._alphas = _widths(surfaces)
-        self.fits, self.middles = self._fits(views), self._fits(middles)
+        self.fits, self.middles = ViewFits.at(views, known), ViewFits.at(middles, known)
+        self._coarse = self.fits.of(COARSE).thinned(_STRIDE)
         self._found: dict[int, Branches] = {}
 
-    def _fits(self, views: list[View]) -> list[ViewFit]:
-        fits = []
-        for view in views:
-            before = np.zeros(view.f.shape)
-            if self.known is not None:
-                before = lobe_f(self.known, np.broadcast_to(view.wo, before.shape), view.wi)
-            fits.append(ViewFit(view, before))
-        return fits
-
-    def branches(self, free: int, report: Callable[[], None] = lambda: None) -> Branches:
+    def branches(self, free: int) -> Branches:
         """The best branches of `free` fitted glossy lobes; none where the stack has no rough surface.
 
         A wide lobe for how a smooth coat shapes the light of paint was tried: its mean error fell from 5.5 to 4.7 %, its
@@ -61,32 +60,71 @@ class Plan:
         """
         free = free if self._kinds else 0
         if free not in self._found:
-            fewer = self.branches(free - 1, report) if free else None
+            fewer = self.branches(free - 1) if free else None
             kinds = [(*fewer.kinds, kind) for kind in self._kinds] if fewer else [()]
-            self._found[free] = min((self._continued(k, fewer, report) for k in kinds), key=lambda b: b.error)
+            self._found[free] = min((self._tried(k, fewer) for k in kinds), key=lambda b: b.error)
         return self._found[free]
 
-    def _continued(self, kinds: tuple[str, ...], fewer: Branches | None, report) -> Branches:
-        coarse = range(0, len(self.fits), STRIDE)
-        result = []
-        for i, anchor in enumerate(ANCHORS):
-            report()
-            starts = self._starts(fewer.mixtures[i][anchor].shape) if fewer else [np.zeros((0, 3))]
-            branch = {anchor: min((self.fits[anchor].fit(kinds, s) for s in starts), key=lambda m: m.error)}
-            for k in [k for k in coarse if k > anchor]:
-                branch[k] = self.fits[k].fit(kinds, branch[k - STRIDE].shape)
-            for k in [k for k in reversed(coarse) if k < anchor]:
-                branch[k] = self.fits[k].fit(kinds, branch[k + STRIDE].shape)
-            result.append(branch)
-        return Branches(kinds, tuple(result))
+    def _tried(self, kinds: tuple[str, ...], fewer: Branches | None) -> Branches:
+        """All starts at the coarse knots: after a few steps the better half goes on."""
+        starts = self._starts(fewer) if fewer else [np.zeros((len(COARSE), 0, 3))]
+        trials = self._fitted(kinds, starts, _TRIAL)
+        if len(trials) > _BRANCHES:
+            trials = _best(trials, max((len(trials) + 1) // 3, _BRANCHES))
+            trials = self._fitted(kinds, [trial.shape for trial in trials], _MORE)
+        trials = _best(trials, _BRANCHES)
+        for _ in range(_PASSES if kinds else 0):
+            best = trials[0].shape
+            trials = _best(trials + self._fitted(kinds, [best[_BEFORE], best[_AFTER]], _MORE), _BRANCHES)
+        return Branches(kinds, tuple(_in_order(kinds, trials)))
 
-    def _starts(self, fewer: np.ndarray) -> list[np.ndarray]:
-        """Shapes to start from: one more lobe beside what fewer found, and for two also every pair of widths."""
+    def _fitted(self, kinds, starts: list[np.ndarray], iterations: int) -> list[Mixtures]:
+        found = self._coarse.of(np.tile(np.arange(len(COARSE)), len(starts))).fit(kinds, np.concatenate(starts), iterations)
+        return [found.of(slice(i, i + len(COARSE))) for i in range(0, len(COARSE) * len(starts), len(COARSE))]
+
+    def _starts(self, fewer: Branches) -> list[np.ndarray]:
+        """Shapes (coarse, k, 3) to start from: one more lobe beside what fewer found, and for two also every pair of widths."""
         lobes = [np.array([[np.log(a), np.log(a), 0.0]]) for a in self._alphas]
-        starts = [np.concatenate([fewer, lobe]) for lobe in lobes]
-        if len(fewer) == 1:
-            starts += [np.concatenate([a, b]) for i, a in enumerate(lobes) for b in lobes[i:]]
+        every = (len(COARSE), 1, 1)
+        starts = [np.concatenate([branch.shape, np.tile(lobe, every)], axis=1) for branch in fewer.mixtures[:1] for lobe in lobes]
+        if len(fewer.kinds) == 1:
+            starts += [np.tile(np.concatenate([a, b]), every) for i, a in enumerate(lobes) for b in lobes[i:]]
         return starts
+
+
+def _best(trials: list[Mixtures], count: int) -> list[Mixtures]:
+    """The trials of least mean error; the first is at every knot the best of all."""
+    order = sorted(trials, key=lambda trial: float(np.mean(trial.error)))
+    mixed = order[0]
+    for trial in order[1:]:
+        mixed = trial.where(trial.error < mixed.error, mixed)
+    return [mixed, *order[: count - 1]] if len(order) > 1 else order
+
+
+def _in_order(kinds: tuple[str, ...], branches: list[Mixtures]) -> list[Mixtures]:
+    """The branches with their lobes in an order that tables may interpolate: along the first from the normal on, and at each knot as there."""
+    first = branches[0]
+    parts = [first.of(slice(-1, None))]
+    for k in reversed(range(len(first.error) - 1)):
+        parts.append(_in_order_of(kinds, parts[-1], first.of(slice(k, k + 1))))
+    first = Mixtures(*(np.concatenate(values) for values in zip(*((m.shape, m.weight, m.error) for m in reversed(parts)))))
+    return [first, *(_in_order_of(kinds, first, branch) for branch in branches[1:])]
+
+
+def _in_order_of(kinds: tuple[str, ...], other: Mixtures, mixtures: Mixtures) -> Mixtures:
+    """Mixtures with their lobes in whichever order is nearest to the other ones at each view, lobes of little weight last."""
+    orders = [order for order in permutations(range(len(kinds))) if all(kinds[i] == kinds[j] for i, j in enumerate(order))]
+    weight, other_weight = mixtures.weight.mean(axis=1), other.weight.mean(axis=1)
+
+    def distance(order) -> np.ndarray:
+        apart = np.sum(np.abs(mixtures.shape[:, order] - other.shape), axis=2)
+        mine, its = weight[:, order], other_weight[:, :-1]
+        return np.sum(np.abs(mine - its) + apart * np.minimum(mine, its), axis=1)
+
+    best = np.array(orders, dtype=int)[np.argmin([distance(np.array(order, dtype=int)) for order in orders], axis=0)]
+    views = np.arange(len(best))[:, None]
+    shares = np.concatenate([best, np.full((len(best), 1), len(kinds))], axis=1)
+    return Mixtures(mixtures.shape[views, best], mixtures.weight[views[..., None], np.arange(3)[:, None], shares[:, None]], mixtures.error)
 
 
 def _widths(surfaces: list[tuple[str, float]]) -> list[float]:
@@ -102,18 +140,32 @@ class Path:
     """One mixture per knot and its errors at the knots, and, as a table interpolates it, between them."""
 
     kinds: tuple[str, ...]
-    mixtures: list[Mixture]
+    mixtures: Mixtures
     cost: float
 
 
 def best_path(plan: Plan, found: Branches) -> Path:
-    """Mixtures of whichever branch: least sum of the errors at the knots and between them."""
-    branches = [_filled(plan, found.kinds, branch) for branch in found.mixtures]
-    errors = np.array([[m.error for m in branch] for branch in branches])
+    """Mixtures of whichever branch, or of fits that begin between their neighbours on the best path: least sum of errors."""
+    starts = np.concatenate([branch.shape[_NEAREST] for branch in found.mixtures])
+    knots = np.tile(np.arange(KNOTS), len(found.mixtures))
+    every = plan.fits.of(knots).fit(found.kinds, starts, _FILL)
+    branches = [every.of(slice(i, i + KNOTS)) for i in range(0, len(knots), KNOTS)]
+    path = _joined(plan, found.kinds, branches)
+    if found.kinds:
+        ends = np.concatenate([path.mixtures.shape[1:2], path.mixtures.shape, path.mixtures.shape[-2:-1]])
+        between = plan.fits.fit(found.kinds, 0.5 * (ends[:-2] + ends[2:]), _FILL)
+        path = _joined(plan, found.kinds, [path.mixtures, between])
+    return path
+
+
+def _joined(plan: Plan, kinds: tuple[str, ...], branches: list[Mixtures]) -> Path:
+    """The path over the branches of least sum of the errors at the knots and between them."""
+    branches = [_symmetric_at_normal(plan, kinds, branch) for branch in branches]
+    errors = np.array([branch.error for branch in branches])
+    between = np.array([[_half_way(plan.middles, kinds, a.of(slice(0, -1)), b.of(slice(1, None))) for b in branches] for a in branches])
     cost, came_from = errors[:, 0], []
-    for k, fit in enumerate(plan.middles):
-        step = [[_half_way(fit, found.kinds, a[k], b[k + 1]) for b in branches] for a in branches]
-        through = cost[:, None] + np.array(step)
+    for k in range(KNOTS - 1):
+        through = cost[:, None] + between[:, :, k]
         came_from.append(np.argmin(through, axis=0))
         cost = np.min(through, axis=0) + errors[:, k + 1]
     at = int(np.argmin(cost))
@@ -121,40 +173,39 @@ def best_path(plan: Plan, found: Branches) -> Path:
     for previous in reversed(came_from):
         at = int(previous[at])
         path.append(at)
-    return Path(found.kinds, [branches[b][k] for k, b in enumerate(reversed(path))], float(np.min(cost)))
+    chosen = np.array(path[::-1]) * KNOTS + np.arange(KNOTS)
+    joined = Mixtures(*(np.concatenate([getattr(branch, name) for branch in branches]) for name in ("shape", "weight", "error")))
+    return Path(kinds, joined.of(chosen), float(np.min(cost)))
 
 
 def continued_path(plan: Plan, path: Path) -> Path:
     """The path to another truth that is much like the one it was found for: every fit begins where the other ended."""
-    mixtures = [fit.fit(path.kinds, near.shape, _REFINEMENTS) for fit, near in zip(plan.fits, path.mixtures)]
-    mixtures[-1] = _at_normal(plan, path.kinds, mixtures)
-    return Path(path.kinds, mixtures, float(sum(m.error for m in mixtures)))
+    mixtures = _symmetric_at_normal(plan, path.kinds, plan.fits.fit(path.kinds, path.mixtures.shape, _CONTINUED))
+    return Path(path.kinds, mixtures, float(np.sum(mixtures.error)))
 
 
-def _filled(plan: Plan, kinds: tuple[str, ...], branch: dict[int, Mixture]) -> list[Mixture]:
-    """A branch at every knot."""
-    mixtures = []
-    for k, fit in enumerate(plan.fits):
-        near = branch[min(branch, key=lambda coarse: abs(coarse - k))]
-        mixtures.append(near if k in branch else fit.fit(kinds, near.shape, _REFINEMENTS))
-    mixtures[-1] = _at_normal(plan, kinds, mixtures)
-    return mixtures
+def _symmetric_at_normal(plan: Plan, kinds: tuple[str, ...], mixtures: Mixtures) -> Mixtures:
+    """With the last mixture made symmetric, from its own shape or its neighbour's, whichever suits both.
+
+    At the normal no direction is along the plane of incidence, and a tilt has no effect there: the neighbour's stays.
+    """
+    last = mixtures.shape[-2:]
+    alpha = np.mean(last[:, :, :2], axis=2, keepdims=True)
+    shape = np.concatenate([alpha, alpha, np.broadcast_to(last[:1, :, 2:], alpha.shape)], axis=2)
+    tried = plan.fits.of(np.array([KNOTS - 1] * 2)).fit(kinds, shape, 0)
+    neighbours = mixtures.of(np.array([KNOTS - 2] * 2))
+    cost = tried.error + _half_way(plan.middles.of(np.array([KNOTS - 2] * 2)), kinds, neighbours, tried)
+    best = tried.of(int(np.argmin(cost)))
+    return Mixtures(
+        np.concatenate([mixtures.shape[:-1], best.shape[None]]),
+        np.concatenate([mixtures.weight[:-1], best.weight[None]]),
+        np.append(mixtures.error[:-1], best.error),
+    )
 
 
-def _at_normal(plan: Plan, kinds: tuple[str, ...], mixtures: list[Mixture]) -> Mixture:
-    """The last mixture made symmetric, from its own shape or its neighbour's, whichever suits both."""
-    tried = [_symmetric(plan.fits[-1], kinds, m.shape, mixtures[-2].shape) for m in mixtures[-2:]]
-    return min(tried, key=lambda m: m.error + _half_way(plan.middles[-1], kinds, mixtures[-2], m))
-
-
-def _symmetric(fit: ViewFit, kinds: tuple[str, ...], shape: np.ndarray, neighbour: np.ndarray) -> Mixture:
-    """At the normal no direction is along the plane of incidence, and a tilt has no effect there: the neighbour's stays."""
-    alpha = np.mean(shape[:, :2], axis=1)
-    return fit.fit(kinds, np.stack([alpha, alpha, neighbour[:, 2]], axis=1), 0)
-
-
-def _half_way(fit: ViewFit, kinds: tuple[str, ...], left: Mixture, right: Mixture) -> float:
-    """Error of what a table makes of two neighbouring mixtures between them; a wrong energy counts `_ENERGY_COUNTS` times."""
-    shape = np.concatenate([np.log(0.5 * (np.exp(left.shape[:, :2]) + np.exp(right.shape[:, :2]))), 0.5 * (left.shape[:, 2:] + right.shape[:, 2:])], axis=1)
-    distance, energy = fit.errors(fit.columns(kinds, shape), 0.5 * (left.weight + right.weight))
-    return distance + _ENERGY_COUNTS * energy
+def _half_way(middles: ViewFits, kinds: tuple[str, ...], left: Mixtures, right: Mixtures) -> np.ndarray:
+    """Errors (V,) of what a table makes of neighbouring mixtures between them, where a wrong energy counts more than a wrong shape."""
+    widths = np.log(0.5 * (np.exp(left.shape[..., :2]) + np.exp(right.shape[..., :2])))
+    shape = np.concatenate([widths, 0.5 * (left.shape[..., 2:] + right.shape[..., 2:])], axis=2)
+    distance, energy = middles.errors(middles.columns(kinds, shape), 0.5 * (left.weight + right.weight))
+    return distance + _ENERGY_COUNTS * energy * (1.0 + energy / _ENERGY_HURTS)
