@@ -22,7 +22,7 @@ from ..material.elements import find_node, kind_of, node_of, outside_rec709
 from ..material.entry import feeds, output_after
 from ..material.hand_over import MIX, usd_takes
 from ..material.kind_groups import KIND_KEY, hands_on
-from ..material.live_values import live_values, resting_values
+from ..material.live_values import live_in_nodes, live_values, resting_values
 from ..material.osl_setting import device_problem, why_stock_nodes
 from ..material.reading import require_editable, require_layered, stack_of
 from ..material.record import changed_values, recorded
@@ -326,7 +326,10 @@ def _unlinked(material, shader) -> list[str]:
 def _ignored(material, is_note: bool) -> Iterator[Finding]:
     lamina = material.lamina
     shown = lamina.shown_layers
+    followed = live_in_nodes(material, stack_of(material))
     for place in live_values(material):
+        if place in followed:
+            continue
         element = lamina.base if place.layer is None else shown[place.layer]
         label = kind_of(element).parameter(place.name).label
         yield Finding("texture_ignored", {"layer": element.name, "label": label}, node_of(element).name, label, is_note)

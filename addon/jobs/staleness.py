@@ -11,7 +11,7 @@ from ..material import state
 from ..material.backend import NODES
 from ..material.elements import kind_of
 from ..material.hand_over import is_handed_over
-from ..material.live_values import live_values, what_moves
+from ..material.live_values import live_in_nodes, live_values, what_moves
 from ..material.material import hand_over, refresh, refresh_stock
 from ..material.osl_setting import shows_osl
 from ..material.pasted import adopt_pasted
@@ -44,8 +44,8 @@ def _is_unready(material) -> bool:
 
 
 def _needs_bake(material) -> bool:
-    # stock nodes beside a script that follows textures are the tier analytic's
-    return _is_behind(material) or (state.lags(material) and not live_values(material))
+    # stock nodes beside a script that follows what they cannot are the tier analytic's
+    return _is_behind(material) or (state.lags(material) and live_values(material) == live_in_nodes(material, stack_of(material)))
 
 
 def _is_behind(material) -> bool:

@@ -6,8 +6,10 @@ import re
 import bpy
 
 from ...reference_py.lobes.cache import ALWAYS_LIVE
+from ...reference_py.lobes.methods import followed_by_nodes
 from ...reference_py.material.place import Place
 from ...reference_py.material.schema import Parameter
+from ...reference_py.material.stack import Stack
 from .elements import kind_of, node_of, unread_parameters, used_features
 from .node_copy import channel_bags
 
@@ -27,6 +29,11 @@ def live_values(material: bpy.types.Material) -> tuple[Place, ...]:
         unused += unread_parameters(element)
         result += [Place(layer, p.name) for p in kind_of(element).sockets if p not in unused and p.name not in ALWAYS_LIVE and _is_live(element, p, animated)]
     return tuple(result)
+
+
+def live_in_nodes(material: bpy.types.Material, stack: Stack) -> tuple[Place, ...]:
+    """Those of the live values that the stock nodes of a material follow: all of them or none."""
+    return followed_by_nodes(stack, material.lamina.tier, live_values(material))
 
 
 def resting_values(element) -> list[Parameter]:

@@ -28,7 +28,7 @@ from .backend import AUTO, NODES, OSL, branches_here, notice
 from .base_kind import change_kind, lost_by_change
 from .elements import bring_up_to_date, carry_metal, fill_element, find_node, kind_of, node_of, show_name, structure_dict
 from .hand_over import follow_hand_over
-from .live_values import live_values
+from .live_values import live_in_nodes, live_values
 from .osl_setting import prefer_osl
 from .properties import follow, quietly
 from .reading import require_editable, require_layered, stack_of
@@ -167,7 +167,7 @@ class _Shown:
     stack: Stack
     key: str = ""
     follows: bool = False
-    """Whether its shader follows live values, which stock nodes do not."""
+    """Whether its shader follows live values that stock nodes do not."""
 
 
 def refresh(material: bpy.types.Material, settle: bool = False, progress: Callable[[float], None] | None = None) -> None:
@@ -194,9 +194,10 @@ def _shown(material: bpy.types.Material, settle: bool, progress: Callable[[float
         stack = _structure(material) if OSL in branches_here(lamina.backend) else stack_of(material)
         return _Shown(make_lobe_set(stack, lamina.tier), stack, follows=True)
     wanted = wanted_lobes(material)
+    follows = wanted.live != live_in_nodes(material, wanted.stack)
     if settle or wanted.is_known():
-        return _Shown(wanted.make(progress), wanted.stack, wanted.key, bool(wanted.live))
-    return _Shown(make_lobe_set(wanted.stack, PROVISIONAL_METHOD), wanted.stack, follows=bool(wanted.live))
+        return _Shown(wanted.make(progress), wanted.stack, wanted.key, follows)
+    return _Shown(make_lobe_set(wanted.stack, PROVISIONAL_METHOD), wanted.stack, follows=follows)
 
 
 def _write_branches(surface: Surface, material: bpy.types.Material, shown: _Shown, owners: dict[str, bpy.types.Node]) -> None:
@@ -250,7 +251,7 @@ def refresh_stock(material: bpy.types.Material, settle: bool = False) -> None:
     owners, lobe_set, key = _owners(material), None, ""
     if holds_values(material.lamina.tier):
         wanted = wanted_lobes(material)
-        if not wanted.live and (settle or wanted.is_known()):
+        if wanted.live == live_in_nodes(material, wanted.stack) and (settle or wanted.is_known()):
             lobe_set, key = wanted.make(), wanted.key
     with replacing_branches(material) as surface:
         surface.keep(OSL)
@@ -277,14 +278,15 @@ def _structure(material) -> Stack:
 def _make_stock(surface: Surface, material, owners, lobe_set, key: str):
     """The branch of stock nodes, of a lobe set for the present values; without one, of a live tier's. Returns its tables.
 
-    Stock nodes follow no textures, so what a bake over live values becomes is the tier analytic at the sockets' own.
+    Of textures stock nodes follow a base's color alone, so what another bake over live values becomes is the tier analytic at the
+    sockets' own.
     """
     stack = stack_of(material)
     if lobe_set is None:
         tier = material.lamina.tier
         lobe_set = make_lobe_set(stack, PROVISIONAL_METHOD if holds_values(tier) else tier)
     tables = stock_tables(lobe_set)
-    _note(surface.stock(tables, owners), content(stack), key)
+    _note(surface.stock(tables, owners), content(stack, live_in_nodes(material, stack)), key)
     return tables
 
 

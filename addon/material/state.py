@@ -17,7 +17,7 @@ from ..shader.nodes.node_groups import is_in_working_space as group_is_in_workin
 from ..shader.working_space import REC709, is_current, working_space
 from .backend import NODES, OSL, branches_here
 from .limits import require_shader
-from .live_values import live_values
+from .live_values import live_in_nodes, live_values
 from .reading import stack_of
 from .roles import node_with
 from .shader_node import shader_of
@@ -56,7 +56,7 @@ def wanted_lobes(material: bpy.types.Material) -> Wanted:
     lamina = material.lamina
     stack = stack_of(material)
     require_shader(stack, lamina.backend)
-    live = live_values(material) if OSL in branches_here(lamina.backend) else ()
+    live = live_values(material) if OSL in branches_here(lamina.backend) else live_in_nodes(material, stack)
     return Wanted(stack, lamina.tier, live, 0.01 * lamina.tolerance)
 
 
@@ -75,7 +75,8 @@ def is_stale(material: bpy.types.Material) -> bool:
     told = note_of(node, TOLD, material)
     if not told:
         return False
-    return told != content(stack_of(material), live_values(material) if node == node_with(material, OSL) else ())
+    stack = stack_of(material)
+    return told != content(stack, live_values(material) if node == node_with(material, OSL) else live_in_nodes(material, stack))
 
 
 def is_in_working_space(node: bpy.types.Node) -> bool:
@@ -110,9 +111,11 @@ def lags(material: bpy.types.Material) -> bool:
     if stock is None or stock == shader_of(material):
         return False
     try:
-        now = content(stack_of(material))
+        stack = stack_of(material)
+        followed = live_in_nodes(material, stack)
+        now = content(stack, followed)
     except LaminaError:
         return False
     told, settled = note_of(stock, TOLD, material), note_of(stock, SETTLED, material)
-    expected = "" if live_values(material) else note_of(script, SETTLED, material)
+    expected = note_of(script, SETTLED, material) if followed == live_values(material) else ""
     return told != now or not is_in_working_space(stock) or (methods.holds_values(material.lamina.tier) and settled != expected)

@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.material.schema import ANISOTROPY, SCHEMA, VECTOR, Parameter, Schema
+from ...reference_py.material.schema import ANISOTROPY, LAMBERT, SCHEMA, VECTOR, Parameter, Schema
 from ...reference_py.material.stack import Element, Stack
 
 BASE = "Base"
@@ -25,6 +25,7 @@ class ShaderInput:
     parameter: Parameter
 
 
+BASE_COLOR_INPUT = ShaderInput(BASE + LAMBERT.parameter("color").osl_name, BASE, LAMBERT.parameter("color"))
 TANGENT_INPUT = ShaderInput(TANGENT, TANGENT, Parameter("tangent", VECTOR, (0.0, 0.0, 0.0), TANGENT, "Direction that anisotropic surfaces are rougher along"))
 
 

@@ -7,7 +7,7 @@ exact. Below the first knot widths go on as they began and the rest stays.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 
 import numpy as np
@@ -77,6 +77,15 @@ class LiveLobes:
     name = "baked"
 
     @property
+    def followed(self) -> tuple[Place, ...]:
+        """The live values that the tables follow."""
+        return tuple(axis.parameter for axis in self.axes)
+
+    def with_values_of(self, stack: Stack) -> "LiveLobes":
+        """The same for a stack's own live values."""
+        return replace(self, stack=stack)
+
+    @property
     def lobe_count(self) -> int:
         """How many closures they are."""
         return len(self.grid)
@@ -143,7 +152,7 @@ def grid_of(stack: Stack, axes: tuple[Axis, ...], nodes: dict[tuple[int, ...], T
 
 
 def _unit(table: GlossyTable) -> np.ndarray:
-    return np.maximum(unit_energy(table.lobe(knot_cosines()), knot_cosines(), count=4096)[:, :1], 1e-3)
+    return np.maximum(unit_energy(table.lobe(knot_cosines()), knot_cosines())[:, :1], 1e-3)
 
 
 def _blend(array: np.ndarray, places: Sequence[tuple[int, float]]) -> np.ndarray:

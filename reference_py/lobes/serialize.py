@@ -7,7 +7,7 @@ from ..material.place import Place
 from ..material.stack import Stack
 from .live_grid import Axis, LiveLobe, LiveLobes
 from .lobe import DielectricCurve
-from .view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes
+from .view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
 
 
 def pack_tables(lobe_set: TableLobes) -> list[dict]:
@@ -15,12 +15,14 @@ def pack_tables(lobe_set: TableLobes) -> list[dict]:
     return [_pack(table) for table in lobe_set.tables]
 
 
-def unpack_tables(data: list[dict]) -> TableLobes:
-    """The lobe set of `pack_tables`. Raises ValueError, KeyError or TypeError on anything else."""
-    return TableLobes(tuple(_unpack(table) for table in data))
+def unpack_tables(data: list[dict], stack: Stack) -> TableLobes:
+    """The lobe set of `pack_tables`, with the stack's own live values. Raises ValueError, KeyError or TypeError on anything else."""
+    return TableLobes(tuple(_unpack(table, stack) for table in data))
 
 
 def _pack(table) -> dict:
+    if isinstance(table, BaseColorTable):
+        return {"own": table.own.tolist(), "through": table.through.tolist(), "back": table.back.tolist()}
     weight = np.asarray(table.weight).tolist()
     if isinstance(table, DiffuseTable):
         return {"weight": weight}
@@ -28,7 +30,9 @@ def _pack(table) -> dict:
     return {"weight": weight, "shape": np.asarray(table.shape).tolist(), "distribution": table.distribution, "eta": eta}
 
 
-def _unpack(data: dict):
+def _unpack(data: dict, stack: Stack):
+    if "through" in data:
+        return BaseColorTable(_array(data["own"]), _array(data["through"]), _array(data["back"], (3,)), np.array(stack.base["color"]))
     weight = _array(data["weight"])
     if "shape" not in data:
         return DiffuseTable(weight)

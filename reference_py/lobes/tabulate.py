@@ -19,7 +19,7 @@ from ..optics.diffuse import OREN_NAYAR_POWER, oren_nayar_albedo, oren_nayar_col
 from .closure import fresnel_share
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from .patch_lobes import PatchLobes
-from .view_table import AZIMUTHS, KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
+from .view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
 
 # Up to this alpha a folded curve moves less than 5 % of a lobe's light, by less than its width.
 NARROWEST_CURVE = 0.01
@@ -35,7 +35,7 @@ def tabulate(lobe_set, keep_dielectrics: bool = False, power: int = OREN_NAYAR_P
         return PatchLobes(lobe_set.stack, tuple((patch, tabulate(part.lobe_set, keep_dielectrics, power)) for patch, part in lobe_set.parts))
     tables = lobe_set.tables if isinstance(lobe_set, TableLobes) else _tables(lobe_set, power)
     tables = [table if keep_dielectrics and _has_seen_curve(table) else _without_curve(table) for table in tables]
-    return TableLobes(tuple([table for table in tables if np.any(table.weight > 0.0)] or tables[-1:]))
+    return TableLobes(tuple([t for t in tables if isinstance(t, BaseColorTable) or np.any(t.weight > 0.0)] or tables[-1:]))
 
 
 def is_grey_dielectric(table) -> bool:

@@ -7,10 +7,12 @@ Where weights depend on the azimuth of the view, a table has one sheet for each 
 cosine from the axis of symmetry, `axis` in radians from the tangent. That is good to .7 % of a weight up to 80 degrees.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..material.place import Place
+from ..material.stack import Stack
 from ..optics.diffuse import OREN_NAYAR_POWER
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 
@@ -18,6 +20,8 @@ KNOTS = 24
 # Cosines of the view's azimuth from the axis, on places of a ramp's 256: dense where energies turn.
 AZIMUTH_PLACES = (0, 22, 73, 113, 168, 250)
 AZIMUTHS = np.array(AZIMUTH_PLACES) / AZIMUTH_PLACES[-1]
+# The color of the base, where a table follows it.
+BASE_COLOR = Place(None, "color")
 # The least cosine of a view; towards the horizon tables are read at this one.
 MIN_COS_O = 1e-4
 
@@ -98,12 +102,45 @@ class OrenNayarTable:
 
 
 @dataclass(frozen=True)
+class BaseColorTable:
+    """All diffuse light of a stack over a Lambert base, for all its colors c: a Lambert lobe of weight own + through c / (1 - back c).
+
+    `own` (KNOTS, 3) is that of the layers, `through` (KNOTS, 3) what of the light at a view gets down to the base and, reflected there once by white, up again; `back` (3,)
+    what of the base's light the layers send back. `color` (3,) is the present one, of which only 0 to 1 counts.
+    """
+
+    own: np.ndarray
+    through: np.ndarray
+    back: np.ndarray
+    color: np.ndarray
+
+    @property
+    def weight(self) -> np.ndarray:
+        """(KNOTS, 3)."""
+        color = np.clip(self.color, 0.0, 1.0)
+        return self.own + self.through * color / (1.0 - self.back * color)
+
+    def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> DiffuseLobe:
+        """The lobe at views of cosine cos_theta_o (...) and azimuth phi (...)."""
+        return DiffuseLobe(interpolate(self.weight, cos_theta_o))
+
+
+@dataclass(frozen=True)
 class TableLobes:
     """A lobe set whose lobes are tables."""
 
-    tables: tuple[GlossyTable | DiffuseTable | OrenNayarTable, ...]
+    tables: tuple[GlossyTable | DiffuseTable | OrenNayarTable | BaseColorTable, ...]
 
     name = "baked"
+
+    @property
+    def followed(self) -> tuple[Place, ...]:
+        """The live values that the tables follow."""
+        return (BASE_COLOR,) if any(isinstance(table, BaseColorTable) for table in self.tables) else ()
+
+    def with_values_of(self, stack: Stack) -> "TableLobes":
+        """The same for a stack's own live values."""
+        return TableLobes(tuple(replace(t, color=np.array(stack.base["color"])) if isinstance(t, BaseColorTable) else t for t in self.tables))
 
     @property
     def lobe_count(self) -> int:

@@ -51,6 +51,17 @@ class Builder:
             self._give(scale, node.inputs["Scale"])
         return next(socket for socket in node.outputs if socket.enabled)
 
+    def combined(self, operands):
+        """Three numbers as a vector's output, or as a tuple where none is a socket."""
+        if not any(isinstance(operand, bpy.types.NodeSocket) for operand in operands):
+            return tuple(operands)
+        if all(operand is operands[0] for operand in operands):
+            return operands[0]  # a number's socket gives all three
+        node = self.node("ShaderNodeCombineXYZ")
+        for socket, operand in zip(node.inputs, operands):
+            self._give(operand, socket)
+        return node.outputs["Vector"]
+
     def shader(self, kind: str, *operands, settings: dict[str, str] | None = None, **named) -> bpy.types.NodeSocket:
         """A shader node, its inputs given in order or by name."""
         node = self.node(kind)

@@ -13,20 +13,21 @@ import numpy as np
 
 from ....reference_py.lobes.patch_lobes import PatchLobes
 from ....reference_py.lobes.tabulate import is_grey_dielectric, tabulate
-from ....reference_py.lobes.view_table import AZIMUTH_PLACES, KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
-from ....reference_py.material.schema import COVERAGE, FLOAT, NORMAL
+from ....reference_py.lobes.view_table import AZIMUTH_PLACES, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
+from ....reference_py.material.schema import COLOR, COVERAGE, FLOAT, NORMAL, VECTOR
 from ....reference_py.material.stack import Stack
 from ....reference_py.optics.diffuse import fujii_roughness, oren_nayar_albedo, oren_nayar_color
 from ....reference_py.optics.microfacet import SPECULAR_ALPHA
 from ...blender.versions import DIFFUSE_POWER, HAS_DIELECTRIC
-from ..inputs import TANGENT, TANGENT_INPUT, ShaderInput, shader_inputs
-from ..working_space import REC709, into_working, out_of_working, working_space
+from ..inputs import BASE_COLOR_INPUT, TANGENT, TANGENT_INPUT, ShaderInput, shader_inputs
+from ..working_space import REC709, into_working, out_of_working, primaries, working_space
 from .node_builder import Builder
 
 SPACE_MARK = "Rec.709 Red"
 _RAMP_PLACES = 256
 # Places of a ramp from one knot to the next, the most that fit.
 _STEP = _RAMP_PLACES // (KNOTS - 1)
+_SOCKETS = {FLOAT: "NodeSocketFloat", COLOR: "NodeSocketColor", VECTOR: "NodeSocketVector"}
 _DISTRIBUTIONS = {"ggx": "GGX", "beckmann": "BECKMANN"}
 # Cycles evaluates isotropic lobes in float32 from 1 - cos^2, off by 3e-7 / alpha^2. Below this alpha the error of the
 # least anisotropy that a Glossy node does not ignore, 1e-3, is the smaller one.
@@ -46,10 +47,10 @@ def stock_tables(made) -> TableLobes | PatchLobes:
 
 
 def group_inputs(lobe_set: TableLobes | PatchLobes) -> tuple[ShaderInput, ...]:
-    """What the group reads live: the coverage of every layer that has one, and the tangent."""
+    """What the group reads live: the coverage of every layer that has one, the base's color where tables follow it, and the tangent."""
     if isinstance(lobe_set, TableLobes):
-        framed = any(table.axis is not None or getattr(table, "frame", None) is not None for table in lobe_set.tables)
-        return (TANGENT_INPUT,) if framed else ()
+        framed = any(getattr(table, "axis", None) is not None or getattr(table, "frame", None) is not None for table in lobe_set.tables)
+        return (*([TANGENT_INPUT] if framed else []), *([BASE_COLOR_INPUT] if lobe_set.followed else []))
     covers = [i for i in shader_inputs(lobe_set.stack) if i.parameter in COVERAGE.parameters]
     return (*covers, *dict.fromkeys(i for _, part in lobe_set.parts for i in group_inputs(part)))
 
@@ -71,13 +72,12 @@ def build_group(tree: bpy.types.NodeTree, lobe_set: TableLobes | PatchLobes) -> 
     build = Builder(tree)
     inputs = group_inputs(lobe_set)
     for given in inputs:
-        socket_type = "NodeSocketFloat" if given.parameter.type == FLOAT else "NodeSocketVector"
-        tree.interface.new_socket(given.osl_name, in_out="INPUT", socket_type=socket_type)
+        tree.interface.new_socket(given.osl_name, in_out="INPUT", socket_type=_SOCKETS[given.parameter.type])
     sockets = {}
     if inputs:
         node = build.node("NodeGroupInput")
         sockets = {given.osl_name: node.outputs[given.osl_name] for given in inputs}
-    view = _View(build, sockets.pop(TANGENT, None))
+    view = _View(build, sockets.pop(TANGENT, None), sockets.pop(BASE_COLOR_INPUT.osl_name, None))
     if isinstance(lobe_set, TableLobes):
         closure = _closure_of(build, view, lobe_set)
     else:
@@ -118,8 +118,8 @@ def _sum(build: Builder, closures: list[bpy.types.NodeSocket]) -> bpy.types.Node
 class _View:
     """What lobes need of the view, made when the first of them asks."""
 
-    def __init__(self, build: Builder, given_tangent: bpy.types.NodeSocket | None = None):
-        self._build, self.given_tangent = build, given_tangent
+    def __init__(self, build: Builder, given_tangent: bpy.types.NodeSocket | None = None, given_color: bpy.types.NodeSocket | None = None):
+        self._build, self.given_tangent, self._given_color = build, given_tangent, given_color
         self._azimuths: dict[float, list[bpy.types.NodeSocket]] = {}
 
     @cached_property
@@ -160,6 +160,12 @@ class _View:
         along_normal = self._build.vector("SCALE", self.normal, scale=self._cosine)
         return self._build.vector("SUBTRACT", self._incoming, along_normal)
 
+    @cached_property
+    def base_color(self) -> bpy.types.NodeSocket:
+        """The base's color in Rec.709, from 0 to 1."""
+        color = _in_space(self._build, self._given_color, np.linalg.inv(primaries()))
+        return self._build.vector("MINIMUM", self._build.vector("MAXIMUM", color, 0.0), 1.0)
+
     def azimuth_shares(self, axis: float) -> list[bpy.types.NodeSocket]:
         """How much of each sheet of a table with this axis a view takes (`reference_py.lobes.view_table`)."""
         if axis not in self._azimuths:
@@ -184,6 +190,22 @@ class _View:
 
 def _lambert(build: Builder, view: _View, table: DiffuseTable) -> bpy.types.NodeSocket:
     return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, table.weight, table.axis), Roughness=0.0)
+
+
+def _base(build: Builder, view: _View, table: BaseColorTable) -> bpy.types.NodeSocket:
+    """own + through c / (1 - back c), channel by channel of Rec.709: numbers, which Blender would convert if they were colors."""
+    color = view.base_color
+    once = build.vector("DIVIDE", color, build.vector("MULTIPLY_ADD", color, tuple(map(float, -table.back)), 1.0))
+    columns = _columns(build, view, np.column_stack([table.through, table.own]))
+    weight = build.vector("MULTIPLY_ADD", once, build.combined(columns[:3]), build.combined(columns[3:]))
+    return build.shader("ShaderNodeBsdfDiffuse", Color=_in_space(build, weight, primaries()), Roughness=0.0)
+
+
+def _in_space(build: Builder, color: bpy.types.NodeSocket, rows: np.ndarray) -> bpy.types.NodeSocket:
+    """The color times a matrix (3, 3) between Rec.709 and the working space; itself where that is Rec.709."""
+    if working_space() == REC709:
+        return color
+    return build.combined([build.vector("DOT_PRODUCT", color, tuple(map(float, column))) for column in rows.T])
 
 
 def _oren_nayar(build: Builder, view: _View, table: OrenNayarTable) -> bpy.types.NodeSocket:
@@ -265,7 +287,7 @@ def _kept_apart(build: Builder, anisotropy, alphas: np.ndarray):
     return anisotropy
 
 
-_LOBES = {DiffuseTable: _lambert, OrenNayarTable: _oren_nayar, GlossyTable: _glossy}
+_LOBES = {BaseColorTable: _base, DiffuseTable: _lambert, OrenNayarTable: _oren_nayar, GlossyTable: _glossy}
 
 
 def _weight(build: Builder, view: _View, table: np.ndarray, axis: float | None):

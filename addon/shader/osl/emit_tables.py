@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a lobe set in tables writes: constants over the view, and no parameters that make sockets.
+"""What a lobe set in tables writes: constants over the view, and no parameters that make sockets but a base's color that is followed.
 
 Tables are array parameters: they stay at their defaults, take no time per shading, and make no sockets. Cycles translates
 a shader for each material that has it, in a time that goes with the count of lookups; so a lobe's shape is one table.
@@ -8,7 +8,8 @@ a shader for each material that has it, in a time that goes with the count of lo
 import numpy as np
 
 from ....reference_py.lobes.lobe import DielectricCurve
-from ....reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes
+from ....reference_py.lobes.view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
+from ..inputs import BASE_COLOR_INPUT
 from .block import Block, Closure, numbers
 from .surface import FRAME, FRAME_FUNCTIONS, table_view
 
@@ -30,8 +31,10 @@ def table_block(lobe_set: TableLobes, prefix: str = "") -> Block:
     )
 
 
-def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable | DiffuseTable) -> Closure:
+def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable | DiffuseTable | BaseColorTable) -> Closure:
     """A lobe; its array parameters are added to `arrays`, the statement of a varying width to `widths`."""
+    if isinstance(table, BaseColorTable):
+        return Closure(_base_weight(arrays, name, table), "diffuse(N)")
     weight = _value(arrays, f"Weight{name}", table.weight)
     if isinstance(table, DiffuseTable):
         return Closure(weight, "diffuse(N)")
@@ -44,6 +47,12 @@ def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable
     else:
         frame = f"normalize(bent_normal + {slope} * side), along"
     return Closure(weight, f'microfacet("{table.distribution}", {frame}, {alpha_x}, {alpha_y}, 1.0, 0)')
+
+
+def _base_weight(arrays: list[str], name: str, table: BaseColorTable) -> str:
+    color = f"clamp({BASE_COLOR_INPUT.osl_name}, color(0.0), color(1.0))"
+    weight = f"{_value(arrays, f'Through{name}', table.through)} * {color} / (color(1.0) - color({numbers(table.back)}) * {color})"
+    return f"{_value(arrays, f'Own{name}', table.own)} + {weight}" if np.any(table.own) else weight
 
 
 def _is_round(shape: np.ndarray) -> bool:

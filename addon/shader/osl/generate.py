@@ -63,7 +63,7 @@ def generate(made: Made, schema: Schema = SCHEMA) -> Shader:
         parts = [(tuple(range(len(stack.layers))), (), made.lobe_set)]
     emitters = [_EMITTERS[type(part)] for *_, part in parts]
     is_live = any(emitter.reads_all for emitter in emitters)
-    followed = {place for layers, _, part in parts if isinstance(part, LiveLobes) for place in _axes(part, layers)}
+    followed = {place for layers, _, part in parts if isinstance(part, (LiveLobes, TableLobes)) for place in _followed(part, layers)}
     inputs = tuple(i for i in shader_inputs(stack, schema) if is_live or i.parameter.name in ALWAYS_LIVE or (i.owner, i.parameter.name) in followed)
     blocks = []
     for number, ((layers, covered, part), emitter) in enumerate(zip(parts, emitters)):
@@ -75,10 +75,9 @@ def generate(made: Made, schema: Schema = SCHEMA) -> Shader:
     return Shader(name, body.replace("@SHADER@", name), inputs, closures, ("Live", *PRIMARIES))
 
 
-def _axes(lobe_set: LiveLobes, layers: tuple[int, ...]) -> list[tuple[str, str]]:
+def _followed(lobe_set: LiveLobes | TableLobes, layers: tuple[int, ...]) -> list[tuple[str, str]]:
     """The owners and names of what tables follow."""
-    places = [axis.parameter for axis in lobe_set.axes]
-    return [(BASE if place.layer is None else layer_owner(layers[place.layer]), place.name) for place in places]
+    return [(BASE if place.layer is None else layer_owner(layers[place.layer]), place.name) for place in lobe_set.followed]
 
 
 def _words(stack: Stack) -> str:

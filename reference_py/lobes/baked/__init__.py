@@ -2,4 +2,4 @@
 """Bakes: closures fitted to the truth, as tables."""
 
 from .bake import DEFAULT_GLOSSY, MAX_GLOSSY, Bake, Baker, baked, pack_lobes, unpack_lobes
-from .live import axes_of
+from .live import follows, in_tables

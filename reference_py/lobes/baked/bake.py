@@ -9,20 +9,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...material.place import Place
 from ...material.stack import Stack
 from ...optics.microfacet import GGX, is_specular
 from ...optics.optical_stack import OpticalStack, rough_surfaces
 from ..cache import truth_of
 from ..closure import unit_energy
-from ..live_grid import Axis, LiveLobes
+from ..live_grid import LiveLobes
 from ..lobe import DielectricCurve, GlossyLobe
 from ..samples import truth_at
 from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
-from ..view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
-from .live import bake_live
+from ..view_table import BASE_COLOR, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
+from .live import axes_of, bake_live
 from .plan import Path, Plan, best_path, continued_path
 
 DEFAULT_GLOSSY, MAX_GLOSSY = 2, 4
+# Points of each strategy at a view.
+_POINTS = 96
 # A lobe that nowhere carries more than this share of the albedo is left out.
 _NEGLIGIBLE = 1e-3
 # Of the energy that is left for the fitted lobes, what they have in every channel before all is scaled.
@@ -57,18 +60,18 @@ class Baker:
         cosines, surfaces = knot_cosines(), rough_surfaces(stack)
         widths = [alpha for _, alpha in surfaces]
         self._mirror = truth.specular_albedo(cosines)
-        views = truth_at(truth, np.concatenate([cosines, middle_cosines()]), widths)
-        self._albedo = truth.albedo(np.stack([v.wo for v in views[:KNOTS]]))
+        views = truth_at(truth, np.concatenate([cosines, middle_cosines()]), widths, _POINTS)
+        self._albedo = truth.albedo(views.wo[:KNOTS])
         top = _top_lobe(stack)
         known = [None] if top is None else [None, top]
-        self._plans = [Plan(lobe, surfaces, views[:KNOTS], views[KNOTS:]) for lobe in known]
+        self._plans = [Plan(lobe, surfaces, views.of(slice(KNOTS)), views.of(slice(KNOTS, None))) for lobe in known]
         self._found: dict[int, Found] = {}
         self._report(0.3)
 
     def bake(self, glossy: int) -> Bake:
         """The best that at most `glossy` glossy lobes and a Lambert lobe do."""
         found = self.path(glossy)
-        return Bake(self.lobe_set(found), np.array([m.error for m in found.path.mixtures]))
+        return Bake(self.lobe_set(found), found.path.mixtures.error)
 
     def path(self, glossy: int) -> Found:
         """The fits behind `bake`."""
@@ -82,7 +85,8 @@ class Baker:
         for number, plan in enumerate(self._plans):
             free = spare - (plan.known is not None)
             if free >= 0:
-                trials.append((number, plan.branches(free, lambda: self._report(0.3 + 0.6 * number / len(self._plans)))))
+                self._report(0.3 + 0.6 * number / len(self._plans))
+                trials.append((number, plan.branches(free)))
         number, trial = min(trials, key=lambda t: t[1].error) if trials else (0, self._plans[0].branches(0))
         found = Found(number, best_path(self._plans[number], trial))
         self._report(0.9)
@@ -107,11 +111,10 @@ class Baker:
             spent = spent + unit_energy(known, cosines)
         fitted = []
         for i, kind in enumerate(kinds):
-            shape = np.array([m.shape[i] for m in mixtures])
-            weight = np.array([m.weight[:, i] for m in mixtures])
+            shape, weight = mixtures.shape[:, i], mixtures.weight[:, :, i]
             table = GlossyTable(kind, weight, np.concatenate([np.exp(shape[:, :2]), shape[:, 2:]], axis=1))
             fitted.append((table, weight * unit_energy(table.lobe(cosines), cosines)))
-        diffuse = np.array([m.weight[:, -1] for m in mixtures])
+        diffuse = mixtures.weight[:, :, -1]
         fitted.append((DiffuseTable(diffuse), diffuse))
         fitted = [(table, energy) for table, energy in fitted if keep or np.any(energy > _NEGLIGIBLE * self._albedo)]
         return TableLobes((*tables, *self._with_energy(fitted, np.maximum(self._albedo - spent, 0.0))))
@@ -145,11 +148,25 @@ def _top_lobe(stack: Stack) -> GlossyLobe | None:
     return None
 
 
-def baked(stack: Stack, axes: tuple[Axis, ...] | None, glossy: int, progress: Callable[[float], None] | None) -> TableLobes | LiveLobes:
-    """The lobe set of a stack with constant values, or over the axes of live ones."""
-    if axes is None:
+def baked(stack: Stack, live: tuple[Place, ...], glossy: int, progress: Callable[[float], None] | None) -> TableLobes | LiveLobes:
+    """The lobe set of a stack that follows these live values, which `follows` allows."""
+    if not live:
         return Baker(stack, truth_of(stack), progress).bake(glossy).lobe_set
-    return bake_live(stack, axes, glossy, Baker, progress or (lambda share: None))
+    if live == (BASE_COLOR,):
+        return _over_base_color(stack, glossy, progress)
+    return bake_live(stack, axes_of(stack, live), glossy, Baker, progress or (lambda share: None))
+
+
+def _over_base_color(stack: Stack, glossy: int, progress) -> TableLobes:
+    """The layers over black, and what a base of any color adds: light that meets a Lambert base has lost its direction."""
+    black = BASE_COLOR.with_value(stack, (0.0, 0.0, 0.0))
+    truth = truth_of(black)
+    layers = truth.layer_energies()
+    back, escapes = layers.diffuse_below
+    tables = Baker(black, truth, progress).bake(glossy).lobe_set.tables
+    own = sum((table.weight for table in tables if isinstance(table, DiffuseTable)), np.zeros((KNOTS, 3)))
+    base = BaseColorTable(own, layers.above(knot_cosines())[1] * escapes, back, np.array(stack.base["color"]))
+    return TableLobes((*(table for table in tables if not isinstance(table, DiffuseTable)), base))
 
 
 def pack_lobes(lobe_set: TableLobes | LiveLobes) -> dict:
@@ -159,4 +176,4 @@ def pack_lobes(lobe_set: TableLobes | LiveLobes) -> dict:
 
 def unpack_lobes(data: dict, stack: Stack) -> TableLobes | LiveLobes:
     """The lobe set of `pack_lobes`. Raises ValueError, KeyError or TypeError on anything else."""
-    return unpack_grid(data["grid"], stack) if "grid" in data else unpack_tables(data["tables"])
+    return unpack_grid(data["grid"], stack) if "grid" in data else unpack_tables(data["tables"], stack)

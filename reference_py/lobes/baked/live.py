@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes that follow one or two live parameters: the truth is fitted at knots of them, each fit from its neighbour's."""
+"""Bakes that follow live values: one or two parameters, at whose knots the truth is fitted, each fit from its neighbour's, or the
+color of a Lambert base, which needs no knots."""
 
 from collections.abc import Callable
 
@@ -7,15 +8,32 @@ import numpy as np
 
 from ...material.place import Place
 from ...material.stack import Stack
+from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
 from ..cache import truth_of
 from ..live_grid import Axis, LiveLobes, grid_of
+from ..view_table import BASE_COLOR
 
 MOST_AXES = 2
 # Knots of a live roughness; below the first the widths go on, see `grid`. Two axes share out fewer.
 _ROUGHNESSES = {1: (0.2, 0.3, 0.4, 0.5, 0.62, 0.76, 0.9, 1.0), 2: (0.2, 0.35, 0.5, 0.7, 1.0)}
 # Knots of a live thickness, as optical depths of its mean color, and without end.
 _DEPTHS = {1: (0.0, 0.15, 0.4, 0.8, 1.4, 2.2, 3.5, 6.0), 2: (0.0, 0.3, 0.9, 2.0, 5.0)}
+
+
+def follows(stack: Stack, live: tuple[Place, ...]) -> bool:
+    """Whether a bake follows these live values."""
+    return not live or axes_of(stack, live) is not None or (live == (BASE_COLOR,) and _is_lambert(stack))
+
+
+def in_tables(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
+    """The live values that tables over the view alone follow, as stock nodes have them: all of them or none."""
+    return live if live == (BASE_COLOR,) and follows(stack, live) else ()
+
+
+def _is_lambert(stack: Stack) -> bool:
+    base = OpticalStack.of(stack).base
+    return isinstance(base, DiffuseBase) and base.sigma_deg == 0.0
 
 
 def axes_of(stack: Stack, live: tuple[Place, ...]) -> tuple[Axis, ...] | None:

@@ -6,11 +6,12 @@
 
 from ...errors import LaminaError
 from ...material.coverage import Patch, patches
-from ...material.place import in_words
+from ...material.place import Place, in_words
 from ...material.schema import THIN_FILM
 from ...material.stack import Stack
 from ...optics.optical_stack import OpticalStack
 from ..analytic import AnalyticLobes
+from ..baked import in_tables
 from ..cache import ALWAYS_LIVE
 from ..made import Made, Options
 from ..patch_lobes import PatchLobes
@@ -80,6 +81,11 @@ def key_of(stack: Stack, method: str, **options) -> str:
     """What the lobe set of a method that computes first is kept by; coverages do not matter."""
     row = method_of(method)
     return "\n".join(row.computed.key(bakeable(patch.stack), own) for patch, own in _parts(row, stack, Options(**options)))
+
+
+def followed_by_nodes(stack: Stack, method: str, live: tuple[Place, ...]) -> tuple[Place, ...]:
+    """The live values that a method's stock nodes follow: all of them or none."""
+    return in_tables(stack, live) if holds_values(method) and not not_bakeable(stack) else ()
 
 
 def is_known(stack: Stack, method: str, **options) -> bool:

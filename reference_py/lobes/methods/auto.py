@@ -11,13 +11,13 @@ from ...material.stack import Stack
 from ...models.position_free import PositionFree
 from ...optics.frame import spherical
 from ..analytic import AnalyticLobes
-from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, axes_of, baked, pack_lobes, unpack_lobes
+from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, baked, follows, pack_lobes, unpack_lobes
 from ..cache import content, truth_of
 from ..closure import lobe_energy
 from ..error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosines
 from ..live_grid import LiveLobes
 from ..made import Candidate, Choice, Made, Options
-from ..view_table import TableLobes
+from ..view_table import BASE_COLOR, TableLobes
 from .cost import cost
 from .method import Computed, Method
 from .paper import PaperLobes
@@ -44,13 +44,15 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
     report = options.report
     estimator = ErrorEstimator(stack, truth, ball_cosines() if cosines is None else cosines, light_deg)
     report(0.2)
-    axes = axes_of(stack, live)
+    can_bake = follows(stack, live)
     makers = [(tier, lambda lobe_set=lobe_set: lobe_set(stack)) for tier, lobe_set in _LIVE.items()]
     if not live:
         baker = Baker(stack, truth)
         makers += [(f"baked, {k} glossy", lambda k=k: baker.bake(k).lobe_set) for k in range(1, glossy + 1)]
-    elif axes is not None:
-        makers.append((f"baked over {in_words(live)}", lambda: baked(stack, axes, min(DEFAULT_GLOSSY, glossy), lambda share: report(0.4 + 0.6 * share))))
+    elif can_bake:
+        over = (f"baked over {in_words(live)}", lambda: baked(stack, live, min(DEFAULT_GLOSSY, glossy), lambda share: report(0.4 + 0.6 * share)))
+        # stock nodes follow a color that is baked over, and no live method
+        makers = [over] if live == (BASE_COLOR,) else [*makers, over]
     tried: list[tuple[Candidate, object]] = []
     for done, (label, make) in enumerate(makers):
         lobe_set = make()
@@ -59,7 +61,7 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
         if label not in _LIVE and tried[-1][0].visible <= tolerance:
             break  # more lobes cost more
     (chosen, lobe_set), reason = _best(tried, tolerance)
-    if live and axes is None:
+    if not can_bake:
         reason += f"; a bake cannot follow {in_words(live)}"
     return Choice(chosen, lobe_set, tuple(candidate for candidate, _ in tried), reason)
 
@@ -104,9 +106,7 @@ def _make(stack: Stack, options: Options) -> Made:
 
 def _with_values_of(stack: Stack, lobe_set):
     """A remembered lobe set with a stack's own live values."""
-    if isinstance(lobe_set, TableLobes):
-        return lobe_set
-    return replace(lobe_set, stack=stack) if isinstance(lobe_set, LiveLobes) else type(lobe_set)(stack)
+    return lobe_set.with_values_of(stack) if isinstance(lobe_set, (TableLobes, LiveLobes)) else type(lobe_set)(stack)
 
 
 def _candidate(label: str, lobe_set, errors: Errors, live: bool) -> Candidate:

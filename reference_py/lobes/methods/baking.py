@@ -1,19 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Method `baked`: the truth of a stack, fitted by few closures. Stacks of equal content share one bake.
 
-Live values are followed by tables over them too (`axes_of`).
+Live values are followed by tables over them too (`baked.follows`).
 """
-
-from dataclasses import replace
 
 from ...material.place import Place, in_words
 from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
 from ..analytic import AnalyticLobes
-from ..baked import DEFAULT_GLOSSY, axes_of, baked, pack_lobes, unpack_lobes
+from ..baked import DEFAULT_GLOSSY, baked, follows, pack_lobes, unpack_lobes
 from ..cache import content
-from ..live_grid import LiveLobes
 from ..made import Made, Options
 from .method import Computed, Method
 
@@ -27,7 +24,7 @@ def is_bare_oren_nayar(stack: Stack) -> bool:
 
 
 def _follows(stack: Stack, live: tuple[Place, ...]) -> bool:
-    return not live or is_bare_oren_nayar(stack) or axes_of(stack, live) is not None
+    return is_bare_oren_nayar(stack) or follows(stack, live)
 
 
 def _glossy(options: Options) -> int:
@@ -37,14 +34,12 @@ def _glossy(options: Options) -> int:
 def _make(stack: Stack, options: Options) -> Made:
     if is_bare_oren_nayar(stack):
         return Made(NAME, stack, AnalyticLobes(stack), "the base's own closures, which are exact")
-    lobe_set = COMPUTED.result(stack, options)
-    if isinstance(lobe_set, LiveLobes):
-        lobe_set = replace(lobe_set, stack=stack)
+    lobe_set = COMPUTED.result(stack, options).with_values_of(stack)
     return Made(NAME, stack, lobe_set, f"baked, {_glossy(options)} glossy" + (f", over {in_words(options.live)}" if options.live else ""))
 
 
 COMPUTED = Computed(
-    compute=lambda stack, options: baked(stack, axes_of(stack, options.live), _glossy(options), options.progress),
+    compute=lambda stack, options: baked(stack, options.live, _glossy(options), options.progress),
     key=lambda stack, options: f"baked {content(stack, options.live)} {_glossy(options)}",
     pack=pack_lobes,
     unpack=unpack_lobes,
