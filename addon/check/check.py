@@ -260,7 +260,7 @@ def _shader(material) -> Iterator[Finding]:
     mix = node_with(material, MIX)
     if mix is not None and not mix.mute and (mix.inputs[0].is_linked or mix.inputs[0].default_value != 0.0):
         yield Finding("exported_shows")
-    if reason := bakes.given_up(material):
+    if reason := bakes.failed(material):
         yield Finding("not_baked", {"reason": reason})
     try:
         if state.is_stale(material):
