@@ -50,11 +50,11 @@ def run(blender: str, arguments: list[str]) -> tuple[tuple[str, ...], list[str]]
     parts = [arguments] if arguments else HALVES
     print(f"{blender}: {'; '.join(map(' '.join, parts))}", file=sys.stderr, flush=True)
     with ThreadPoolExecutor(len(parts)) as pool:
-        for told in pool.map(lambda part: _pytest(python, part), parts):
-            summary = told.strip().splitlines()[-1] if told.strip() else "1 error"
+        for output in pool.map(lambda part: _pytest(python, part), parts):
+            summary = output.strip().splitlines()[-1] if output.strip() else "1 error"
             for number, what in re.findall(r"(\d+) (passed|failed|skipped|error)", summary):
                 counts[what] += int(number)
-            failed += [line for line in told.splitlines() if line.startswith(("FAILED", "ERROR"))]
+            failed += [line for line in output.splitlines() if line.startswith(("FAILED", "ERROR"))]
     print("".join(f"{line}\n" for line in failed), end="", file=sys.stderr, flush=True)
     minutes = f"{(time.monotonic() - began) / 60.0:.1f}"
     return (blender, versions, str(counts["passed"]), str(counts["failed"] + counts["error"]), str(counts["skipped"]), minutes), failed

@@ -331,8 +331,8 @@ def _ignored(material, is_note: bool) -> Iterator[Finding]:
         label = kind_of(element).parameter(place.name).label
         yield Finding("texture_ignored", {"layer": element.name, "label": label}, node_of(element).name, label, is_note)
     stack = stack_of(material)
-    for element, told in zip((*shown, lamina.base), (*stack.layers, stack.base)):
-        if told.has(NORMAL):
+    for element, values in zip((*shown, lamina.base), (*stack.layers, stack.base)):
+        if values.has(NORMAL):
             yield Finding("normal_ignored", {"layer": element.name}, node_of(element).name, is_note=is_note)
 
 

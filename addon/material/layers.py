@@ -90,19 +90,19 @@ def paste_layers(material: bpy.types.Material, text: str, index: int) -> list[st
     sources = [_source_of(layer) for layer in layers]
     layers = [Element(e.kind, e.values, {k: v for k, v in e.unknown.items() if k != "from"}) for e in layers]
     _require_room(material, len(layers))
-    told: list[str] = []
+    notes: list[str] = []
     before = {node.name for node in material.node_tree.nodes}
     try:
         with changing(material) as tree:
             for element, source in zip(_insert(material, tree, layers, index), sources):
                 if source is not None:
                     node, element.visible = source
-                    told += copy_inputs(node, node_of(element))
+                    notes += copy_inputs(node, node_of(element))
     except Exception:
         for node in [node for node in material.node_tree.nodes if node.name not in before]:
             material.node_tree.nodes.remove(node)
         raise
-    return told
+    return notes
 
 
 def _parsed(text: str) -> dict:
