@@ -59,8 +59,8 @@ def _choice(stack: Stack, tolerance: float, glossy: int, sight, progress) -> Cho
     choice = _choice_of_plain(bakeable(stack), Options(not_bakeable(stack), tolerance, glossy, progress), sight)
     elements = (*stack.layers, stack.base)
     if not any(element.has(THIN_FILM) for element in elements):
-        brushed = any(element.has(ANISOTROPY) for element in elements)
-        return with_anisotropy(choice, stack, tolerance, None if sight is None else sight.cosines) if brushed else choice
+        is_anisotropic = any(element.has(ANISOTROPY) for element in elements)
+        return with_anisotropy(choice, stack, tolerance, None if sight is None else sight.cosines) if is_anisotropic else choice
     able = next(c for c in choice.tried if c.label == PaperLobes.name)
     return replace(choice, chosen=able, reason="the one tier that knows thin films; the errors are those without the film")
 

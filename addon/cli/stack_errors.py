@@ -17,7 +17,7 @@ from ...reference_py.optics.frame import spherical
 from ...reference_py.registry import make_model
 
 THETA_DEG = np.array([0.0, 30.0, 60.0, 75.0])
-# Views of brushed surfaces: along the tangent and across.
+# Views of anisotropic surfaces: along the tangent and across.
 _PHI_DEG = np.array([0.0, 90.0])
 
 

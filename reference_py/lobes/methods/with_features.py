@@ -18,7 +18,7 @@ from ...optics.interface import AnisotropicRoughness, Microfacets
 from ..analytic import AnalyticLobes
 from ..analytic.base import Facets
 from ..analytic.lobe_set import at_views
-from ..analytic.tables import brushed_energy, closure_energy
+from ..analytic.tables import anisotropic_energy, closure_energy
 from ..lobe import DiffuseLobe, GlossyLobe
 from ..view_table import MIN_COS_O
 from .not_bakeable import bakeable, not_bakeable
@@ -86,7 +86,7 @@ def _sides(widths: AnisotropicRoughness, phi) -> tuple[np.ndarray, np.ndarray]:
 
 def _facets(cos_theta, widths: AnisotropicRoughness, phi, kind: str) -> Facets:
     x2, y2 = widths.alpha_x**2, widths.alpha_y**2
-    white = brushed_energy(cos_theta, phi - widths.angle, widths.alpha_x, widths.alpha_y, kind)
+    white = anisotropic_energy(cos_theta, phi - widths.angle, widths.alpha_x, widths.alpha_y, kind)
     return Facets(_sides(widths, phi), white, (x2 - y2) / max(x2 + y2, 1e-20))
 
 
@@ -100,5 +100,5 @@ def _shaped(lobe, widths: AnisotropicRoughness | None, n: float, cos_o: np.ndarr
     stretch = [alpha / max(widths.alpha, 1e-12) for alpha in (widths.alpha_x, widths.alpha_y)]
     alpha_x, alpha_y = (np.minimum(lobe.alpha_x * np.sqrt(1.0 - share + share * s * s), 1.0) for s in stretch)
     isotropic = np.maximum(closure_energy(cos_o, lobe.alpha_x, lobe.distribution), 1e-3)
-    own = np.maximum(brushed_energy(cos_o, phi - widths.angle, alpha_x, alpha_y, lobe.distribution), 1e-3)
+    own = np.maximum(anisotropic_energy(cos_o, phi - widths.angle, alpha_x, alpha_y, lobe.distribution), 1e-3)
     return replace(lobe, weight=lobe.weight * (isotropic / own)[..., None], alpha_x=alpha_x, alpha_y=alpha_y, frame=widths.angle)
