@@ -18,7 +18,7 @@ from ....reference_py.lobes.methods.with_features import FeaturedAnalyticLobes
 from ....reference_py.lobes.patch_lobes import PatchLobes
 from ....reference_py.lobes.view_table import TableLobes
 from ....reference_py.material.schema import SCHEMA, Schema
-from ....reference_py.material.stack import Element, Stack
+from ....reference_py.material.stack import Base, Layer, Stack
 from ..inputs import BASE, PRIMARIES, ShaderInput, layer_owner, shader_inputs
 from . import emit_analytic, emit_live_grid, emit_paper, emit_tables
 from .block import Block, Share, shader_text
@@ -85,5 +85,5 @@ def _words(stack: Stack) -> str:
     return ", ".join(_word(element) for element in (*stack.layers, stack.base))
 
 
-def _word(element: Element) -> str:
+def _word(element: Layer | Base) -> str:
     return element.kind + (f" ({element['distribution']})" if "distribution" in element else "")
