@@ -113,7 +113,7 @@ def _follow(material: bpy.types.Material) -> bool:
     wanted = state.wanted_lobes(material)
     is_debounced = _state.debounced.get(material.name_full) == wanted.key
     _state.debounced[material.name_full] = wanted.key
-    if wanted.is_known():
+    if wanted.is_cached():
         materials.refresh(material)
         return False
     if failed(material):

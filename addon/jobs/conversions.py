@@ -7,7 +7,7 @@ import bpy
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange import conversion_process
-from ...reference_py.exchange.hand_over import key_of, known_hand_over, remember
+from ...reference_py.exchange.hand_over import cached_hand_over, key_of, put
 from ...reference_py.material.stack import Stack
 from ..material import material as materials
 from ..material.hand_over import has_hand_over, is_handed_over
@@ -50,7 +50,7 @@ def follow(material: bpy.types.Material) -> bool:
         return False
     textured = has_linked_color(material)
     key = key_of(stack, textured)
-    if known_hand_over(stack, textured):
+    if cached_hand_over(stack, textured):
         materials.hand_over(material)
         return False
     is_debounced = _state.debounced.get(material.name_full) == key
@@ -77,7 +77,7 @@ def collect() -> bool:
         return True
     _state.running = None
     if running.result is not None:
-        remember(running.stack, running.textured, running.result)
+        put(running.stack, running.textured, running.result)
     elif running.key in _state.debounced.values():
         _fail(running.key, running.error)
     return False

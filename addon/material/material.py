@@ -194,7 +194,7 @@ def _shown(material: bpy.types.Material, settle: bool, progress: Callable[[float
         stack = _structure(material) if OSL in branches_here(lamina.backend) else stack_of(material)
         return _Shown(make_lobe_set(stack, lamina.tier), stack, follows=True)
     wanted = wanted_lobes(material)
-    if settle or wanted.is_known():
+    if settle or wanted.is_cached():
         return _Shown(wanted.make(progress), wanted.stack, wanted.key, bool(wanted.live))
     return _Shown(make_lobe_set(wanted.stack, PROVISIONAL_METHOD), wanted.stack, follows=bool(wanted.live))
 
@@ -250,7 +250,7 @@ def refresh_stock(material: bpy.types.Material, settle: bool = False) -> None:
     owners, lobe_set, key = _owners(material), None, ""
     if holds_values(material.lamina.tier):
         wanted = wanted_lobes(material)
-        if not wanted.live and (settle or wanted.is_known()):
+        if not wanted.live and (settle or wanted.is_cached()):
             lobe_set, key = wanted.make(), wanted.key
     with replacing_branches(material) as surface:
         surface.keep(OSL)

@@ -40,8 +40,8 @@ class Wanted:
     def key(self) -> str:
         return methods.key_of(self.stack, self.method, live=self.live, tolerance=self.tolerance)
 
-    def is_known(self) -> bool:
-        return methods.is_known(self.stack, self.method, live=self.live, tolerance=self.tolerance)
+    def is_cached(self) -> bool:
+        return methods.is_cached(self.stack, self.method, live=self.live, tolerance=self.tolerance)
 
     def make(self, progress: Callable[[float], None] | None = None) -> Made:
         return methods.make_lobe_set(self.stack, self.method, live=self.live, tolerance=self.tolerance, progress=progress)

@@ -65,7 +65,7 @@ def _plain(element: LayerOrBase) -> LayerOrBase:
     return type(element)(element.kind, MappingProxyType(values))
 
 
-def peer(model: str, slots: Slots) -> Albedos:
+def rendered_by(model: str, slots: Slots) -> Albedos:
     """Albedos of slots by the model that renders them."""
 
     def albedos(color):

@@ -33,9 +33,9 @@ def compare(measurement: Measurement, fit: Fit, seed: int = 0, progress: Progres
     judged = Metric(subsample(measurement, JUDGED, np.random.default_rng(seed + 1)), fit.metric.kind)
     done = progress or (lambda share: None)
     models: dict[str, tuple[int, Evaluator]] = {}
-    for i, peer in enumerate(BASELINE_MODELS):
-        found = fit_baseline(peer, fit.metric, seed)
-        models[peer.label] = found.count, found.f
+    for i, baseline in enumerate(BASELINE_MODELS):
+        found = fit_baseline(baseline, fit.metric, seed)
+        models[baseline.label] = found.count, found.f
         done((i + 1) / (len(BASELINE_MODELS) + 3))
     channels = measurement.channels
     for name in ("weidlich_wilkie", "adding"):

@@ -21,7 +21,7 @@ TRUTHS = ("adding", "position_free")
 # A fit to one measured paint knows no stack, so that it has no error against one.
 FITS = ("lafortune",)
 COMPARED = tuple(name for name in MODELS_AND_TIERS if name not in TRUTHS + FITS)
-_PEERS_FROM = COMPARED.index("torrance_sparrow")
+_BASELINES_FROM = COMPARED.index("torrance_sparrow")
 
 _OURS = ("black", "orangered", "gold", "deepskyblue", "limegreen")
 _MARKERS = ("o", "s", "^", "v", "D", "P", "X", "<")
@@ -71,10 +71,10 @@ def _draw(path: Path, errors: dict, report: Report) -> None:
         axis.axhspan(-1.0, 1.0, color="0.92", zorder=0)
         axis.axhline(0.0, color="0.5", linewidth=0.8)
         for i, name in enumerate(COMPARED):
-            peer = i - _PEERS_FROM
-            color = f"C{peer + 1}" if peer >= 0 else _OURS[i % len(_OURS)]
-            if peer >= 0:
-                style = {"linewidth": 1.2, "marker": _MARKERS[peer % len(_MARKERS)], "markersize": 4}
+            baseline = i - _BASELINES_FROM
+            color = f"C{baseline + 1}" if baseline >= 0 else _OURS[i % len(_OURS)]
+            if baseline >= 0:
+                style = {"linewidth": 1.2, "marker": _MARKERS[baseline % len(_MARKERS)], "markersize": 4}
             else:  # dashes, as the mirror should hide the model that it follows
                 style = {"linewidth": 3.0, "zorder": 3 + i, "linestyle": (0, (1.5, 1.5)) if name == "closure_model:weidlich_wilkie" else "-"}
             axis.plot(THETA_DEG, 100.0 * errors[preset, name], color=color, label=name, **style)
@@ -91,6 +91,6 @@ def _draw(path: Path, errors: dict, report: Report) -> None:
     figure.legend(handles, labels, loc="outside lower center", ncols=6, fontsize=10)
     figure.suptitle(
         "Albedo against the truth (adding, lossless surfaces): too bright above, too dark below; band: 1 %. A jump: another "
-        "channel is the worst.\nThick: models of this project; marked: peers"
+        "channel is the worst.\nThick: models of this project; marked: baselines"
     )
     save_picture(figure, path, report)

@@ -28,7 +28,7 @@ def chart(folder: Path, report: Report) -> None:
     for i, name in enumerate(names):
         report(f"{100 * i // len(names):3} % {name}")
         stack = presets.load(name)
-        results[name] = distance(stack, make_model("mirror", stack, tier=_TIER), make_model("weidlich_wilkie", stack), np.radians(THETA_DEG))
+        results[name] = distance(stack, make_model("closure_model", stack, tier=_TIER), make_model("weidlich_wilkie", stack), np.radians(THETA_DEG))
     rows = []
     for name, result in results.items():
         rows.append([name, "albedo", *(f"{v:.4f}" for v in result.albedo)])

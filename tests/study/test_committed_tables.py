@@ -32,7 +32,7 @@ def test_errors_of_the_papers_tier_are_those_of_this_lobe_set(name):
     rows = [row for row in rows if row[0] == name]
     columns = [header.index("30deg"), header.index("75deg")]
     stack = presets.load(name)
-    gap = distance(stack, make_model("mirror", stack, tier="weidlich_wilkie"), make_model("weidlich_wilkie", stack), np.radians([30.0, 75.0]))
+    gap = distance(stack, make_model("closure_model", stack, tier="weidlich_wilkie"), make_model("weidlich_wilkie", stack), np.radians([30.0, 75.0]))
     for row, measured in zip(rows, (gap.albedo, gap.shape)):
         assert measured == pytest.approx([float(row[c]) for c in columns], abs=2e-4)
     assert gap.albedo.max() <= 0.01

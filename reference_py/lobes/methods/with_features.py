@@ -31,10 +31,10 @@ def featured_analytic(stack: Stack):
         return AnalyticLobes(stack)
     if any(element.has(THIN_FILM) for element in (*stack.layers, stack.base)):
         return PaperLobes(stack)
-    return FeaturedAnalyticLobes(stack)
+    return AnalyticLobesWithFeatures(stack)
 
 
-class FeaturedAnalyticLobes(AnalyticLobes):
+class AnalyticLobesWithFeatures(AnalyticLobes):
     """The lobes of the stack without its features, in the shapes that these give them."""
 
     def __init__(self, stack: Stack):
@@ -51,7 +51,7 @@ class FeaturedAnalyticLobes(AnalyticLobes):
         layers, base = self.stack.layers, self.stack.base
         top, metal = (_widths(e) if e is not None and "roughness" in e else None for e in (layers[0] if layers else None, base))
         seen = None if top is None else seen_alpha(top, cos_o, phi)
-        facets = None if metal is None else partial(_facets, widths=metal, phi=phi, kind=base["distribution"])
+        facets = None if metal is None else partial(_facets, widths=metal, phi=phi, distribution=base["distribution"])
         lobes = self._plain.lobes_of(cos_o, seen, facets)
         indices = [1.0, *(layer["ior"] for layer in layers)]
         # the top, all deeper layers as the second, and the base, which may have two lobes
@@ -84,9 +84,9 @@ def _sides(widths: AnisotropicRoughness, phi) -> tuple[np.ndarray, np.ndarray]:
     return np.hypot(widths.alpha_x * cos, widths.alpha_y * sin), np.hypot(widths.alpha_x * sin, widths.alpha_y * cos)
 
 
-def _facets(cos_theta, widths: AnisotropicRoughness, phi, kind: str) -> Facets:
+def _facets(cos_theta, widths: AnisotropicRoughness, phi, distribution: str) -> Facets:
     x2, y2 = widths.alpha_x**2, widths.alpha_y**2
-    white = anisotropic_energy(cos_theta, phi - widths.angle, widths.alpha_x, widths.alpha_y, kind)
+    white = anisotropic_energy(cos_theta, phi - widths.angle, widths.alpha_x, widths.alpha_y, distribution)
     return Facets(_sides(widths, phi), white, (x2 - y2) / max(x2 + y2, 1e-20))
 
 
