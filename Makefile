@@ -64,13 +64,17 @@ check: $(READY) $(CHECK)/ready
 	$(CHECK)/bin/ruff check .
 	$(CHECK)/bin/ruff format --check --quiet .
 	@mkdir -p $(CHECK)/tree && ln -sfn $(CURDIR) $(CHECK)/tree/lamina
-	cd $(CHECK)/tree && ../bin/mypy --config-file $(CURDIR)/pyproject.toml --python-executable $(CURDIR)/$(RUN) --follow-imports silent --no-error-summary \
-	  -p lamina.reference_py -p lamina.addon -p lamina.study -p lamina.demo_blend
-	$(RUN) -m pytest -q -m "not blender and not slow" tests
+	@# tests and types side by side; what mypy says follows
+	@$(RUN) -m pytest -q -m "not blender and not slow" tests & tests=$$!; \
+	(cd $(CHECK)/tree && ../bin/mypy --config-file $(CURDIR)/pyproject.toml --python-executable $(CURDIR)/$(RUN) --follow-imports silent --no-error-summary \
+	  -p lamina.reference_py -p lamina.addon -p lamina.study -p lamina.demo_blend) >$(CHECK)/mypy.txt 2>&1; types=$$?; \
+	wait $$tests; tests=$$?; cat $(CHECK)/mypy.txt; exit $$((tests || types))
 
 slow-tests: $(READY)
 	: > tests/slow.txt
 	LAMINA_MEASURE_TESTS=1 $(RUN) -m pytest -q -m "not blender" tests
+	@# without these, others are the first that need a bake or a model
+	LAMINA_MEASURE_TESTS=1 $(RUN) -m pytest -q -m "not blender and not slow" tests
 
 $(CHECK)/ready: requirements/check.txt
 	$(RUN) -m venv $(CHECK)
