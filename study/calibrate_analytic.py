@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Find the constants of the tier `analytic` again (`reference_py/lobes/analytic/calibration.py`), from `models.adding`.
+"""Find the constants of the method `analytic` again (`reference_py/lobes/analytic/calibration.py`), from `models.adding`.
 
     python -m lamina.study.calibrate_analytic [--seed N] [--start committed|plain] [--steps N] [--only NAME...] [--write]
 
@@ -69,7 +69,7 @@ _RANGE, _STEP = 3.0, 1e-3
 
 @contextmanager
 def in_force(values: Mapping[str, Value]) -> Iterator[None]:
-    """The tier with other constants."""
+    """The method with other constants."""
     places = [(module, name) for module in (calibration, beam, base, lobe_set) for name in values if hasattr(module, name)]
     before = [getattr(module, name) for module, name in places]
     try:
@@ -116,7 +116,7 @@ class Case:
         self._units = [_unit_energy(lobe, self._cos) for lobe in AnalyticLobes(stack).lobes(self._cos)]
 
     def albedo(self) -> np.ndarray:
-        """(v, 3) by the tier with the constants in force."""
+        """(v, 3) by the method with the constants in force."""
         total = np.zeros(self.truth.shape)
         for lobe, unit in zip(AnalyticLobes(self.stack).lobes(self._cos), self._units):
             total += lobe.weight * (closure_energy(self._cos, lobe.alpha_x, lobe.distribution)[:, None] if unit is None else unit)

@@ -42,7 +42,7 @@ def compare(measurement: Measurement, fit: Fit, seed: int = 0, progress: Progres
         ours = fit if fit.model == name else fit_structure(measurement, fit.structure, name, len(fit.metric.measurement.f), seed=seed)
         models[f"{name}, {ours.structure.name}"] = ours.count, _of_stack(name, {}, ours.stack, channels)
         if name == "adding":
-            models["baked, as Cycles renders it"] = ours.count, _of_stack("closure_model", {"tier": "baked"}, ours.stack, channels)
+            models["baked, as Cycles renders it"] = ours.count, _of_stack("closure_model", {"method": "baked"}, ours.stack, channels)
     done(1.0)
     m = judged.measurement
     rows = []

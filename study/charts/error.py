@@ -12,7 +12,7 @@ from ...reference_py.atomic import require_writable
 from ...reference_py.material import presets
 from ...reference_py.optics.frame import spherical
 from ...reference_py.registry import make_model
-from ..stress import MODELS_AND_TIERS, make_model_or_tier
+from ..stress import MODELS_AND_METHODS, make_model_or_method
 from ..tables import Report, write_table
 from .output import print_table, pyplot, save_picture
 
@@ -20,7 +20,7 @@ THETA_DEG = np.array([0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 75.0, 80.0,
 TRUTHS = ("adding", "position_free")
 # A fit to one measured paint knows no stack, so that it has no error against one.
 FITS = ("lafortune",)
-COMPARED = tuple(name for name in MODELS_AND_TIERS if name not in TRUTHS + FITS)
+COMPARED = tuple(name for name in MODELS_AND_METHODS if name not in TRUTHS + FITS)
 _BASELINES_FROM = COMPARED.index("torrance_sparrow")
 
 _OURS = ("black", "orangered", "gold", "deepskyblue", "limegreen")
@@ -39,7 +39,7 @@ def chart(folder: Path, report: Report) -> None:
         stack = presets.load(preset)
         exact = make_model("adding", stack).albedo(wo)
         for name in COMPARED:
-            errors[preset, name] = worst_channel(make_model_or_tier(name, stack).albedo(wo), exact)
+            errors[preset, name] = worst_channel(make_model_or_method(name, stack).albedo(wo), exact)
     rows = [[*key, *(f"{v:.4f}" for v in error)] for key, error in errors.items()]
     write_table(table, _HEADING, ("preset", "model", *(f"{t:g}deg" for t in THETA_DEG)), rows, report)
     print_table(("model", "worst", "where", "at", "worst to 60", "mean |error|"), [_summary(name, errors) for name in COMPARED])

@@ -40,7 +40,7 @@ def test_eval_prints_f_for_every_light_direction():
     data = json.loads(out)
     wi = spherical(np.radians([30, 50]), np.radians([180, 90]))
     wo = np.broadcast_to(spherical(np.radians(30), 0.0), wi.shape)
-    assert np.array(data["f"]) == pytest.approx(make_model("closure_model", presets.load("frosted_paint"), tier="analytic").f(wo, wi))
+    assert np.array(data["f"]) == pytest.approx(make_model("closure_model", presets.load("frosted_paint"), method="analytic").f(wo, wi))
 
 
 def test_json_says_how_to_get_the_numbers_again():

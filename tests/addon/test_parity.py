@@ -33,7 +33,7 @@ def _material(stack: Stack, tier: str = "weidlich_wilkie"):
 @pytest.mark.parametrize("name", presets.PAPER)
 def test_render_equals_mirror(blender, name):
     material, stack = _material(presets.load(name))
-    model = make_model("closure_model", stack, tier="weidlich_wilkie")
+    model = make_model("closure_model", stack, method="weidlich_wilkie")
     for theta in SUN_THETA_DEG:
         for window in filter(None, ((0.0, 0.0, 1.0), highlight_window(stack, theta))):
             result = parity(material, model.f, theta, window=window)
@@ -50,7 +50,7 @@ def test_render_equals_mirror(blender, name):
 @pytest.mark.parametrize("name", ["glazed_mug", "frosted_paint", "clean_copper", "metallic_car_paint", "patina_copper"])
 def test_baked_render_equals_mirror(blender, name):
     material, stack = _material(presets.load(name), "baked")
-    model = make_model("closure_model", stack, tier="baked")
+    model = make_model("closure_model", stack, method="baked")
     for theta in SUN_THETA_DEG:
         result = parity(material, model.f, theta)
         print(f"{name} baked, sun {theta:g} deg: 99th percentile {result.percentile_99:.1e} of {result.errors.size} values")
@@ -75,7 +75,7 @@ def test_furnace_equals_mirror(blender, name):
     material, stack = _material(presets.load(name))
     measured, stderr = render_furnace(material, FURNACE_THETA_DEG, samples=64, size=32)
     wo = spherical(np.radians(FURNACE_THETA_DEG), 0.0)
-    expected = make_model("closure_model", stack, tier="weidlich_wilkie").albedo(wo)
+    expected = make_model("closure_model", stack, method="weidlich_wilkie").albedo(wo)
     print(f"{name}: Cycles {np.round(measured[:, 1], 5)}, model {np.round(expected[:, 1], 5)}, stderr {np.round(stderr[:, 1], 6)}")
     # A smooth metal at normal view renders without noise; what is left is the quadrature behind `expected`.
     allowed = 4.0 * stderr + QUADRATURE_ERROR * expected + beckmann_sampling_bias(stack, wo[:, 2])[:, None] * expected
@@ -86,7 +86,7 @@ def test_a_wrong_index_is_caught(blender):
     """A deliberate fault: the reference believes in an ior 1 % off."""
     material, stack = _material(presets.load("frosted_paint"))
     wrong = Stack.from_dict({**stack.to_dict(), "layers": [{**stack.layers[0].to_dict(), "ior": 1.01 * stack.layers[0]["ior"]}]})
-    result = parity(material, make_model("closure_model", wrong, tier="weidlich_wilkie").f, 45.0)
+    result = parity(material, make_model("closure_model", wrong, method="weidlich_wilkie").f, 45.0)
     assert result.percentile_99 > 10.0 * tolerance(stack)
 
 

@@ -46,7 +46,7 @@ def no_osl(blender, monkeypatch):
 
 
 def model_of(lobe_set: TableLobes):
-    model = make_model("closure_model", presets.load("clean_copper"), tier="weidlich_wilkie")
+    model = make_model("closure_model", presets.load("clean_copper"), method="weidlich_wilkie")
     model.lobe_set = lobe_set
     return model
 

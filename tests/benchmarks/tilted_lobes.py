@@ -43,7 +43,7 @@ def main() -> None:
         material = bpy.data.materials.new("tilted")
         materials.apply_stack(material, stack, "baked")
         materials.refresh(material, settle=True)
-        model = make_model("closure_model", materials.stack_of(material), tier="baked")
+        model = make_model("closure_model", materials.stack_of(material), method="baked")
         formula = model.albedo(spherical(np.radians(THETA_DEG), 0.0))
         measured, _ = render_furnace(material, THETA_DEG, samples=128)
         off = np.take_along_axis(measured / formula - 1.0, np.argmax(np.abs(measured / formula - 1.0), axis=1)[:, None], 1)[:, 0]

@@ -30,7 +30,7 @@ def stack_of(*layers, base):
 
 
 def closures(stack):
-    return make_model("closure_model", stack, tier="analytic")
+    return make_model("closure_model", stack, method="analytic")
 
 
 def worst_error(stack, theta=VIEWS):

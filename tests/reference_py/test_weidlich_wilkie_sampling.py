@@ -17,7 +17,7 @@ SAMPLES = 20_000
 
 LITERAL, REPAIRED, CLOSURES = "weidlich_wilkie", "weidlich_wilkie_repaired", "closure_model"
 MACRO = {"refraction": "macro_normal"}
-HONEST = ((REPAIRED, {}), (REPAIRED, {"weights": "constant"}), (CLOSURES, {"tier": "weidlich_wilkie"}), (CLOSURES, {"tier": "analytic"}))
+HONEST = ((REPAIRED, {}), (REPAIRED, {"weights": "constant"}), (CLOSURES, {"method": "weidlich_wilkie"}), (CLOSURES, {"method": "analytic"}))
 
 
 def metal(alpha, distribution="ggx"):
@@ -74,7 +74,7 @@ def test_samples_have_their_density(model, options, name, theta):
 
 
 def test_samples_of_a_bake_have_their_density():
-    assert p_value(make_model(CLOSURES, STACKS["rough on lambert"], tier="baked"), view(75.0)) > SIGNIFICANCE
+    assert p_value(make_model(CLOSURES, STACKS["rough on lambert"], method="baked"), view(75.0)) > SIGNIFICANCE
 
 
 @pytest.mark.parametrize("options", ({}, MACRO, {"distribution": "blinn"}))
@@ -153,7 +153,7 @@ def finite_albedo(model, wo):
 
 @pytest.mark.parametrize(
     "model, options, name",
-    [(REPAIRED, {}, name) for name in STACKS] + [(CLOSURES, {"tier": "analytic"}, name) for name in ("smooth on metal", "beckmann on oren-nayar")],
+    [(REPAIRED, {}, name) for name in STACKS] + [(CLOSURES, {"method": "analytic"}, name) for name in ("smooth on metal", "beckmann on oren-nayar")],
 )
 def test_samples_estimate_the_albedo(model, options, name):
     model, wo = make_model(model, STACKS[name], **options), view(60.0)

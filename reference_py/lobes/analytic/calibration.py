@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Constants of the tier `analytic`, fitted to the albedos of `models.adding`; `study/calibrate_analytic.py` fits them again.
+"""Constants of the method `analytic`, fitted to the albedos of `models.adding`; `study/calibrate_analytic.py` fits them again.
 
 Levenberg-Marquardt steps in the logarithms of the constants (logits where they have an upper limit), on the signed relative
 errors in per cent of every channel, squared in size so that large ones count, at 0, 40, 65 and 80 degrees. Stacks: the suite and

@@ -4,7 +4,7 @@
 Anisotropy: the top lobe has its surface's exact widths, deeper ones as far as their width is their own surface's, and every
 lobe's weight is of its own energy at the azimuth of the view. A view crosses the top as one of the isotropic surface that it sees
 there; what other anisotropic surfaces do to light that crosses them has no direction.
-Thin films: the tier has no colored interfaces, so `weidlich_wilkie` stands in. Normals are the renderer's.
+Thin films: the method has no colored interfaces, so `weidlich_wilkie` stands in. Normals are the renderer's.
 """
 
 from dataclasses import replace
