@@ -74,7 +74,7 @@ def stressed(name, case):
     return model, model.albedo(VIEWS)
 
 
-def test_all_peers_are_registered_under_their_names():
+def test_all_baselines_are_registered_under_their_names():
     assert NAMES == [
         "torrance_sparrow",
         "cycles_layer",
