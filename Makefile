@@ -11,7 +11,8 @@ CHECK := .venv-check
 SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py' -o -name '*.osl' -o -name '*.h' -o -name '*.json' \))
 
 # The tests that run beside all others.
-FIRST_HALF := tests/reference_py $(addprefix tests/addon/test_,parity.py stock_nodes.py anisotropy.py bent_normals.py coverage.py)
+FIRST_HALF := $(shell cat tests/first_half.txt)
+QUICK := -q -m "not blender and not slow"
 
 .PHONY: fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings numbers fuzz faults calibration matrix licences clean
 
@@ -64,13 +65,19 @@ check: $(READY) $(CHECK)/ready
 	$(CHECK)/bin/ruff check .
 	$(CHECK)/bin/ruff format --check --quiet .
 	@mkdir -p $(CHECK)/tree && ln -sfn $(CURDIR) $(CHECK)/tree/lamina
-	cd $(CHECK)/tree && ../bin/mypy --config-file $(CURDIR)/pyproject.toml --python-executable $(CURDIR)/$(RUN) --follow-imports silent --no-error-summary \
-	  -p lamina.reference_py -p lamina.addon -p lamina.study -p lamina.demo_blend
-	$(RUN) -m pytest -q -m "not blender and not slow" tests
+	@# side by side; what the second says follows the first
+	@$(RUN) -m pytest $(QUICK) tests/reference_py & first=$$!; \
+	{ (cd $(CHECK)/tree && ../bin/mypy --config-file $(CURDIR)/pyproject.toml --python-executable $(CURDIR)/$(RUN) --follow-imports silent \
+	  --no-error-summary -p lamina.reference_py -p lamina.addon -p lamina.study -p lamina.demo_blend); types=$$?; \
+	$(RUN) -m pytest $(QUICK) tests --ignore=tests/reference_py; second=$$?; } >$(CHECK)/second.txt 2>&1; \
+	wait $$first; first=$$?; cat $(CHECK)/second.txt; exit $$((first || types || second))
 
 slow-tests: $(READY)
 	: > tests/slow.txt
 	LAMINA_MEASURE_TESTS=1 $(RUN) -m pytest -q -m "not blender" tests
+	@# without these, others are the first that need a bake or a model
+	@before=; while [ "$$before" != "$$(cat tests/slow.txt)" ]; do before=$$(cat tests/slow.txt); \
+	LAMINA_MEASURE_TESTS=1 $(RUN) -m pytest $(QUICK) tests; done
 
 $(CHECK)/ready: requirements/check.txt
 	$(RUN) -m venv $(CHECK)
@@ -78,7 +85,7 @@ $(CHECK)/ready: requirements/check.txt
 	@touch $@
 
 test: $(READY)
-	@# side by side: each is bound to one core, and these make the halves about even
+	@# side by side: each is bound to one core, and tests/first_half.txt makes the halves about even
 	@$(RUN) -m pytest $(FIRST_HALF) & first=$$!; \
 	$(RUN) -m pytest tests $(FIRST_HALF:%=--ignore=%); second=$$?; \
 	wait $$first && exit $$second

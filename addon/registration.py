@@ -34,7 +34,7 @@ def register() -> None:
     swatch_icons.register()
     preset_icons.register()
     asset_library.register()
-    keep_in(cache_folder(), lambda told: print(f"Lamina: {told}"))
+    keep_in(cache_folder(), lambda message: print(f"Lamina: {message}"))
     for handlers, handler in (*staleness.handlers(), *bakes.handlers()):
         handlers.append(handler)
 

@@ -41,16 +41,16 @@ float trilinear(float table[], int start, float eta, float alpha, float place, i
 float rough_reflectance(float table[], int kind, float cos_theta, float alpha, float eta)
 {
     float c = clamp(cos_theta, 0.0, 1.0);
-    float rest = 0.0;
+    float remainder = 0.0;
     if (alpha > 0.0) {
         // from the denser side 0 is at the critical angle, what is negative lies beyond it
         float critical2 = max(1.0 - eta * eta, 0.0);
         float v = sqrt(max(c * c - critical2, 0.0)) / eta - sqrt(max(1.0 - c * c / critical2, 0.0));
         int thin = eta > 1.0;
         float place = thin * sqrt(c) * (T_KNOTS - 1) + (1 - thin) * (v + 1.0) * 0.5 * (V_KNOTS - 1);
-        rest = trilinear(table, kind + thin * THIN + (1 - thin) * DENSE, eta, alpha, place, thin * T_KNOTS + (1 - thin) * V_KNOTS);
+        remainder = trilinear(table, kind + thin * THIN + (1 - thin) * DENSE, eta, alpha, place, thin * T_KNOTS + (1 - thin) * V_KNOTS);
     }
-    return clamp(fresnel_dielectric(c, eta) + rest, 0.0, 1.0);
+    return clamp(fresnel_dielectric(c, eta) + remainder, 0.0, 1.0);
 }
 
 // Reflectance for uniform light; from the denser side by reciprocity.

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Find the constants of the tier `analytic` again (`reference_py/lobes/analytic/calibration.py`), from `models.adding`.
+"""Find the constants of the method `analytic` again (`reference_py/lobes/analytic/calibration.py`), from `models.adding`.
 
     python -m lamina.study.calibrate_analytic [--seed N] [--start committed|plain] [--steps N] [--only NAME...] [--write]
 
 Levenberg-Marquardt steps in the constants' logarithms (logits where they have an upper limit), on the signed relative errors of the
 albedo in per cent, of every channel at 0, 40, 65 and 80 degrees, squared in size so that large ones count. Stacks: the suite and the
 paper's presets (weight 1) and `TRAINING` random ones (weight 1/4). Two constants are found by themselves: LOBE_BEND moves no energy
-and is fitted to shapes, BRUSHED_KEPT matters under anisotropy alone and is fitted to the walks of `position_free`.
+and is fitted to shapes, ANISOTROPIC_RETAINED matters under anisotropy alone and is fitted to the walks of `position_free`.
 Prints committed and fitted constants, and the errors of both on what was fitted and on what was held out.
 """
 
@@ -23,7 +23,7 @@ import numpy as np
 
 from ..reference_py.fit.solve import least_squares
 from ..reference_py.lobes.analytic import AnalyticLobes, base, beam, calibration, lobe_set
-from ..reference_py.lobes.analytic.tables import brushed_energy, closure_energy
+from ..reference_py.lobes.analytic.tables import anisotropic_energy, closure_energy
 from ..reference_py.lobes.closure import lobe_energy
 from ..reference_py.lobes.error_estimate import ErrorEstimator
 from ..reference_py.lobes.lobe import DiffuseLobe, GlossyLobe
@@ -49,19 +49,19 @@ TRAINING, HELD_OUT, HELD_OUT_HARD = 51, 40, 24
 RANDOM_WEIGHT = 0.25
 # What a constant's move by a factor of e must gain at least, as a root of the sum of squares: what the stacks do not determine stays where it was.
 PULL = 25.0
-# Stacks that shapes are fitted to; and brushed metals.
+# Stacks that shapes are fitted to; and anisotropic metals.
 SHAPES = 6
-BRUSHED_REFLECTANCES, BRUSHED_ROUGHNESSES, BRUSHED_ANISOTROPIES = (0.9, 0.6, 0.2), (0.35, 0.6, 0.9), (0.4, 0.7, 1.0)
-BRUSHED_AZIMUTHS_DEG = (0.0, 45.0, 90.0)
+ANISOTROPIC_REFLECTANCES, ANISOTROPIC_ROUGHNESSES, ANISOTROPIES = (0.9, 0.6, 0.2), (0.35, 0.6, 0.9), (0.4, 0.7, 1.0)
+ANISOTROPIC_AZIMUTHS_DEG = (0.0, 45.0, 90.0)
 _BENDS, _KEPTS = np.geomspace(0.2, 3.2, 9), np.geomspace(0.3, 1.2, 9)
 
 # What energies are fitted by, from where a fit starts that knows nothing, and an upper limit.
-_LIMITED = {"MOST_SHARE": 1.0, "TRAPPED_COS": 1.0, "TAU_SHARE": 1.0, "MOST_LOBE_SHARE": 1.0, "KEPT_ORDER": 1.0}
+_LIMITED = {"MOST_SHARE": 1.0, "TRAPPED_COS": 1.0, "TAU_SHARE": 1.0, "MOST_LOBE_SHARE": 1.0, "RETAINED_ORDER": 1.0}
 PLAIN: dict[str, Value] = {
     "LEAN_GGX": (1.0, 1.0, 1.0), "LEAN_BECKMANN": (1.0, 1.0, 1.0), "LOBE_SPREAD": 1.0, "SPREAD_GRAZING": 1.0, "MOST_SHARE": 0.9,
     "SPREAD_INCIDENCE": 1.0, "SPREAD_HALF": 1.0, "SPREAD_LIMIT": 1.0, "BACK_SPREAD": 1.0, "TRAPPED_COS": 0.5, "TRAPPED_SPREAD": 1.0,
     "TAU_SPREAD": 1.0, "TAU_SHARE": 0.9, "EXIT_SPREAD": 1.0, "NODE_SPREAD": 1.0, "MOST_LOBE_SHARE": 0.9,
-    "STIR_SCALE": 0.3, "STIR_BACK": 0.3, "STIR_POWER": 1.0, "KEPT_ORDER": 0.5, "KEPT_SCALE": 0.1, "BASE_LOSS": 0.3,
+    "REMIX_SCALE": 0.3, "REMIX_BACK": 0.3, "REMIX_POWER": 1.0, "RETAINED_ORDER": 0.5, "RETAINED_SCALE": 0.1, "BASE_LOSS": 0.3,
 }  # fmt: skip
 # How far a constant may go from where it starts, in its logarithm or logit, and the step of derivatives.
 _RANGE, _STEP = 3.0, 1e-3
@@ -69,7 +69,7 @@ _RANGE, _STEP = 3.0, 1e-3
 
 @contextmanager
 def in_force(values: Mapping[str, Value]) -> Iterator[None]:
-    """The tier with other constants."""
+    """The method with other constants."""
     places = [(module, name) for module in (calibration, beam, base, lobe_set) for name in values if hasattr(module, name)]
     before = [getattr(module, name) for module, name in places]
     try:
@@ -116,7 +116,7 @@ class Case:
         self._units = [_unit_energy(lobe, self._cos) for lobe in AnalyticLobes(stack).lobes(self._cos)]
 
     def albedo(self) -> np.ndarray:
-        """(v, 3) by the tier with the constants in force."""
+        """(v, 3) by the method with the constants in force."""
         total = np.zeros(self.truth.shape)
         for lobe, unit in zip(AnalyticLobes(self.stack).lobes(self._cos), self._units):
             total += lobe.weight * (closure_energy(self._cos, lobe.alpha_x, lobe.distribution)[:, None] if unit is None else unit)
@@ -197,32 +197,32 @@ def fit_lobe_bend(cases: Sequence[ShapeCase]) -> float:
     return best_on(_BENDS, loss)
 
 
-class BrushedCase:
-    """A bare brushed metal, and its albedo (v, a, 3) by walks."""
+class AnisotropicCase:
+    """A bare anisotropic metal, and its albedo (v, a, 3) by walks."""
 
     def __init__(self, reflectance: float, roughness: float, anisotropy: float, walks: int = 1 << 15):
         grey = {"reflectance": [reflectance] * 3, "edge_color": [reflectance] * 3}
         self.lobe_set = featured_analytic(Stack.from_dict({"base": {"kind": "conductor", **grey, "roughness": roughness, "anisotropy": anisotropy}}))
-        self._cos, self._phi = np.cos(np.radians(THETA_DEG))[:, None], np.radians(BRUSHED_AZIMUTHS_DEG)
+        self._cos, self._phi = np.cos(np.radians(THETA_DEG))[:, None], np.radians(ANISOTROPIC_AZIMUTHS_DEG)
         self.truth = PositionFree(self.lobe_set.stack, walks=walks).albedo(spherical(np.arccos(self._cos), self._phi))
 
     def errors(self) -> np.ndarray:
         """(v, a, 3) signed and relative, with the constants in force."""
         (lobe,) = self.lobe_set.lobes(self._cos, self._phi)
-        energy = brushed_energy(self._cos, self._phi, lobe.alpha_x, lobe.alpha_y, lobe.distribution)
+        energy = anisotropic_energy(self._cos, self._phi, lobe.alpha_x, lobe.alpha_y, lobe.distribution)
         return lobe.weight * energy[..., None] / self.truth - 1.0
 
 
-def brushed_cases() -> list[BrushedCase]:
+def anisotropic_cases() -> list[AnisotropicCase]:
     """Metals of three reflectances, widths and anisotropies."""
-    return [BrushedCase(*values) for values in product(BRUSHED_REFLECTANCES, BRUSHED_ROUGHNESSES, BRUSHED_ANISOTROPIES)]
+    return [AnisotropicCase(*values) for values in product(ANISOTROPIC_REFLECTANCES, ANISOTROPIC_ROUGHNESSES, ANISOTROPIES)]
 
 
-def fit_brushed_kept(cases: Sequence[BrushedCase]) -> float:
-    """BRUSHED_KEPT; errors count as in `fit`."""
+def fit_anisotropic_retained(cases: Sequence[AnisotropicCase]) -> float:
+    """ANISOTROPIC_RETAINED; errors count as in `fit`."""
 
     def loss(value: float) -> float:
-        with in_force({"BRUSHED_KEPT": value}):
+        with in_force({"ANISOTROPIC_RETAINED": value}):
             return float(sum(np.sum(case.errors() ** 4) for case in cases))
 
     return best_on(_KEPTS, loss)
@@ -270,7 +270,7 @@ def comparison(
     return rows
 
 
-def _measure(cases: Sequence[Case | ShapeCase | BrushedCase], reduce: Callable[[np.ndarray], float]) -> Callable[[Mapping[str, Value]], np.ndarray]:
+def _measure(cases: Sequence[Case | ShapeCase | AnisotropicCase], reduce: Callable[[np.ndarray], float]) -> Callable[[Mapping[str, Value]], np.ndarray]:
     def errors(values: Mapping[str, Value]) -> np.ndarray:
         with in_force(values):
             return np.array([reduce(np.abs(case.errors())) for case in cases])
@@ -296,12 +296,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     all_sets = sets(options.seed, report)
     begin = committed if options.start == "committed" else PLAIN
     fitted = fit([case for one in all_sets if one.fitted for case in one.cases], begin, options.steps, report, options.only)
-    report("LOBE_BEND and BRUSHED_KEPT")
+    report("LOBE_BEND and ANISOTROPIC_RETAINED")
     rng = np.random.default_rng([options.seed, 1])
     shapes, held_out_shapes = ([ShapeCase(stack) for stack in plain_stacks(rng, SHAPES)] for _ in range(2))
-    brushed = brushed_cases()
+    anisotropic = anisotropic_cases()
     with in_force(fitted):
-        fitted |= {"LOBE_BEND": fit_lobe_bend(shapes), "BRUSHED_KEPT": fit_brushed_kept(brushed)}
+        fitted |= {"LOBE_BEND": fit_lobe_bend(shapes), "ANISOTROPIC_RETAINED": fit_anisotropic_retained(anisotropic)}
     fitted = {name: rounded(value) for name, value in fitted.items()}
     print_table(("constant", "committed", "fitted"), [(name, _text(committed[name]), _text(value)) for name, value in fitted.items()])
     print()
@@ -309,7 +309,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     measures |= {
         "shape, random": _measure(shapes, np.mean),
         "shape, held out": _measure(held_out_shapes, np.mean),
-        "albedo, brushed metals": _measure(brushed, np.max),
+        "albedo, brushed metals": _measure(anisotropic, np.max),
     }
     rows = comparison(measures, committed, fitted)
     print_table(ERROR_COLUMNS, rows)

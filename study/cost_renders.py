@@ -34,7 +34,7 @@ _ONES = np.ones((KNOTS, 3))
 
 
 @dataclass(frozen=True)
-class Subject:
+class Sample:
     """A material, its parts, and whether OSL runs while it is timed."""
 
     name: str
@@ -43,21 +43,21 @@ class Subject:
     osl: bool
 
 
-def subjects() -> Iterator[Subject]:
+def samples() -> Iterator[Sample]:
     """Lobes in tables as OSL and as stock nodes; live methods, their values constant or linked."""
     for diffuse, mirrors, glossy in LOBES:
         lobe_set = lobes_of(diffuse, mirrors, glossy)
         name = f"{diffuse} diffuse, {mirrors} mirror, {glossy} glossy"
-        yield Subject(
+        yield Sample(
             f"OSL: {name}", table_material(lobe_set, Stack.from_dict({"base": BASES["lambert"]}), f"cost_{diffuse}{mirrors}{glossy}"), parts(lobe_set), True
         )
-        yield Subject(f"nodes: {name}", group_material(lobe_set), parts(lobe_set), False)
+        yield Sample(f"nodes: {name}", group_material(lobe_set), parts(lobe_set), False)
     for method, live, counts in LIVE_METHODS:
         for base in BASES:
             for layers in counts:
                 stack = coated(layers, base)
                 name = f"{method}: {layers} over {base}{', linked' if live else ''}"
-                yield Subject(name, _live_material(name, stack, method, live), parts(make_lobe_set(stack, method).lobe_set, live), True)
+                yield Sample(name, _live_material(name, stack, method, live), parts(make_lobe_set(stack, method).lobe_set, live), True)
 
 
 def lobes_of(diffuse: int, mirrors: int, glossy: int) -> TableLobes:
@@ -94,27 +94,27 @@ def measured(rounds: int, report: Callable[[str], None]) -> list[tuple[str, ...]
     before = {kind: set(getattr(bpy.data, kind)) for kind in ("materials", "meshes", "objects", "texts", "node_groups")}
     try:
         with sun_stage(SIZE) as stage:
-            return _rows(stage, list(subjects()), rounds, report)
+            return _rows(stage, list(samples()), rounds, report)
     finally:
         for kind, present in before.items():
             bpy.data.batch_remove([block for block in getattr(bpy.data, kind) if block not in present])
 
 
-def _rows(stage: Stage, all_subjects: list[Subject], rounds: int, report: Callable[[str], None]) -> list[tuple[str, ...]]:
+def _rows(stage: Stage, all_samples: list[Sample], rounds: int, report: Callable[[str], None]) -> list[tuple[str, ...]]:
     mesh = ball()
     glossy = with_material(mesh, glossy_material(np.full(3, 0.8), 0.3))
-    items = [with_material(mesh, subject.material) for subject in all_subjects]
+    items = [with_material(mesh, sample.material) for sample in all_samples]
     # (start, sampling) of the glossy node before each, and of each
     plain, own = np.zeros((2, rounds, len(items), 2))
     for turn in range(rounds):
-        for i, (item, subject) in enumerate(zip(items, all_subjects)):
-            report(f"round {turn + 1} of {rounds}: {subject.name}")
-            plain[turn, i], own[turn, i] = _seconds(stage, glossy, subject.osl), _seconds(stage, item, subject.osl)
+        for i, (item, sample) in enumerate(zip(items, all_samples)):
+            report(f"round {turn + 1} of {rounds}: {sample.name}")
+            plain[turn, i], own[turn, i] = _seconds(stage, glossy, sample.osl), _seconds(stage, item, sample.osl)
     single = own[..., 1] / plain[..., 1]
     least, start = np.min(own, axis=0)[:, 1] / np.min(plain, axis=0)[:, 1], 1000.0 * (np.min(own, axis=0) - np.min(plain, axis=0))[:, 0]
     return [
         (s.name, *(str(s.parts.get(part, 0)) for part in PARTS), *(f"{v:.3f}" for v in (least[i], single[:, i].min(), single[:, i].max())), f"{start[i]:.0f}")
-        for i, s in enumerate(all_subjects)
+        for i, s in enumerate(all_samples)
     ]
 
 

@@ -11,10 +11,10 @@ import numpy as np
 from ..reference_py.atomic import write_text
 from ..reference_py.lobes.analytic.tables import (
     ALPHA,
-    BRUSHED_ALPHAS,
-    BRUSHED_AZIMUTHS,
-    BRUSHED_COSINES,
-    BRUSHED_RATIOS,
+    ANISOTROPIC_ALPHAS,
+    ANISOTROPIC_AZIMUTHS,
+    ANISOTROPIC_COSINES,
+    ANISOTROPIC_RATIOS,
     CLOSURE_CELLS,
     FILE,
     LEAST_RATIO,
@@ -71,22 +71,22 @@ def _tables_of(kind: str) -> dict[str, list[int]]:
     even = np.square(np.arange(CLOSURE_CELLS + 1) / CLOSURE_CELLS)
     for j, alpha in enumerate(even[1:], start=1):
         closure[j] = unit_energy(GlossyLobe(kind, np.ones(3), alpha, alpha), np.maximum(even, _GRAZING))[:, 0]
-    tables = {"thin": thin, "dense": dense, "diffuse": diffuse, "gain": gain, "closure": closure, "brushed": _brushed(kind)}
+    tables = {"thin": thin, "dense": dense, "diffuse": diffuse, "gain": gain, "closure": closure, "anisotropic": _anisotropic(kind)}
     return {name: np.rint(table / UNIT).astype(int).ravel().tolist() for name, table in tables.items()}
 
 
-def _brushed(kind: str) -> np.ndarray:
+def _anisotropic(kind: str) -> np.ndarray:
     """Energy of an anisotropic white closure minus that of the isotropic one of as much variance."""
-    cosines = np.maximum(np.square(np.arange(BRUSHED_COSINES + 1) / BRUSHED_COSINES), _GRAZING)
-    alphas = np.square(np.arange(BRUSHED_ALPHAS + 1) / BRUSHED_ALPHAS)
-    ratios = LEAST_RATIO ** (np.arange(BRUSHED_RATIOS + 1) / BRUSHED_RATIOS)
-    table = np.zeros((len(BRUSHED_AZIMUTHS), len(alphas), len(ratios), len(cosines)))
+    cosines = np.maximum(np.square(np.arange(ANISOTROPIC_COSINES + 1) / ANISOTROPIC_COSINES), _GRAZING)
+    alphas = np.square(np.arange(ANISOTROPIC_ALPHAS + 1) / ANISOTROPIC_ALPHAS)
+    ratios = LEAST_RATIO ** (np.arange(ANISOTROPIC_RATIOS + 1) / ANISOTROPIC_RATIOS)
+    table = np.zeros((len(ANISOTROPIC_AZIMUTHS), len(alphas), len(ratios), len(cosines)))
     for j, alpha in enumerate(alphas[1:], start=1):
         isotropic = unit_energy(GlossyLobe(kind, np.ones(3), alpha, alpha), cosines)[:, 0]
         for k, ratio in enumerate(ratios[1:], start=1):
             alpha_x = alpha * np.sqrt(2.0 / (1.0 + ratio * ratio))
             lobe = GlossyLobe(kind, np.ones(3), alpha_x, alpha_x * ratio, frame=0.0)
-            for i, phi in enumerate(BRUSHED_AZIMUTHS):
+            for i, phi in enumerate(ANISOTROPIC_AZIMUTHS):
                 table[i, j, k] = unit_energy(lobe, cosines, phi)[:, 0] - isotropic
     return table
 

@@ -133,9 +133,9 @@ REFUSED: Mapping[str, dict] = MappingProxyType(
 )
 
 
-# Every model, and what Cycles renders in every tier; auto is one of the others.
-_MIRRORS = tuple(f"{ClosureModel.name}:{tier}" for tier in METHODS if tier != DEFAULT_METHOD)
-MODELS_AND_TIERS = tuple(each for name in MODELS for each in (_MIRRORS if name == ClosureModel.name else (name,)))
+# Every model, and what Cycles renders by every method; auto is one of the others.
+_CLOSURE_MODELS = tuple(f"{ClosureModel.name}:{method}" for method in METHODS if method != DEFAULT_METHOD)
+MODELS_AND_METHODS = tuple(each for name in MODELS for each in (_CLOSURE_MODELS if name == ClosureModel.name else (name,)))
 
 
 def is_refused(data: dict) -> bool:
@@ -172,10 +172,10 @@ def pairs(case: Case) -> tuple[np.ndarray, np.ndarray]:
     return wo, wi
 
 
-def make_model_or_tier(name: str, stack: Stack, walks: int = WALKS):
-    """One of `MODELS_AND_TIERS` of a stack, with default options, but few walks. Raises LaminaError on an unknown name."""
-    model, _, tier = name.partition(":")
-    options = {"tier": tier} if tier else {}
+def make_model_or_method(name: str, stack: Stack, walks: int = WALKS):
+    """One of `MODELS_AND_METHODS` of a stack, with default options, but few walks. Raises LaminaError on an unknown name."""
+    model, _, method = name.partition(":")
+    options = {"method": method} if method else {}
     if model in MODELS and MODELS[model].stochastic:
         options["walks"] = walks
     return make_model(model, stack, **options)
@@ -209,8 +209,8 @@ def energy_excess(model, wo: np.ndarray) -> float:
 
 
 def measure(name: str, case: Case) -> Row:
-    """One row of the table for one of `MODELS_AND_TIERS`. Raises LaminaError on an unknown one."""
-    model = make_model_or_tier(name, case.stack)
+    """One row of the table for one of `MODELS_AND_METHODS`. Raises LaminaError on an unknown one."""
+    model = make_model_or_method(name, case.stack)
     wo, wi = pairs(case)
     view = views(case) * (np.array([1.0, 1.0, -1.0]) if case.directions == "below" else 1.0)
     with np.errstate(all="ignore"):  # what is not finite is counted, not said

@@ -98,7 +98,7 @@ FAULTS = (
     Fault("films are met once", FILM, "path = 2.0 * ior", "path = 1.0 * ior", (f"{OF_FILM}test_thin_films_reflect_as_airy_says",)),
     Fault("no warning of hidden values", "reference_py/fit/outcome.py", "if share <= _HIDDEN_SHARE:", "if share <= 1.0:",
           (f"{OF_WARNING}test_a_color_that_is_off_beside_a_highlight_is_warned_of", f"{OF_WARNING}test_a_twentieth_of_the_values_is_worth_a_warning")),
-    Fault("the command keeps warnings to itself", "addon/cli/fit.py", 'for warning in told["warnings"]:', "for warning in ():",
+    Fault("the command keeps warnings to itself", "addon/cli/fit.py", 'for warning in result["warnings"]:', "for warning in ():",
           ("tests/addon/test_fit_told.py::test_a_dim_color_that_no_metal_has_is_warned_of",)),
     Fault("bright values are hidden", "reference_py/fit/metric.py", "dim = (m.f * self._scale < FLOOR) & (m.f > _DARK)", "dim = m.f > _DARK",
           (f"{OF_WARNING}test_nothing_is_hidden_where_nothing_is_bright",)),

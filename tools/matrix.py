@@ -17,7 +17,7 @@ from runpy import run_path
 
 ROOT = Path(__file__).resolve().parent.parent
 BLENDERS = ("4.5", "5.0", "5.2", "5.3")
-FIRST_HALF = ["tests/reference_py"] + [f"tests/addon/test_{name}.py" for name in ("parity", "stock_nodes", "anisotropy", "bent_normals", "coverage")]
+FIRST_HALF = (ROOT / "tests/first_half.txt").read_text(encoding="utf-8").split()
 HALVES = (FIRST_HALF, ["tests", *(f"--ignore={file}" for file in FIRST_HALF)])
 
 
@@ -50,11 +50,11 @@ def run(blender: str, arguments: list[str]) -> tuple[tuple[str, ...], list[str]]
     parts = [arguments] if arguments else HALVES
     print(f"{blender}: {'; '.join(map(' '.join, parts))}", file=sys.stderr, flush=True)
     with ThreadPoolExecutor(len(parts)) as pool:
-        for told in pool.map(lambda part: _pytest(python, part), parts):
-            summary = told.strip().splitlines()[-1] if told.strip() else "1 error"
+        for output in pool.map(lambda part: _pytest(python, part), parts):
+            summary = output.strip().splitlines()[-1] if output.strip() else "1 error"
             for number, what in re.findall(r"(\d+) (passed|failed|skipped|error)", summary):
                 counts[what] += int(number)
-            failed += [line for line in told.splitlines() if line.startswith(("FAILED", "ERROR"))]
+            failed += [line for line in output.splitlines() if line.startswith(("FAILED", "ERROR"))]
     print("".join(f"{line}\n" for line in failed), end="", file=sys.stderr, flush=True)
     minutes = f"{(time.monotonic() - began) / 60.0:.1f}"
     return (blender, versions, str(counts["passed"]), str(counts["failed"] + counts["error"]), str(counts["skipped"]), minutes), failed

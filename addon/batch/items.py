@@ -12,7 +12,7 @@ from pathlib import Path
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.schema import SCHEMA
-from ...reference_py.material.stack import Element, Stack
+from ...reference_py.material.stack import Base, Layer, Stack
 from ...reference_py.version import version
 from ..material.limits import require_shader
 from .job import BALL, MAX_VALUES, Job, Look, Scene, Sweep, inside
@@ -134,7 +134,7 @@ def _changed(look: Look, combination: Sequence[tuple[Sweep, object]]) -> Stack:
     return Stack.from_dict(data, f"stack {look.name!r} with its sweeps") if combination else look.stack
 
 
-def _require_parameter(element: Element, is_base: bool, key: str, where: str) -> None:
+def _require_parameter(element: Layer | Base, is_base: bool, key: str, where: str) -> None:
     kind = (SCHEMA.bases if is_base else SCHEMA.layers)[element.kind]
     names = [p.name for p in kind.all_parameters]
     if key not in names:

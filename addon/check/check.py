@@ -260,7 +260,7 @@ def _shader(material) -> Iterator[Finding]:
     mix = node_with(material, MIX)
     if mix is not None and not mix.mute and (mix.inputs[0].is_linked or mix.inputs[0].default_value != 0.0):
         yield Finding("exported_shows")
-    if reason := bakes.given_up(material):
+    if reason := bakes.failed(material):
         yield Finding("not_baked", {"reason": reason})
     try:
         if state.is_stale(material):
@@ -334,8 +334,8 @@ def _ignored(material, is_note: bool) -> Iterator[Finding]:
         label = kind_of(element).parameter(place.name).label
         yield Finding("texture_ignored", {"layer": element.name, "label": label}, node_of(element).name, label, is_note)
     stack = stack_of(material)
-    for element, told in zip((*shown, lamina.base), (*stack.layers, stack.base)):
-        if told.has(NORMAL):
+    for element, values in zip((*shown, lamina.base), (*stack.layers, stack.base)):
+        if values.has(NORMAL):
             yield Finding("normal_ignored", {"layer": element.name}, node_of(element).name, is_note=is_note)
 
 

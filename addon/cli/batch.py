@@ -51,8 +51,8 @@ def batch(options) -> int | None:
                 written = False
     failed = [output for output in outputs if output.problem]
     report(f"{len(outputs) - len(failed)} of {len(outputs)} pictures are done")
-    if told := missed(outputs):
-        report(told)
+    if sentence := missed(outputs):
+        report(sentence)
     groups: dict[tuple, list[str]] = {}
     for output in failed:
         key = (output.item.scene.name if output.scene_failed else output.item.id, output.problem)

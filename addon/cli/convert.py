@@ -46,9 +46,9 @@ def _import(options) -> None:
     if not options.output:
         raise LaminaError(f"{options.source}: give -o STACK.json, the stack file to write")
     _require_suffix(options.output, ".json")
-    name, values, told = load_mtlx(options.source)
+    name, values, notes = load_mtlx(options.source)
     converted = from_openpbr(values, name)
-    for sentence in told:
+    for sentence in notes:
         print(f"lost: {sentence}")
     _print(converted.report)
     converted.stack.save(options.output)

@@ -38,16 +38,16 @@ def explain(options) -> None:
     tolerance = DEFAULT_TOLERANCE if options.tolerance is None else 0.01 * options.tolerance
     parts = patches(stack)
     glossy = min(MAX_GLOSSY, glossy_of_each(len(parts)))
-    told = [(patch, _choice(patch.stack, tolerance, glossy, sight, tenths(report))) for patch in parts]
+    choices = [(patch, _choice(patch.stack, tolerance, glossy, sight, tenths(report))) for patch in parts]
     if options.json:
-        rows = [{**_where_json(patch), **_json(choice)} for patch, choice in told]
+        rows = [{**_where_json(patch), **_json(choice)} for patch, choice in choices]
         seen = None if sight is None else {"theta_deg": np.degrees(np.arccos(sight.cosines)).tolist(), "pixels": sight.pixels}
         print(json.dumps({**(rows[0] if len(rows) == 1 else {"patches": rows}), "sight": seen}))
         return
     if sight is not None:
         low, high = np.degrees(np.arccos([sight.cosines.max(), sight.cosines.min()]))
         print(f"{options.object} shows views of {low:.0f} to {high:.0f} degrees on {sight.pixels:.0f} pixels")
-    for patch, choice in told:
+    for patch, choice in choices:
         _print(patch, choice)
     print(
         "cost: CPU time over a plain glossy node, estimated. albedo: worst view. soft light and shape (L1 of f): mean over the pixels. The larger of albedo and soft light counts."
@@ -59,8 +59,8 @@ def _choice(stack: Stack, tolerance: float, glossy: int, sight, progress) -> Cho
     choice = _choice_of_plain(bakeable(stack), Options(not_bakeable(stack), tolerance, glossy, progress), sight)
     elements = (*stack.layers, stack.base)
     if not any(element.has(THIN_FILM) for element in elements):
-        brushed = any(element.has(ANISOTROPY) for element in elements)
-        return with_anisotropy(choice, stack, tolerance, None if sight is None else sight.cosines) if brushed else choice
+        is_anisotropic = any(element.has(ANISOTROPY) for element in elements)
+        return with_anisotropy(choice, stack, tolerance, None if sight is None else sight.cosines) if is_anisotropic else choice
     able = next(c for c in choice.tried if c.label == PaperLobes.name)
     return replace(choice, chosen=able, reason="the one tier that knows thin films; the errors are those without the film")
 

@@ -48,13 +48,13 @@ def fit(options) -> None:
     selection = select(
         measurement, options.layers, options.base, options.model, options.samples, options.seed, tenths(report), report,
     )  # fmt: skip
-    told = outcome(measurement, selection)
-    if not told["explains"]:
+    result = outcome(measurement, selection)
+    if not result["explains"]:
         report(
-            f"no stack that was tried explains this measurement: the best is {100.0 * told['error']:.0f} % off "
+            f"no stack that was tried explains this measurement: the best is {100.0 * result['error']:.0f} % off "
             "(all that were tried are isotropic, and reflect no more than they receive)"
         )
-    for warning in told["warnings"]:
+    for warning in result["warnings"]:
         report(f"warning: {warning}")
     if options.output:
         write_text(options.output, selection.best.stack.to_json())
@@ -63,15 +63,15 @@ def fit(options) -> None:
         _draw(options, measurement, selection.best, stack)
         report(f"wrote {options.report}")
     if not options.json:
-        print("\n".join(lines(told)))
+        print("\n".join(lines(result)))
     if options.compare:
         report("comparing with other models")
         rows, _ = compare(measurement, selection.best, options.seed)
-        told["comparison"] = [asdict(row) for row in rows]
+        result["comparison"] = [asdict(row) for row in rows]
         for row in () if options.json else rows:
             print(f"  {row.name:40} {row.parameters:3d} parameters   error {100.0 * row.error:6.2f} %   L1 {100.0 * row.shape:6.2f} %")
     if options.json:
-        print(json.dumps(told))
+        print(json.dumps(result))
 
 
 def _measurement(options, report) -> tuple[Measurement, Stack | None]:

@@ -168,7 +168,7 @@ def _keep_bakes() -> None:
     from ...reference_py.lobes.cache import keep_in
     from ..blender.user_folders import cache_folder
 
-    keep_in(cache_folder(), lambda told: print(f"lamina: {told}", file=sys.stderr))
+    keep_in(cache_folder(), lambda message: print(f"lamina: {message}", file=sys.stderr))
 
 
 def run(arguments: Sequence[str]) -> int:

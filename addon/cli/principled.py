@@ -37,14 +37,14 @@ def principled(options) -> int:
         open_file(source)
         if not any(material.lamina.is_layered for material in bpy.data.materials):
             raise LaminaError(f"{source}: no material of it has a Lamina stack")
-        told = [(item.name, item.lamina.is_layered, sentence) for item, sentence in principled_copies(replacing=True)]
-        if all(left for _, left, _ in told):
-            raise LaminaError(f"{source}: none of its materials can be converted; {told[0][0]}: {told[0][2]}")
+        outcomes = [(item.name, item.lamina.is_layered, sentence) for item, sentence in principled_copies(replacing=True)]
+        if all(left for _, left, _ in outcomes):
+            raise LaminaError(f"{source}: none of its materials can be converted; {outcomes[0][0]}: {outcomes[0][2]}")
         save_copy(output)
-    for name, _, sentence in told:
+    for name, _, sentence in outcomes:
         print(f"{name}: {sentence}")
-    left = sum(left for _, left, _ in told)
-    report(f"wrote {output}: {len(told) - left} of {len(told)} materials are Principled now")
+    left = sum(left for _, left, _ in outcomes)
+    report(f"wrote {output}: {len(outcomes) - left} of {len(outcomes)} materials are Principled now")
     return 1 if left else 0
 
 

@@ -62,8 +62,8 @@ def _material(stack, tier, backend, report):
     refresh(material, settle=True, progress=tenths(report))
     if material.lamina.note:
         report(f"tier {tier}: {material.lamina.note}")
-    if told := notice(backend):
-        report(f"the material is {told}")
+    if sentence := notice(backend):
+        report(f"the material is {sentence}")
     return material
 
 
@@ -150,6 +150,6 @@ def apply(options) -> None:
             target.data.materials.append(material)
         notices += [finding.text() for finding in find(material, bpy.context.scene, bpy.context.preferences)]
         save_copy(output)
-    for told in notices:
-        report(told)
+    for sentence in notices:
+        report(sentence)
     report(f"wrote {output}: {options.object} has {stack.name or options.stack}, tier {tier}")

@@ -17,7 +17,7 @@ from ...reference_py.optics.frame import spherical
 from ...reference_py.registry import make_model
 
 THETA_DEG = np.array([0.0, 30.0, 60.0, 75.0])
-# Views of brushed surfaces: along the tangent and across.
+# Views of anisotropic surfaces: along the tangent and across.
 _PHI_DEG = np.array([0.0, 90.0])
 
 
@@ -54,6 +54,6 @@ def _against_adding(stack: Stack, made: Made) -> StackErrors:
 def _against_walks(stack: Stack, made: Made) -> StackErrors:
     wo = spherical(np.radians(THETA_DEG)[:, None], np.radians(_PHI_DEG)).reshape(-1, 3)
     truth, stderr = PositionFree(stack).albedo_stderr(wo)
-    told = make_model("closure_model", stack, method=DEFAULT_METHOD).albedo(wo)
-    error, noise = np.abs(told / truth - 1.0), stderr / truth
+    albedo = make_model("closure_model", stack, method=DEFAULT_METHOD).albedo(wo)
+    error, noise = np.abs(albedo / truth - 1.0), stderr / truth
     return StackErrors(made.lobe_set.name, made.lobe_count, "position_free", float(error.max()), float(noise.max()), None)

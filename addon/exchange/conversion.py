@@ -31,18 +31,18 @@ def to_lamina(material: bpy.types.Material) -> tuple[Report, list[str]]:
     principled = principled_of(material)
     values, sources = read_principled(principled)
     converted = from_principled(values, material.name, "Base Color" in sources, frozenset(sources))
-    told = ["lost: keyframes and drivers of the Principled node stay behind"] if animated_parts(principled) else []
+    notes = ["lost: keyframes and drivers of the Principled node stay behind"] if animated_parts(principled) else []
     stack = _with_linked_features(converted.stack, converted.owners, sources)
     name = principled.name
     materials.apply_stack(material, stack)  # which removes the node where nothing is linked to it
     with materials.changing(material):
         elements = [*material.lamina.shown_layers, material.lamina.base]
         for socket, source in sources.items():
-            told.append(_link(socket, source, elements, converted, backend_of(material) == OSL))
+            notes.append(_link(socket, source, elements, converted, backend_of(material) == OSL))
     principled = material.node_tree.nodes.get(name)
     if principled is not None and not any(output.is_linked for output in principled.outputs):
         material.node_tree.nodes.remove(principled)
-    return converted.report, told
+    return converted.report, notes
 
 
 def _roles(roles, owners: dict, name: str) -> list[str]:
@@ -93,11 +93,11 @@ def principled_copy(material: bpy.types.Material) -> tuple[bpy.types.Material, R
     copy = material.copy()
     copy.name = f"{material.name} Principled"
     try:
-        told = _rebuild(copy, converted)
+        notes = _rebuild(copy, converted)
     except Exception:
         bpy.data.materials.remove(copy)
         raise
-    return copy, converted.report, told
+    return copy, converted.report, notes
 
 
 def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
@@ -110,13 +110,13 @@ def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
     principled = roles.make(VALUES, PRINCIPLED, "", (output.location.x - 320, output.location.y))
     principled.hide, principled.label = False, ""
     linked = sum(s.is_linked for e in (*lamina.shown_layers, lamina.base) for s in node_of(e).inputs)
-    told = show_stack(principled, copy, converted.values, converted.owners, converted.colors)
-    if linked > len(told):
-        told.append(f"lost: {linked - len(told)} more links of layers: Principled has no place for them")
+    notes = show_stack(principled, copy, converted.values, converted.owners, converted.colors)
+    if linked > len(notes):
+        notes.append(f"lost: {linked - len(notes)} more links of layers: Principled has no place for them")
     for name, element, parameter, source in linked_places(copy, converted.owners):
         if is_layer(source.node):
-            told = [sentence for sentence in told if not sentence.startswith(f"kept: {name} ")]
-            told.append(f"lost: {element.name} {parameter.label}: it was linked to another layer")
+            notes = [sentence for sentence in notes if not sentence.startswith(f"kept: {name} ")]
+            notes.append(f"lost: {element.name} {parameter.label}: it was linked to another layer")
     for target in targets or [output.inputs["Surface"]]:
         tree.links.new(principled.outputs["BSDF"], target)
     values = [find_node(element) for element in (*lamina.layers, lamina.base)]
@@ -126,7 +126,7 @@ def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
         if ROLE in node:  # a stack that is put here later makes its own
             del node[ROLE]
     drop_record(copy)
-    return told
+    return notes
 
 
 def principled_copies(replacing: bool) -> Iterator[tuple[bpy.types.Material, str]]:

@@ -42,22 +42,22 @@ class Bake(Process):
 @dataclass
 class _State:
     bake: Bake | None = None
-    resting: dict[str, str] | None = None
-    given_up: dict[str, str] | None = None
+    debounced: dict[str, str] | None = None
+    failed: dict[str, str] | None = None
 
 
-_state = _State(resting={}, given_up={})
+_state = _State(debounced={}, failed={})
 
 
 def bake_of(material: bpy.types.Material) -> Bake | None:
     """The bake that runs for this material's present values."""
-    return _state.bake if _state.bake is not None and _state.resting.get(material.name_full) == _state.bake.key else None
+    return _state.bake if _state.bake is not None and _state.debounced.get(material.name_full) == _state.bake.key else None
 
 
-def given_up(material: bpy.types.Material) -> str:
+def failed(material: bpy.types.Material) -> str:
     """Why there is no bake of a material's values, if it failed or was cancelled; empty otherwise."""
-    key, _, reason = _state.given_up.get(material.name_full, "").partition("\n")
-    return reason if key and key == _state.resting.get(material.name_full) else ""
+    key, _, reason = _state.failed.get(material.name_full, "").partition("\n")
+    return reason if key and key == _state.debounced.get(material.name_full) else ""
 
 
 def cancel(material: bpy.types.Material) -> None:
@@ -67,13 +67,13 @@ def cancel(material: bpy.types.Material) -> None:
         return
     bake.cancel()
     _state.bake = None
-    _state.given_up[material.name_full] = f"{bake.key}\ncancelled"
+    _state.failed[material.name_full] = f"{bake.key}\ncancelled"
 
 
 def retry(material: bpy.types.Material) -> None:
     """Bake again after a cancel or a failure; without a window, wait for it. Raises LaminaError for a material of another file."""
     require_editable(material)
-    _state.given_up.pop(material.name_full, None)
+    _state.failed.pop(material.name_full, None)
     if bpy.app.background:
         materials.refresh(material, settle=True)
     wake()
@@ -92,7 +92,7 @@ def tick() -> float | None:
                 left |= _follow(material)
                 left |= conversions.follow(material)
             except LaminaError as error:
-                _give_up(material, str(error))
+                _fail(material, str(error))
     _redraw()
     return TICK if left or _state.bake is not None else None
 
@@ -104,21 +104,21 @@ def _follow(material: bpy.types.Material) -> bool:
     if state.is_settled(material):
         is_older = state.lacks_branch(material) and material.lamina.schema_version < SCHEMA_VERSION
         if is_older or not state.lags(material):  # opening a file changes nothing: an older one gets both branches at an edit or a save
-            _state.resting.pop(material.name_full, None)
+            _state.debounced.pop(material.name_full, None)
             if not is_older:
                 keep_record(material)
             return False
         if not holds_values(material.lamina.tier) or live_values(material) != live_in_nodes(material, stack_of(material)):
             return _follow_with_stock(material)
     wanted = state.wanted_lobes(material)
-    rested = _state.resting.get(material.name_full) == wanted.key
-    _state.resting[material.name_full] = wanted.key
-    if wanted.is_known():
+    is_debounced = _state.debounced.get(material.name_full) == wanted.key
+    _state.debounced[material.name_full] = wanted.key
+    if wanted.is_cached():
         materials.refresh(material)
         return False
-    if given_up(material):
+    if failed(material):
         return False
-    if rested and _state.bake is None:
+    if is_debounced and _state.bake is None:
         _state.bake = Bake(wanted)
     return True
 
@@ -126,12 +126,12 @@ def _follow(material: bpy.types.Material) -> bool:
 def _follow_with_stock(material: bpy.types.Material) -> bool:
     """Let the stock nodes beside a script that reads its values follow: when these rest, or at once where no script shows."""
     key = content(stack_of(material))
-    rested = _state.resting.get(material.name_full) == key
-    if rested or state.lacks_branch(material) or not any(shows_osl(w.scene) for w in bpy.context.window_manager.windows):
-        _state.resting.pop(material.name_full, None)
+    is_debounced = _state.debounced.get(material.name_full) == key
+    if is_debounced or state.lacks_branch(material) or not any(shows_osl(w.scene) for w in bpy.context.window_manager.windows):
+        _state.debounced.pop(material.name_full, None)
         (materials.refresh if state.lacks_branch(material) else materials.refresh_stock)(material)
         return False
-    _state.resting[material.name_full] = key
+    _state.debounced[material.name_full] = key
     return True
 
 
@@ -139,7 +139,7 @@ def _collect() -> None:
     bake = _state.bake
     if bake is None:
         return
-    if bake.key not in _state.resting.values():
+    if bake.key not in _state.debounced.values():
         bake.cancel()  # nobody wants it any more
     if not bake.is_done:
         return
@@ -147,13 +147,13 @@ def _collect() -> None:
     if bake.result is not None:
         bake.wanted.put(bake.key, bake.result)
         return
-    for name, key in _state.resting.items():
+    for name, key in _state.debounced.items():
         if key == bake.key:
-            _state.given_up[name] = f"{key}\n{bake.error}"
+            _state.failed[name] = f"{key}\n{bake.error}"
             print(f"Lamina: {name}: the bake failed: {bake.error}; its shader stays that of the tier analytic")
 
 
-def _give_up(material, reason: str) -> None:
+def _fail(material, reason: str) -> None:
     if material.lamina.problem != reason:
         material.lamina.problem = reason
         print(f"Lamina: {material.name}: {reason}")
@@ -194,7 +194,7 @@ def mend_after_undo(*_) -> None:
             try:
                 materials.refresh(material)
             except LaminaError as error:
-                _give_up(material, str(error))
+                _fail(material, str(error))
     wake()
 
 

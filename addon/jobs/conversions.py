@@ -7,7 +7,7 @@ import bpy
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange import conversion_process
-from ...reference_py.exchange.hand_over import key_of, known_hand_over, remember
+from ...reference_py.exchange.hand_over import cached_hand_over, key_of, put
 from ...reference_py.material.stack import Stack
 from ..material import material as materials
 from ..material.hand_over import has_hand_over, is_handed_over
@@ -27,7 +27,7 @@ class _Conversion(Process):
 @dataclass
 class _State:
     running: _Conversion | None = None
-    resting: dict[str, str] = field(default_factory=dict)
+    debounced: dict[str, str] = field(default_factory=dict)
     failed: set[str] = field(default_factory=set)
 
 
@@ -46,18 +46,18 @@ def follow(material: bpy.types.Material) -> bool:
     except LaminaError:
         return False  # Check names the value, and exporters find the last right ones
     if is_handed_over(material, stack):
-        _state.resting.pop(material.name_full, None)
+        _state.debounced.pop(material.name_full, None)
         return False
     textured = has_linked_color(material)
     key = key_of(stack, textured)
-    if known_hand_over(stack, textured):
+    if cached_hand_over(stack, textured):
         materials.hand_over(material)
         return False
-    rested = _state.resting.get(material.name_full) == key
-    _state.resting[material.name_full] = key
+    is_debounced = _state.debounced.get(material.name_full) == key
+    _state.debounced[material.name_full] = key
     if key in _state.failed:
         return False
-    if rested and _state.running is None:
+    if is_debounced and _state.running is None:
         materials.hand_over(material)  # all but the base color, at once
         try:
             _state.running = _Conversion(stack, textured, key)
@@ -71,14 +71,14 @@ def collect() -> bool:
     running = _state.running
     if running is None:
         return False
-    if running.key not in _state.resting.values():
+    if running.key not in _state.debounced.values():
         running.cancel()  # nobody wants it any more
     if not running.is_done:
         return True
     _state.running = None
     if running.result is not None:
-        remember(running.stack, running.textured, running.result)
-    elif running.key in _state.resting.values():
+        put(running.stack, running.textured, running.result)
+    elif running.key in _state.debounced.values():
         _fail(running.key, running.error)
     return False
 

@@ -42,7 +42,7 @@ class Fit(Process):
             raise
         if self.is_object:
             owner.active_material = material
-        return [_told(self.file, self.result, _noted(self.file, self.result)), *materials.make_renderable(material, scene)]
+        return [_summary(self.file, self.result, _noted(self.file, self.result)), *materials.make_renderable(material, scene)]
 
 
 def _with_uid(collection, uid: int) -> bpy.types.ID | None:
@@ -56,7 +56,7 @@ def _noted(file: str, result: dict) -> str:
     return text.name
 
 
-def _told(file: str, result: dict, noted: str) -> str:
+def _summary(file: str, result: dict, noted: str) -> str:
     text = f"fitted to {Path(file).name}: {Stack.from_dict(result['stack']).name}, error {percent(result['error'])}"
     if not result["explains"]:
         text += "; no stack that was tried explains it"
@@ -67,7 +67,7 @@ def _told(file: str, result: dict, noted: str) -> str:
     return f"{text}; more in the text {noted}"
 
 
-# The fit that runs, and by target what the last one told.
+# The fit that runs, and by target what the last one said.
 _running: Fit | None = None
 _last: dict[int, str] = {}
 
@@ -77,8 +77,8 @@ def running() -> Fit | None:
     return _running
 
 
-def last_told(owner: bpy.types.ID | None) -> str:
-    """What the last fit for a material or an object told; empty if there was none."""
+def last_summary(owner: bpy.types.ID | None) -> str:
+    """What the last fit for a material or an object said; empty if there was none."""
     return _last.get(owner.session_uid, "") if owner is not None else ""
 
 
@@ -110,13 +110,13 @@ def tick() -> float | None:
         return TICK
     fit, _running = _running, None
     try:
-        told = fit.apply(bpy.context.scene)
+        sentences = fit.apply(bpy.context.scene)
         bpy.ops.ed.undo_push(message="Fit Measurement")
     except LaminaError as error:
-        told = [f"fit failed: {error}"]
+        sentences = [f"fit failed: {error}"]
     # the panel has notes of its own on how the material is made
-    _last[fit.target] = told[0]
-    for sentence in told:
+    _last[fit.target] = sentences[0]
+    for sentence in sentences:
         print(f"Lamina: {sentence}")
     _redraw()
     return None

@@ -19,7 +19,7 @@ def prefetch(wanted: Iterable[Wanted], report: Callable[[str], None]) -> None:
 
     A bake that fails is left to whoever asks for it next, who then learns why.
     """
-    left = {w.key: w for w in wanted if holds_values(w.method) and not w.is_known()}
+    left = {w.key: w for w in wanted if holds_values(w.method) and not w.is_cached()}
     total, running = len(left), []
     if total < 2:
         return

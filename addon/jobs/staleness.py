@@ -33,7 +33,7 @@ def make_ready(*_) -> None:
     if bpy.app.background:
         wanted: list[state.Wanted] = []
         _for_each(_needs_bake, lambda material: wanted.append(state.wanted_lobes(material)))
-        prefetch(wanted, lambda told: print(f"Lamina: {told}"))
+        prefetch(wanted, lambda message: print(f"Lamina: {message}"))
     _for_each(_is_unready, _make_ready)
     _for_each(_is_not_handed_over, lambda material: hand_over(material, settle=bpy.app.background))
     _for_each(lambda material: not state.lags(material), keep_record)
@@ -55,8 +55,8 @@ def _is_behind(material) -> bool:
 def _make_ready(material) -> None:
     alone = not _is_behind(material) and not state.lacks_branch(material)
     if bpy.app.background:
-        told = "its stock nodes are made for the present values" if alone else "its shader is made for the present values"
-        print(f"Lamina: {material.name}: {told}")
+        sentence = "its stock nodes are made for the present values" if alone else "its shader is made for the present values"
+        print(f"Lamina: {material.name}: {sentence}")
     (refresh_stock if alone else refresh)(material, settle=bpy.app.background)
 
 

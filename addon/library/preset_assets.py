@@ -47,20 +47,20 @@ def _shown(material) -> list:
 
 def left_out(material: bpy.types.Material) -> list[str]:
     """What a preset of a material leaves out, one sentence each, to be read before it is saved."""
-    told = []
+    sentences = []
     if hidden := len(material.lamina.layers) - len(material.lamina.shown_layers):
-        told.append(rpt_("Hidden layers stay behind: {count}").format(count=hidden))
+        sentences.append(rpt_("Hidden layers stay behind: {count}").format(count=hidden))
     data = material.node_tree.animation_data
     if data is not None and (len(data.drivers) or any(len(bag.fcurves) for bag in channel_bags(data))):
-        told.append(rpt_("Drivers and keyframes stay behind; values are those of now"))
+        sentences.append(rpt_("Drivers and keyframes stay behind; values are those of now"))
     nodes = _feeding(material)
     for node in nodes:
         if getattr(node, "object", None) is not None:
-            told.append(rpt_("The object of {node} stays behind").format(node=node.label or node.name))
+            sentences.append(rpt_("The object of {node} stays behind").format(node=node.label or node.name))
     for image in _images(nodes):
         if image.source not in (*_FILES, "GENERATED") or image.library is not None:
-            told.append(rpt_("{image} stays a file of its own, which the preset points to").format(image=image.name))
-    return told
+            sentences.append(rpt_("{image} stays a file of its own, which the preset points to").format(image=image.name))
+    return sentences
 
 
 def require_savable(material: bpy.types.Material) -> None:

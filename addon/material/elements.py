@@ -12,7 +12,7 @@ import numpy as np
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.schema import COLOR, FLOAT, SCHEMA, Feature, Kind, Parameter
-from ...reference_py.material.stack import Element
+from ...reference_py.material.stack import Base, Layer
 from ...reference_py.optics.colour import artist_color, artist_index, conductor_rgb
 from ..shader.inputs import BASE, layer_owner
 from ..shader.working_space import REC709, out_of_working, working_space
@@ -137,7 +137,7 @@ def new_node(tree: bpy.types.NodeTree, kind: Kind, former: str = "") -> bpy.type
     return node
 
 
-def fill_element(tree: bpy.types.NodeTree, element, source: Element, kind: Kind) -> None:
+def fill_element(tree: bpy.types.NodeTree, element, source: Layer | Base, kind: Kind) -> None:
     """Set a property group, and make the node of its values, from an element of a stack."""
     node = new_node(tree, kind)
     element.node, element.kind = node.name, source.kind

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.exchange.hand_over import HandOver, key_of, known_hand_over, provisional, solved
+from ...reference_py.exchange.hand_over import HandOver, cached_hand_over, key_of, provisional, solved
 from ...reference_py.exchange.principled import WRITTEN
 from ...reference_py.material.stack import Stack
 from ..shader.working_space import into_working, out_of_working
@@ -83,7 +83,7 @@ def tail(closure: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
 
 def _hand_over(stack: Stack, textured: bool, settle: bool) -> HandOver:
     try:
-        found = solved(stack, textured) if settle else known_hand_over(stack, textured)
+        found = solved(stack, textured) if settle else cached_hand_over(stack, textured)
     except LaminaError:  # the truth knows no such stack; everything but the base color holds
         found = None
     return found or provisional(stack)

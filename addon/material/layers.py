@@ -7,6 +7,7 @@ keyframes come along too.
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 
 import bpy
 
@@ -14,7 +15,7 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.material.json_input import parse_json
 from ...reference_py.material.ready_layers import layers_of
 from ...reference_py.material.schema import SCHEMA, SCHEMA_VERSION
-from ...reference_py.material.stack import MAX_LAYERS, Element
+from ...reference_py.material.stack import MAX_LAYERS, Layer
 from .elements import fill_element, find_node, free_name, kind_of, node_of, read_element
 from .material import changing
 from .node_copy import copy_inputs
@@ -29,7 +30,7 @@ def add_layer(material: bpy.types.Material, kind: str, index: int) -> None:
     add_layers(material, layers_of({"layers": [{"kind": kind}]}, f"material {material.name}"), index)
 
 
-def add_layers(material: bpy.types.Material, layers: Sequence[Element], index: int) -> None:
+def add_layers(material: bpy.types.Material, layers: Sequence[Layer], index: int) -> None:
     """Insert layers before position `index` and select the first of them. Raises LaminaError for too many."""
     _require_room(material, len(layers))
     with changing(material) as tree:
@@ -88,21 +89,21 @@ def paste_layers(material: bpy.types.Material, text: str, index: int) -> list[st
     data = _parsed(text)
     layers = layers_of({**data, "layers": data[COPIED_KEY]}, _WHERE)
     sources = [_source_of(layer) for layer in layers]
-    layers = [Element(e.kind, e.values, {k: v for k, v in e.unknown.items() if k != "from"}) for e in layers]
+    layers = [replace(e, unknown={k: v for k, v in e.unknown.items() if k != "from"}) for e in layers]
     _require_room(material, len(layers))
-    told: list[str] = []
+    notes: list[str] = []
     before = {node.name for node in material.node_tree.nodes}
     try:
         with changing(material) as tree:
             for element, source in zip(_insert(material, tree, layers, index), sources):
                 if source is not None:
                     node, element.visible = source
-                    told += copy_inputs(node, node_of(element))
+                    notes += copy_inputs(node, node_of(element))
     except Exception:
         for node in [node for node in material.node_tree.nodes if node.name not in before]:
             material.node_tree.nodes.remove(node)
         raise
-    return told
+    return notes
 
 
 def _parsed(text: str) -> dict:
@@ -122,7 +123,7 @@ def _require_room(material, count: int) -> None:
         raise LaminaError(f"material {material.name} has {len(material.lamina.layers)} layers already; at most {MAX_LAYERS} are allowed")
 
 
-def _insert(material, tree, layers: Sequence[Element], index: int) -> list:
+def _insert(material, tree, layers: Sequence[Layer], index: int) -> list:
     """New property groups for the layers, in their order. References to property groups die with each `add`."""
     lamina = material.lamina
     for offset, layer in enumerate(layers):
@@ -134,7 +135,7 @@ def _insert(material, tree, layers: Sequence[Element], index: int) -> list:
     return [lamina.layers[index + offset] for offset in range(len(layers))]
 
 
-def _source_of(layer: Element) -> tuple[bpy.types.Node, bool] | None:
+def _source_of(layer: Layer) -> tuple[bpy.types.Node, bool] | None:
     """The node that a copied layer came from, and whether it is visible, if it is still in this file."""
     origin = layer.unknown.get("from")
     if not isinstance(origin, dict):

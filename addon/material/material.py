@@ -36,7 +36,7 @@ from .record import keep_record, keep_structure, take_structure
 from .roles import node_with
 from .shader_node import Surface, backend_of, replacing_branches, shading_of
 from .snapshot import restore, snapshot
-from .state import SETTLED, TOLD, note_of, wanted_lobes
+from .state import HELD_VALUES, SETTLED, note_of, wanted_lobes
 
 _COLUMN, _ROW = 320, 240
 
@@ -92,8 +92,8 @@ def make_renderable(material: bpy.types.Material, scene: bpy.types.Scene) -> lis
     """Switch OSL on in a scene where nothing speaks against it. Returns one sentence for each thing that the user should see."""
     if backend_of(material) == OSL:
         return prefer_osl(scene, bpy.context.preferences)
-    told = notice(material.lamina.backend)
-    return [f"{material.name} is {told}"] if told else []
+    sentence = notice(material.lamina.backend)
+    return [f"{material.name} is {sentence}"] if sentence else []
 
 
 @follow
@@ -142,8 +142,8 @@ def changing(material: bpy.types.Material) -> Iterator[bpy.types.NodeTree]:
             restore(lamina, before)
         raise
     _remove_nodes(tree, nodes_before - _value_nodes(lamina))
-    if backend_of(material) != former and (told := notice(lamina.backend)):
-        print(f"Lamina: {material.name} is {told}")
+    if backend_of(material) != former and (sentence := notice(lamina.backend)):
+        print(f"Lamina: {material.name} is {sentence}")
 
 
 def _value_nodes(lamina) -> set[str]:
@@ -158,7 +158,7 @@ def _remove_nodes(tree, names: set[str]) -> None:
 
 @dataclass(frozen=True)
 class _Shown:
-    """What a material's branches are made of now: a lobe set, the stack that it is told, and the key of what was computed.
+    """What a material's branches are made of now: a lobe set, its stack, and the key of what was computed.
 
     The key is empty where nothing is computed, or not yet: then a method that takes no time stands in.
     """
@@ -195,7 +195,7 @@ def _shown(material: bpy.types.Material, settle: bool, progress: Callable[[float
         return _Shown(make_lobe_set(stack, lamina.tier), stack, follows=True)
     wanted = wanted_lobes(material)
     follows = wanted.live != live_in_nodes(material, wanted.stack)
-    if settle or wanted.is_known():
+    if settle or wanted.is_cached():
         return _Shown(wanted.make(progress), wanted.stack, wanted.key, follows)
     return _Shown(make_lobe_set(wanted.stack, PROVISIONAL_METHOD), wanted.stack, follows=follows)
 
@@ -251,7 +251,7 @@ def refresh_stock(material: bpy.types.Material, settle: bool = False) -> None:
     owners, lobe_set, key = _owners(material), None, ""
     if holds_values(material.lamina.tier):
         wanted = wanted_lobes(material)
-        if wanted.live == live_in_nodes(material, wanted.stack) and (settle or wanted.is_known()):
+        if wanted.live == live_in_nodes(material, wanted.stack) and (settle or wanted.is_cached()):
             lobe_set, key = wanted.make(), wanted.key
     with replacing_branches(material) as surface:
         surface.keep(OSL)
@@ -290,9 +290,9 @@ def _make_stock(surface: Surface, material, owners, lobe_set, key: str):
     return tables
 
 
-def _note(node: bpy.types.Node, told: str, settled: str) -> None:
+def _note(node: bpy.types.Node, held_values: str, settled: str) -> None:
     """Write on a branch's node what it was made for."""
-    node[TOLD], node[SETTLED] = told, settled
+    node[HELD_VALUES], node[SETTLED] = held_values, settled
 
 
 def _script_serves(material, lobe_set) -> bool:
@@ -300,8 +300,8 @@ def _script_serves(material, lobe_set) -> bool:
     script = node_with(material, OSL)
     if script is None or script.script is None:
         return False
-    if held := note_of(script, TOLD, material):
-        return held == content(stack_of(material), live_values(material))
+    if held_values := note_of(script, HELD_VALUES, material):
+        return held_values == content(stack_of(material), live_values(material))
     return script.script.as_string() == generate(lobe_set).text
 
 

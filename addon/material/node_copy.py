@@ -33,7 +33,7 @@ def copy_inputs(source: bpy.types.Node, target: bpy.types.Node) -> list[str]:
 def copy_sources(source: bpy.types.Node, target: bpy.types.Node) -> list[str]:
     """The same without the values: textures, drivers and keyframes."""
     here, there = source.id_data, target.id_data
-    told: list[str] = []
+    notes: list[str] = []
     copies = {source.name: target}
     places: dict[int, int] = {}
     for place, socket in enumerate(source.inputs):
@@ -44,7 +44,7 @@ def copy_sources(source: bpy.types.Node, target: bpy.types.Node) -> list[str]:
         for link in socket.links:
             if link.from_node.type == "GROUP" and link.from_node.node_tree is not None and KIND_KEY in link.from_node.node_tree:
                 if here != there:
-                    told.append(f"{source.label}: {socket.name} was linked to another layer; the link stays behind")
+                    notes.append(f"{source.label}: {socket.name} was linked to another layer; the link stays behind")
                     continue
             origin = link.from_node if here == there else _copied(link.from_node, there, copies)
             made = there.links.new(_output_of(origin, link.from_socket), twin)
@@ -53,8 +53,8 @@ def copy_sources(source: bpy.types.Node, target: bpy.types.Node) -> list[str]:
         for number, (name, node) in enumerate(list(copies.items())[1:], 1):
             node.location = (target.location.x - 240 * number, target.location.y)
     names = {name: node.name for name, node in copies.items()}
-    told += _copy_animation(here, there, lambda path: _renamed(path, names, {source.name: places}), source.label)
-    return told
+    notes += _copy_animation(here, there, lambda path: _renamed(path, names, {source.name: places}), source.label)
+    return notes
 
 
 def _copied(node: bpy.types.Node, tree: bpy.types.NodeTree, copies: dict[str, bpy.types.Node]) -> bpy.types.Node:

@@ -72,7 +72,7 @@ def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values:
     Arguments as in Converted. Without `colors` a texture of the base color keeps the nodes that it goes through, if any.
     Returns one sentence for each link. Sockets that a stack says nothing about, such as Alpha, are left alone.
     """
-    roles, lamina, told, fed = Roles(principled.id_data), material.lamina, [], set()
+    roles, lamina, notes, fed = Roles(principled.id_data), material.lamina, [], set()
     for name, default in WRITTEN.items():
         give(principled.inputs[name], values.get(name, default))
     several = len(lamina.shown_layers) > 1
@@ -80,14 +80,14 @@ def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values:
     for name, element, parameter, source in linked_places(material, owners):
         target = principled.inputs[name]
         if parameter.name == "tint" and several:
-            told.append(f"lost: {element.name} {parameter.label} texture: the media of several layers share one tint")
+            notes.append(f"lost: {element.name} {parameter.label} texture: the media of several layers share one tint")
             continue
         fed.add(name)
         if name == COLOR and (colors is not None or roles.get(_COLOR_ROLES[0])):
             own = out_of_working(node_of(element).inputs[parameter.label].default_value[:3])
             source = _through_color(roles, source, target, colors, own)
             kept_roles |= set(_COLOR_ROLES)
-            told.append(f"kept: {COLOR} texture: through nodes that keep the mean albedo")
+            notes.append(f"kept: {COLOR} texture: through nodes that keep the mean albedo")
         else:
             if parameter.name == "tint":
                 gamma = roles.make(_TINT_ROLE, "ShaderNodeGamma", "Lamina round trip", (principled.location.x - _APART, principled.location.y - 2 * _APART))
@@ -95,12 +95,12 @@ def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values:
                 roles.link(source, gamma.inputs["Color"])
                 source = gamma.outputs["Color"]
                 kept_roles.add(_TINT_ROLE)
-            told.append(f"kept: {name} texture: linked")
+            notes.append(f"kept: {name} texture: linked")
         roles.link(source, target)
     for name in {socket for socket, *_ in PLACES} - fed:
         roles.link(None, principled.inputs[name])
     roles.remove({*_COLOR_ROLES, _TINT_ROLE} - kept_roles)
-    return told
+    return notes
 
 
 def _through_color(roles: Roles, source, target, colors: ColorMap | None, own: np.ndarray) -> bpy.types.NodeSocket:

@@ -24,7 +24,7 @@ from .shader_node import shader_of
 
 # Of a branch's node: a hash of the values that it holds, empty where it reads them, and what it was computed for in
 # tiers that compute first, empty until that is done.
-TOLD, SETTLED = "lamina_told", "lamina_settled"
+HELD_VALUES, SETTLED = "lamina_told", "lamina_settled"
 
 
 @dataclass(frozen=True)
@@ -40,8 +40,8 @@ class Wanted:
     def key(self) -> str:
         return methods.key_of(self.stack, self.method, live=self.live, tolerance=self.tolerance)
 
-    def is_known(self) -> bool:
-        return methods.is_known(self.stack, self.method, live=self.live, tolerance=self.tolerance)
+    def is_cached(self) -> bool:
+        return methods.is_cached(self.stack, self.method, live=self.live, tolerance=self.tolerance)
 
     def make(self, progress: Callable[[float], None] | None = None) -> Made:
         return methods.make_lobe_set(self.stack, self.method, live=self.live, tolerance=self.tolerance, progress=progress)
@@ -61,10 +61,10 @@ def wanted_lobes(material: bpy.types.Material) -> Wanted:
 
 
 def note_of(node: bpy.types.Node | None, name: str, material: bpy.types.Material) -> str:
-    """TOLD or SETTLED of a branch's node. Files of schema 1 and 2 have them on the material."""
+    """HELD_VALUES or SETTLED of a branch's node. Files of schema 1 and 2 have them on the material."""
     if node is None:
         return ""
-    return node[name] if name in node else {TOLD: material.lamina.told, SETTLED: material.lamina.settled}[name]
+    return node[name] if name in node else {HELD_VALUES: material.lamina.told, SETTLED: material.lamina.settled}[name]
 
 
 def is_stale(material: bpy.types.Material) -> bool:
@@ -72,11 +72,11 @@ def is_stale(material: bpy.types.Material) -> bool:
     node = shader_of(material)
     if node is not None and not is_in_working_space(node):
         return True
-    told = note_of(node, TOLD, material)
-    if not told:
+    held_values = note_of(node, HELD_VALUES, material)
+    if not held_values:
         return False
     stack = stack_of(material)
-    return told != content(stack, live_values(material) if node == node_with(material, OSL) else live_in_nodes(material, stack))
+    return held_values != content(stack, live_values(material) if node == node_with(material, OSL) else live_in_nodes(material, stack))
 
 
 def is_in_working_space(node: bpy.types.Node) -> bool:
@@ -116,6 +116,6 @@ def lags(material: bpy.types.Material) -> bool:
         now = content(stack, followed)
     except LaminaError:
         return False
-    told, settled = note_of(stock, TOLD, material), note_of(stock, SETTLED, material)
+    held_values, settled = note_of(stock, HELD_VALUES, material), note_of(stock, SETTLED, material)
     expected = note_of(script, SETTLED, material) if followed == live_values(material) else ""
-    return told != now or not is_in_working_space(stock) or (methods.holds_values(material.lamina.tier) and settled != expected)
+    return held_values != now or not is_in_working_space(stock) or (methods.holds_values(material.lamina.tier) and settled != expected)

@@ -22,9 +22,9 @@ REPORT_TEXT = "Lamina Conversion"
 _POPUP_WIDTH = 110
 
 
-def tell(operator: bpy.types.Operator, title: str, report: Report, told: list[str] = ()) -> None:
+def tell(operator: bpy.types.Operator, title: str, report: Report, notes: list[str] = ()) -> None:
     """Write a report into the text, say its summary, and show all of it where there is a window."""
-    tell_lines(operator, title, [*told, *report.lines()], f": {report.summary}")
+    tell_lines(operator, title, [*notes, *report.lines()], f": {report.summary}")
 
 
 def tell_lines(operator: bpy.types.Operator, title: str, lines: list[str], summary: str = "") -> None:
@@ -68,8 +68,8 @@ class LAMINA_OT_convert_principled(ops.LaminaOperator, bpy.types.Operator):
 
     def run(self, context):
         material = ops.material_of(context)
-        report, told = conversion.to_lamina(material)
-        tell(self, rpt_("{material} to Lamina").format(material=material.name), report, told)
+        report, notes = conversion.to_lamina(material)
+        tell(self, rpt_("{material} to Lamina").format(material=material.name), report, notes)
         for notice in materials.make_renderable(material, context.scene):
             self.report({"INFO"}, f"Lamina: {notice}")
 
@@ -80,9 +80,9 @@ class LAMINA_OT_principled_copy(ops.LayeredOperator, bpy.types.Operator):
     bl_description = "Make a new material with a Principled node, as bright as this one and with its textures; this one stays"
 
     def run(self, context):
-        copy, report, told = conversion.principled_copy(ops.material_of(context))
+        copy, report, notes = conversion.principled_copy(ops.material_of(context))
         copy.use_fake_user = True  # no object has it yet
-        tell(self, copy.name, report, told)
+        tell(self, copy.name, report, notes)
 
 
 class LAMINA_OT_principled_copies(ops.LaminaOperator, bpy.types.Operator):
@@ -98,12 +98,12 @@ class LAMINA_OT_principled_copies(ops.LaminaOperator, bpy.types.Operator):
         return False
 
     def run(self, _context):
-        told = [(copy, sentence) for copy, sentence in conversion.principled_copies(replacing=False)]
-        made = sum(not copy.lamina.is_layered for copy, _ in told)
-        for left, sentence in told:
+        notes = [(copy, sentence) for copy, sentence in conversion.principled_copies(replacing=False)]
+        made = sum(not copy.lamina.is_layered for copy, _ in notes)
+        for left, sentence in notes:
             if left.lamina.is_layered:
                 self.report({"WARNING"}, f"Lamina: {left.name}: {sentence}")
-        tell_lines(self, rpt_("{count} Principled copies").format(count=made), [f"{copy.name}: {sentence}" for copy, sentence in told])
+        tell_lines(self, rpt_("{count} Principled copies").format(count=made), [f"{copy.name}: {sentence}" for copy, sentence in notes])
 
 
 class LAMINA_OT_export_mtlx(ops.LayeredOperator, ExportHelper, bpy.types.Operator):
@@ -120,8 +120,8 @@ class LAMINA_OT_export_mtlx(ops.LayeredOperator, ExportHelper, bpy.types.Operato
         converted = to_openpbr(materials.stack_of(material))
         save_mtlx(converted.values, material.name, self.filepath)
         linked = [s.name for e in (*material.lamina.shown_layers, material.lamina.base) for s in materials.node_of(e).inputs if s.is_linked]
-        told = [f"lost: {name} texture: the socket's own value is written" for name in linked]
-        tell(self, Path(self.filepath).name, converted.report, told)
+        notes = [f"lost: {name} texture: the socket's own value is written" for name in linked]
+        tell(self, Path(self.filepath).name, converted.report, notes)
 
 
 class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator):
@@ -137,7 +137,7 @@ class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator
         return ops.StackOperator.poll.__func__(cls, context)
 
     def run(self, context):
-        name, values, told = load_mtlx(self.filepath)
+        name, values, notes = load_mtlx(self.filepath)
         material = ops.material_of(context)
         target = material or bpy.data.materials.new(name or "Lamina")
         gave_way = ops.what_gives_way(target)
@@ -149,7 +149,7 @@ class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator
             raise
         if material is None:
             context.object.active_material = target
-        tell(self, Path(self.filepath).name, report, [*filter(None, [gave_way]), *(f"lost: {sentence}" for sentence in told)])
+        tell(self, Path(self.filepath).name, report, [*filter(None, [gave_way]), *(f"lost: {sentence}" for sentence in notes)])
         for notice in materials.make_renderable(target, context.scene):
             self.report({"INFO"}, f"Lamina: {notice}")
 

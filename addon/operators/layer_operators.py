@@ -196,8 +196,8 @@ class LAMINA_OT_layer_paste(LayeredOperator, bpy.types.Operator):
     def run(self, context):
         material = material_of(context)
         text = _copied if bpy.app.background else context.window_manager.clipboard
-        for told in layers.paste_layers(material, text, _place(material)):
-            self.report({"WARNING"}, f"Lamina: {told}")
+        for note in layers.paste_layers(material, text, _place(material)):
+            self.report({"WARNING"}, f"Lamina: {note}")
 
 
 def _place(material) -> int:

@@ -50,16 +50,16 @@ def what_gives_way(material: bpy.types.Material) -> str:
         return ""
     words = {"node": entry.former.label or entry.former.name, "count": entry.bodies}
     if entry.is_mixed:
-        told = (
+        sentence = (
             rpt_("{node}, one of {count} surfaces that are mixed, gives way; the others stay")
             if entry.bodies > 1
             else rpt_("{node} gives way; what it is mixed with stays")
         )
     elif entry.former.bl_idname != "ShaderNodeBsdfPrincipled":
-        told = rpt_("{node} gives way as a whole; it stays in the node tree without a link")
+        sentence = rpt_("{node} gives way as a whole; it stays in the node tree without a link")
     else:
         return ""
-    return told.format(**words)
+    return sentence.format(**words)
 
 
 def material_of(context: bpy.types.Context) -> bpy.types.Material | None:
@@ -184,12 +184,12 @@ class LAMINA_OT_export_stack(LayeredOperator, ExportHelper, bpy.types.Operator):
         material = material_of(context)
         materials.stack_of(material).save(self.filepath)
         hidden = len(material.lamina.layers) - len(material.lamina.shown_layers)
-        told = rpt_("Lamina: stack written to {path}").format(path=self.filepath)
+        sentence = rpt_("Lamina: stack written to {path}").format(path=self.filepath)
         if hidden:
-            told = rpt_("{told}; hidden layers left out: {count}").format(told=told, count=hidden)
+            sentence = rpt_("{sentence}; hidden layers left out: {count}").format(sentence=sentence, count=hidden)
         if moved := len(live_values(material)):
-            told = rpt_("{told}; values whose texture or animation is left out: {count}").format(told=told, count=moved)
-        self.report({"INFO"}, told)
+            sentence = rpt_("{sentence}; values whose texture or animation is left out: {count}").format(sentence=sentence, count=moved)
+        self.report({"INFO"}, sentence)
 
 
 class LAMINA_OT_set_base(LayeredOperator, bpy.types.Operator):
@@ -204,8 +204,8 @@ class LAMINA_OT_set_base(LayeredOperator, bpy.types.Operator):
         if lost:
             words = {"": "", "texture": f" ({rpt_('texture')})", "animation": f" ({rpt_('animation')})"}
             names = ", ".join(rpt_(label) + words[moved] for label, moved in lost)
-            told = rpt_("Lamina: {kind} has no {lost}: that is gone").format(kind=rpt_(SCHEMA.bases[self.kind].label), lost=names)
-            self.report({"WARNING" if any(moved for _, moved in lost) else "INFO"}, told)
+            sentence = rpt_("Lamina: {kind} has no {lost}: that is gone").format(kind=rpt_(SCHEMA.bases[self.kind].label), lost=names)
+            self.report({"WARNING" if any(moved for _, moved in lost) else "INFO"}, sentence)
 
 
 class LAMINA_OT_regenerate(LayeredOperator, bpy.types.Operator):

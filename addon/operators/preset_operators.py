@@ -40,15 +40,15 @@ class LAMINA_OT_save_preset(ops.LayeredOperator, bpy.types.Operator):
 
     def draw(self, context):
         self.layout.prop(self, "name")
-        for told in preset_assets.left_out(ops.material_of(context)):
-            self.layout.label(text=told, icon="INFO", translate=False)
+        for sentence in preset_assets.left_out(ops.material_of(context)):
+            self.layout.label(text=sentence, icon="INFO", translate=False)
 
     def run(self, context):
         material = ops.material_of(context)
         stack = materials.stack_of(material)
         stack = replace(stack, name=self.name.strip(), source=_source(stack.source))
         preset_assets.require_savable(material)
-        told = preset_assets.left_out(material)
+        sentences = preset_assets.left_out(material)
 
         def keep(path) -> None:
             picture = path.with_suffix(".png")
@@ -57,7 +57,7 @@ class LAMINA_OT_save_preset(ops.LayeredOperator, bpy.types.Operator):
 
         name, why = user_presets.save(self.name, stack, lambda path: render_thumbnail(material, path), keep)
         asset_library.show_own()
-        for sentence in told:
+        for sentence in sentences:
             self.report({"INFO"}, f"Lamina: {sentence}")
         if why:
             self.report({"WARNING"}, rpt_("Lamina: the preset has no picture: {reason}").format(reason=why))

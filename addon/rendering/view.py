@@ -16,7 +16,7 @@ def displayed(linear: np.ndarray, view: Mapping, report: Callable[[str], None]) 
     """A linear picture (h, w, 3) as uint8 (h, w, 3) for the display, as Blender itself writes it.
 
     `view` has the settings of its scene, as `batch.task.view_of` gives them; what it lacks is the studio's, and what
-    this Blender lacks is told to `report`.
+    this Blender lacks goes to `report`.
     """
     height, width = linear.shape[:2]
     rgba = np.ones((height, width, 4), np.float32)

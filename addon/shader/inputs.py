@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.schema import ANISOTROPY, LAMBERT, SCHEMA, VECTOR, Parameter, Schema
-from ...reference_py.material.stack import Element, Stack
+from ...reference_py.material.stack import Base, Layer, Stack
 
 BASE = "Base"
 # The direction that anisotropy of rotation 0 follows: a node of the material gives it.
@@ -33,7 +33,7 @@ def layer_owner(index: int) -> str:
     return f"Layer{index + 1}"
 
 
-def used_sockets(element: Element, kind) -> tuple[Parameter, ...]:
+def used_sockets(element: Layer | Base, kind) -> tuple[Parameter, ...]:
     """The socket parameters that a shader of this element reads. A named metal is read as eta and k."""
     given = set(element.values)
     if "metal" in given:

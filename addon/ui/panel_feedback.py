@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panel tells: what is wrong and how it is mended, a running bake, and what Cycles was told."""
+"""What the panel tells: what is wrong and how it is mended, a running bake, and what Cycles was sentence."""
 
 from bpy.app.translations import pgettext_iface as iface_
 
@@ -105,8 +105,8 @@ def _hand_over(material) -> str:
 
 def _draw_without_osl(layout, context, material) -> None:
     """Why the material or the scene shows stock nodes, and the button that changes it. Where that costs nothing the status does not say it."""
-    if backend_of(material) != OSL and (told := notice(material.lamina.backend, iface_)):
-        draw_message(layout, context, told, "INFO")
+    if backend_of(material) != OSL and (sentence := notice(material.lamina.backend, iface_)):
+        draw_message(layout, context, sentence, "INFO")
     for finding in check.find(material, context.scene, context.preferences):
         if finding.code == "without_osl" and finding.level == check.NOTE:
             box = draw_message(layout, context, finding.text(iface_), "INFO")
@@ -115,10 +115,10 @@ def _draw_without_osl(layout, context, material) -> None:
 
 
 def draw_fit(layout, context, material) -> None:
-    """A running fit with its progress, or what the last one told of this material or object."""
+    """A running fit with its progress, or what the last one sentence of this material or object."""
     if (running := fitting.running()) is not None:
         row = layout.row(align=True)
         row.progress(factor=running.share, text=iface_("Fitting the measurement"))
         row.operator("lamina.cancel_fit", text="", icon="CANCEL")
-    elif told := fitting.last_told(material) or fitting.last_told(getattr(context, "object", None)):
-        draw_message(layout, context, told, "INFO")
+    elif sentence := fitting.last_summary(material) or fitting.last_summary(getattr(context, "object", None)):
+        draw_message(layout, context, sentence, "INFO")

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..errors import LaminaError
 from ..material.stack import Stack
-from .matching import ColorMap, color_key, color_map, compared, mean, peer, recolored, solve, truth
+from .matching import ColorMap, color_key, color_map, compared, mean, recolored, rendered_by, solve, truth
 from .report import APPROXIMATED, LOST, Loss, Match, Report, shown
 from .slots import MOST_REFLECTANCE, Slots, from_stack, to_stack
 
@@ -34,7 +34,7 @@ class Converted:
 def stack_to_slots(stack: Stack, model: str, name: str, room=frozenset(), textured: bool = False) -> tuple[Slots, dict, Report, ColorMap | None]:
     """Slots that `model` renders as bright as the stack is; owners, report and color map as in Converted."""
     placed = from_stack(stack, name, room)
-    original, rendered = truth(stack), peer(model, placed.slots)
+    original, rendered = truth(stack), rendered_by(model, placed.slots)
     wanted = original()
     color, found = solve(rendered, mean(wanted), placed.slots.color)
     match = compared(wanted, found, _has_film(placed.slots))
@@ -46,7 +46,7 @@ def stack_to_slots(stack: Stack, model: str, name: str, room=frozenset(), textur
 def slots_to_stack(slots: Slots, model: str, name: str, source: str, losses: list[Loss], textured: bool = False) -> Converted:
     """The stack that is as bright as `model` renders the slots. `values` is left empty."""
     stack, owners = to_stack(slots, name, source, losses)
-    rendered, exact = peer(model, slots), truth(stack)
+    rendered, exact = rendered_by(model, slots), truth(stack)
     wanted = rendered(slots.color)
     most = MOST_REFLECTANCE if slots.is_metal else 1.0
     color, found = solve(exact, mean(wanted), stack.base[color_key(stack.base)], most)

@@ -52,7 +52,7 @@ def provisional(stack: Stack) -> HandOver:
     return HandOver(values_of(placed.slots), placed.owners)
 
 
-def known_hand_over(stack: Stack, textured: bool) -> HandOver | None:
+def cached_hand_over(stack: Stack, textured: bool) -> HandOver | None:
     """The solved one, if it was asked for before."""
     return get(key_of(stack, textured), unpacked)
 
@@ -67,6 +67,6 @@ def solved(stack: Stack, textured: bool) -> HandOver:
     return cached(key_of(stack, textured), make, HandOver.packed, unpacked)
 
 
-def remember(stack: Stack, textured: bool, packed: dict) -> None:
+def put(stack: Stack, textured: bool, packed: dict) -> None:
     """Keep what a worker solved."""
     cached(key_of(stack, textured), lambda: unpacked(packed), HandOver.packed, unpacked)

@@ -13,7 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..material.schema import ANISOTROPY, NORMAL, THIN_FILM
-from ..material.stack import Element, Stack
+from ..material.stack import Base, LayerOrBase, Stack
 from ..optics.frame import spherical
 from ..optics.interface import Microfacets
 from ..registry import make_model
@@ -47,25 +47,25 @@ def truth(stack: Stack) -> Albedos:
     return albedos
 
 
-def recolored(base: Element, color) -> Element:
+def recolored(base: Base, color) -> Base:
     """A base with another color."""
     return base.with_values(**{color_key(base): tuple(float(c) for c in np.broadcast_to(color, 3))})
 
 
-def color_key(base: Element) -> str:
+def color_key(base: Base) -> str:
     """The parameter that is the base's color."""
     return "color" if "color" in base else "reflectance"
 
 
-def _plain(element: Element) -> Element:
+def _plain(element: LayerOrBase) -> LayerOrBase:
     left_out = {p.name for f in (ANISOTROPY, THIN_FILM, NORMAL) for p in f.parameters}
     values = {k: v for k, v in element.values.items() if k not in left_out}
     if element.has(ANISOTROPY):
         values["roughness"] = Microfacets.of(element).alpha ** 0.5
-    return Element(element.kind, MappingProxyType(values))
+    return type(element)(element.kind, MappingProxyType(values))
 
 
-def peer(model: str, slots: Slots) -> Albedos:
+def rendered_by(model: str, slots: Slots) -> Albedos:
     """Albedos of slots by the model that renders them."""
 
     def albedos(color):

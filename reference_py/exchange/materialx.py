@@ -61,18 +61,18 @@ def from_mtlx(text: str, where: str = "MaterialX") -> tuple[str, dict, list[str]
         others = sorted({node.tag for node in root.iter() if node.get("type") == "surfaceshader" and node.tag != "input"})
         raise LaminaError(f"{where}: has no {_SURFACE}, the one surface that can be read; it has {', '.join(others)[:80] or 'no surface'}")
     name, surface = _first(root, surfaces)
-    values, told = {}, []
+    values, notes = {}, []
     for node in surface.iter("input"):
         parameter = node.get("name", "")
         if any(node.get(key) for key in ("nodename", "nodegraph", "interfacename", "output")):
-            told.append(f"{parameter}: is connected to other nodes; its default stands in")
+            notes.append(f"{parameter}: is connected to other nodes; its default stands in")
         elif parameter in DEFAULTS:
             values[parameter] = _value(parameter, node.get("value", ""), where)
         else:
-            told.append(f"{parameter}: has no place in a stack")
+            notes.append(f"{parameter}: has no place in a stack")
     if len(surfaces) > 1:
-        told.append(f"{len(surfaces) - 1} more surfaces: only {surface.get('name', '')} is read")
-    return name, values, told
+        notes.append(f"{len(surfaces) - 1} more surfaces: only {surface.get('name', '')} is read")
+    return name, values, notes
 
 
 def _first(root, surfaces: dict) -> tuple[str, ElementTree.Element]:

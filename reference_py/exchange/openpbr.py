@@ -139,8 +139,8 @@ def _film(values: dict, losses: list[Loss]) -> dict:
     weight = values["thin_film_weight"]
     if not weight:
         return {}
-    told = "in nanometres" if weight == 1.0 else "a film is on all of the surface"
-    losses.append(Loss("thin_film_weight", weight, KEPT if weight == 1.0 else LOST, told))
+    note = "in nanometres" if weight == 1.0 else "a film is on all of the surface"
+    losses.append(Loss("thin_film_weight", weight, KEPT if weight == 1.0 else LOST, note))
     losses += [Loss(f"thin_film_{p}", values[f"thin_film_{p}"], KEPT, "as the film's") for p in ("thickness", "ior")]
     thickness = np.clip(_NM_PER_UM * values["thin_film_thickness"], 0.0, 2000.0)
     return {"film_thickness": float(thickness), "film_ior": float(np.clip(values["thin_film_ior"], 1.0, 4.0))}

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..material.schema import ANISOTROPY, CONDUCTOR, COVERAGE, DIELECTRIC, NORMAL, THIN_FILM
-from ..material.stack import Element, Stack
+from ..material.stack import Base, Layer, Stack
 from ..models.baselines.parts import COS_82, conductor
 from ..optics.bases import ConductorBase, DiffuseBase
 from ..optics.colour import artist_color, artist_index
@@ -74,14 +74,14 @@ class Slots:
             layers.append(_layer(n, _isotropic(self.gloss.roughness, self.gloss.features)))
         return Stack(tuple(layers), self._image_base(n))
 
-    def _image_base(self, n: float) -> Element:
+    def _image_base(self, n: float) -> Base:
         if self.is_metal:
             index = metal_index(self.color, self.edge)
             values = {"eta": tuple(n * index[0]), "k": tuple(n * index[1]), "roughness": _isotropic(self.roughness, self.features), "distribution": "ggx"}
-            return Element("conductor", values)
+            return Base("conductor", values)
         if self.sigma_deg > 0.0:
-            return Element("oren_nayar", {"color": self.color, "sigma_deg": self.sigma_deg})
-        return Element("lambert", {"color": self.color})
+            return Base("oren_nayar", {"color": self.color, "sigma_deg": self.sigma_deg})
+        return Base("lambert", {"color": self.color})
 
 
 def metal_index(color, edge) -> tuple[np.ndarray, np.ndarray]:
@@ -106,11 +106,11 @@ def sigma_of_fujii(roughness: float) -> float:
 
 def _isotropic(roughness: float, features: dict) -> float:
     """Roughness of the isotropic surface that stands for an anisotropic one."""
-    return Microfacets.of(Element("dielectric", {"roughness": roughness, "distribution": "ggx", **features})).alpha ** 0.5
+    return Microfacets.of(Layer("dielectric", {"roughness": roughness, "distribution": "ggx", **features})).alpha ** 0.5
 
 
-def _layer(ior: float, roughness: float, tint=(1.0, 1.0, 1.0), thickness: float = 1.0) -> Element:
-    return Element("dielectric", {"ior": ior, "roughness": roughness, "tint": tuple(tint), "thickness": thickness, "distribution": "ggx"})
+def _layer(ior: float, roughness: float, tint=(1.0, 1.0, 1.0), thickness: float = 1.0) -> Layer:
+    return Layer("dielectric", {"ior": ior, "roughness": roughness, "tint": tuple(tint), "thickness": thickness, "distribution": "ggx"})
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,7 @@ def from_stack(stack: Stack, name: str, room: frozenset[str] = frozenset()) -> P
     return Placed(slots, tuple(losses), owners)
 
 
-def _is_there(index: int, layer: Element, losses: list[Loss], name: str) -> bool:
+def _is_there(index: int, layer: Layer, losses: list[Loss], name: str) -> bool:
     if index == 0 or not layer.has(COVERAGE) or layer["coverage"] == 1.0:
         return True
     there = layer["coverage"] >= _HALF
@@ -172,7 +172,7 @@ def _medium_above_base(layers) -> float:
     return layers[-1][1]["ior"] if layers else 1.0
 
 
-def _features(element: Element) -> dict:
+def _features(element: Layer | Base) -> dict:
     return {p.name: element[p.name] for f in (ANISOTROPY, THIN_FILM) if element.has(f) for p in f.parameters}
 
 
@@ -195,13 +195,13 @@ def _base_slots(stack: Stack, n: float, losses: list[Loss], name: str) -> Slots:
     return Slots(tuple(np.minimum(f0, MOST_REFLECTANCE)), edge=tuple(edge), roughness=base["roughness"], features=_features(base))
 
 
-def _distribution_loss(where: str, element: Element, name: str) -> list[Loss]:
+def _distribution_loss(where: str, element: Layer | Base, name: str) -> list[Loss]:
     if element["distribution"] == "ggx":
         return []
     return [Loss(f"{where} distribution", element["distribution"], LOST, f"{name} has GGX, whose highlights have longer tails")]
 
 
-def _layer_losses(where: str, layer: Element, role: str | None, in_color: bool, name: str, room, works: bool) -> list[Loss]:
+def _layer_losses(where: str, layer: Layer, role: str | None, in_color: bool, name: str, room, works: bool) -> list[Loss]:
     """What became of a layer's parameters; `in_color`: there is no coat whose tint could hold the media."""
     losses = []
     white = np.max(optical_depth(layer["tint"], layer["thickness"])) <= _WHITE

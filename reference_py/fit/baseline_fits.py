@@ -29,7 +29,7 @@ class Term:
 
 
 @dataclass(frozen=True)
-class PeerModel:
+class BaselineModel:
     """`f(values, wi, wo)`, (n, c), of values by name, each (c,) or a number."""
 
     name: str
@@ -57,10 +57,10 @@ class PeerModel:
 
 
 @dataclass(frozen=True)
-class PeerFit:
+class BaselineFit:
     """A model at its best parameter vector `x` (p,); `error` is the metric's RMS residual."""
 
-    model: PeerModel
+    model: BaselineModel
     x: np.ndarray
     channels: int
     error: float
@@ -75,7 +75,7 @@ class PeerFit:
         return self.model.f(self.model.values(self.x, self.channels), wi, wo)
 
 
-def fit_baseline(model: PeerModel, metric: Metric, seed: int = 0) -> PeerFit:
+def fit_baseline(model: BaselineModel, metric: Metric, seed: int = 0) -> BaselineFit:
     """The best of several bounded fits to the metric's data."""
     m, channels = metric.measurement, metric.measurement.channels
     low, high = model.bounds(channels)
@@ -96,10 +96,10 @@ def fit_baseline(model: PeerModel, metric: Metric, seed: int = 0) -> PeerFit:
     order = np.argsort([rms(residual(u)) for u in guesses])[:_STARTS]
     zero, one = np.zeros(len(low)), np.ones(len(low))
     found = min((least_squares(residual, jacobian, guesses[i], zero, one, _STEPS, 1e-7) for i in order), key=lambda s: s.cost)
-    return PeerFit(model, low + (high - low) * found.x, channels, rms(found.residual))
+    return BaselineFit(model, low + (high - low) * found.x, channels, rms(found.residual))
 
 
-def _guess(model: PeerModel, channels: int, f: np.ndarray, rng) -> np.ndarray:
+def _guess(model: BaselineModel, channels: int, f: np.ndarray, rng) -> np.ndarray:
     parts = []
     for t in model.terms:
         value = t.usual[0] + (t.usual[1] - t.usual[0]) * rng.random()
@@ -178,9 +178,9 @@ def _lafortune_terms() -> tuple[Term, ...]:
 
 
 BASELINE_MODELS = (
-    PeerModel("ggx_lambert", "GGX and Lambert", (_DIFFUSE, *_specular()), _ggx),
-    PeerModel("ward", "Ward 1992", (_DIFFUSE, *_specular()), _ward),
-    PeerModel("ashikhmin_shirley", "Ashikhmin and Shirley 2000", (_DIFFUSE, *_specular()), _ashikhmin_shirley),
-    PeerModel("cook_torrance", "Cook and Torrance 1982, two lobes", (_DIFFUSE, *_specular("_1", 0.03, 0.2), *_specular("_2", 0.2, 0.8)), _cook_torrance),
-    PeerModel("lafortune", "Lafortune et al. 1997, three lobes", _lafortune_terms(), _lafortune),
+    BaselineModel("ggx_lambert", "GGX and Lambert", (_DIFFUSE, *_specular()), _ggx),
+    BaselineModel("ward", "Ward 1992", (_DIFFUSE, *_specular()), _ward),
+    BaselineModel("ashikhmin_shirley", "Ashikhmin and Shirley 2000", (_DIFFUSE, *_specular()), _ashikhmin_shirley),
+    BaselineModel("cook_torrance", "Cook and Torrance 1982, two lobes", (_DIFFUSE, *_specular("_1", 0.03, 0.2), *_specular("_2", 0.2, 0.8)), _cook_torrance),
+    BaselineModel("lafortune", "Lafortune et al. 1997, three lobes", _lafortune_terms(), _lafortune),
 )

@@ -33,16 +33,16 @@ def compare(measurement: Measurement, fit: Fit, seed: int = 0, progress: Progres
     judged = Metric(subsample(measurement, JUDGED, np.random.default_rng(seed + 1)), fit.metric.kind)
     done = progress or (lambda share: None)
     models: dict[str, tuple[int, Evaluator]] = {}
-    for i, peer in enumerate(BASELINE_MODELS):
-        found = fit_baseline(peer, fit.metric, seed)
-        models[peer.label] = found.count, found.f
+    for i, baseline in enumerate(BASELINE_MODELS):
+        found = fit_baseline(baseline, fit.metric, seed)
+        models[baseline.label] = found.count, found.f
         done((i + 1) / (len(BASELINE_MODELS) + 3))
     channels = measurement.channels
     for name in ("weidlich_wilkie", "adding"):
         ours = fit if fit.model == name else fit_structure(measurement, fit.structure, name, len(fit.metric.measurement.f), seed=seed)
         models[f"{name}, {ours.structure.name}"] = ours.count, _of_stack(name, {}, ours.stack, channels)
         if name == "adding":
-            models["baked, as Cycles renders it"] = ours.count, _of_stack("closure_model", {"tier": "baked"}, ours.stack, channels)
+            models["baked, as Cycles renders it"] = ours.count, _of_stack("closure_model", {"method": "baked"}, ours.stack, channels)
     done(1.0)
     m = judged.measurement
     rows = []

@@ -27,11 +27,11 @@ def main() -> None:
     try:
         measurement = read(data["file"])
         selection = select(measurement, data["layers"], data["base"], data["model"], progress=_progress)
-        told = outcome(measurement, selection)
+        result = outcome(measurement, selection)
     except (LaminaError, MemoryError) as error:
         print(f"error {' '.join(str(error).split()) or 'not enough memory'}", flush=True)
         return
-    print(f"result {json.dumps(told)}", flush=True)
+    print(f"result {json.dumps(result)}", flush=True)
 
 
 def _progress(share: float) -> None:

@@ -4,7 +4,7 @@
 Derivatives are differences, one evaluation per parameter: a color's three channels move at once, as each sees its own
 alone (Curtis, Powell and Reid 1974, "On the Estimation of Sparse Jacobian Matrices"). Measured: 9 evaluations for the 22 values of two layers over metal.
 
-The truth `adding` takes .5 to 5 seconds per evaluation and the closures of the tier `analytic`, which are within 1 to 2 %
+The truth `adding` takes .5 to 5 seconds per evaluation and the closures of the method `analytic`, which are within 1 to 2 %
 of it in the median, 2 to 9 ms; so `fitting` takes the derivatives, and the starts, from the latter.
 """
 
@@ -21,7 +21,7 @@ DEFAULT_MODEL = "adding"
 # Residuals are never believed to be smaller than this: the accuracy of `adding`'s f.
 MODEL_ERROR = 0.005
 # What stands in for a slow model: a model's name and options.
-_STAND_IN = {"adding": ("closure_model", {"tier": "analytic"})}
+_STAND_IN = {"adding": ("closure_model", {"method": "analytic"})}
 # Coarser and about twice as fast: within .1 % in the median, some percent near grazing angles. For choosing a structure.
 QUICK = {"adding": {"nodes": 16, "modes": 40}}
 _STEP = 1e-4

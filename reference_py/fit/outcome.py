@@ -12,7 +12,7 @@ from .metric import Metric, shape_error
 from .readers.measurement import Measurement
 from .selection import UNEXPLAINED, Selection
 
-# Where so much of the data is off and hidden by a highlight, people are told.
+# Where so much of the data is off and hidden by a highlight, people are warned.
 _HIDDEN_SHARE = 0.05
 
 
@@ -56,26 +56,26 @@ def _warnings(metric: Metric, f: np.ndarray) -> list[str]:
     ]
 
 
-def lines(told: dict) -> list[str]:
+def lines(result: dict) -> list[str]:
     """All of an outcome for people."""
-    stack = Stack.from_dict(told["stack"])
+    stack = Stack.from_dict(result["stack"])
     surfaces = [e["distribution"] for e in (*stack.layers, stack.base) if "distribution" in e]
     named = f" ({', '.join(surfaces)} from the top)" if surfaces else ""
     text = [
-        f"{stack.name}{named}, {len(told['parameters'])} parameters, model {told['model']}",
-        f"error {100.0 * told['error']:.2f} % over {told['pairs']} pairs of directions (RMS of log f cos), "
-        f"{100.0 * told['shape_error']:.2f} % of the reflected light (L1)",
-        "by region: " + ", ".join(f"{name} {100.0 * error:.1f} %" for name, error in told["error_by_region"].items()),
+        f"{stack.name}{named}, {len(result['parameters'])} parameters, model {result['model']}",
+        f"error {100.0 * result['error']:.2f} % over {result['pairs']} pairs of directions (RMS of log f cos), "
+        f"{100.0 * result['shape_error']:.2f} % of the reflected light (L1)",
+        "by region: " + ", ".join(f"{name} {100.0 * error:.1f} %" for name, error in result["error_by_region"].items()),
     ]
-    for row in told["tried"]:
+    for row in result["tried"]:
         text.append(
-            f"  tried {row['structure']:24} {row['parameters']:3d} parameters   error {100.0 * row['error']:.2f} % of the {told['fitted_pairs']} fitted pairs"
+            f"  tried {row['structure']:24} {row['parameters']:3d} parameters   error {100.0 * row['error']:.2f} % of the {result['fitted_pairs']} fitted pairs"
         )
-    text.append(told["reason"])
-    for value in told["parameters"]:
+    text.append(result["reason"])
+    for value in result["parameters"]:
         note = "" if value["determined"] else "   not determined by the data"
         note += "   at its bound" if value["at_bound"] else ""
         text.append(f"  {value['name']:28} {value['value']:9.4f} +- {value['standard_error']:.4f}{note}")
-    if told["not_determined"]:
+    if result["not_determined"]:
         text.append(f"not determined: may be off by more than {100.0 * OF_VALUE:g} %, as its standard error or fits from other starts say")
     return text

@@ -23,7 +23,7 @@ def best_starts(forward: Forward, count: int, rng: np.random.Generator, known: S
     diffuse = np.clip(np.pi * np.median(forward.metric.measurement.f, axis=0), 1e-3, 0.9)
     guesses = [_guess(parameters, diffuse, rng) for _ in range(_GUESSES)]
     for old, x, above in known:
-        guesses += [_carried(old, x, above, parameters, _guess(parameters, diffuse, rng)) for _ in range(_GUESSES // 2)]
+        guesses += [_taken_over(old, x, above, parameters, _guess(parameters, diffuse, rng)) for _ in range(_GUESSES // 2)]
     errors = [rms(forward.residual(x)) for x in guesses]
     chosen: list[np.ndarray] = []
     for i in np.argsort(errors):
@@ -34,7 +34,7 @@ def best_starts(forward: Forward, count: int, rng: np.random.Generator, known: S
     return chosen
 
 
-def _carried(old: Parameters, x: np.ndarray, above: int, new: Parameters, guess: np.ndarray) -> np.ndarray:
+def _taken_over(old: Parameters, x: np.ndarray, above: int, new: Parameters, guess: np.ndarray) -> np.ndarray:
     """`guess` with the values of a simpler fit, whose layers lie below `above` new ones."""
     places = {(g.where, g.parameter.name): list(g.index) for g in new.groups}
     for g in old.groups:

@@ -115,7 +115,7 @@ def truth_of(stack: Stack):
     for where, element in [*((f"layer {i}", e) for i, e in enumerate(stack.layers)), ("the base", stack.base)]:
         for feature in (ANISOTROPY, THIN_FILM):
             if element.has(feature):
-                raise LaminaError(f"the truth that tiers are judged by, adding, knows no {feature.name}, which {where} has")
+                raise LaminaError(f"the truth that methods are judged by, adding, knows no {feature.name}, which {where} has")
     return Adding(stack, draft=1)
 
 

@@ -81,7 +81,7 @@ def _tables(lobe_set, power: int) -> list[GlossyTable | DiffuseTable | OrenNayar
         axis = own if own is not None else next(iter(frames), None)
         weight = np.broadcast_to(lobe.weight, (KNOTS, 3))
         if axis is not None:
-            sheets = np.stack([np.broadcast_to(turned[i].weight, (KNOTS, 3)) for turned in around[axis]])
+            sheets = np.stack([np.broadcast_to(rotated[i].weight, (KNOTS, 3)) for rotated in around[axis]])
             weight, axis = (weight, None) if np.all(sheets == weight) else (sheets, axis)
         if _is_oren_nayar(lobe):
             rough.append((replace(lobe, weight=weight), axis))

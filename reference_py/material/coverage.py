@@ -13,7 +13,7 @@ from types import MappingProxyType
 from ..errors import LaminaError
 from .place import Place
 from .schema import COVERAGE
-from .stack import Element, Stack
+from .stack import Layer, Stack
 
 MAX_COVERED = 3
 
@@ -62,6 +62,6 @@ def _patch(stack: Stack, there: dict[int, bool]) -> Patch:
     return Patch(replace(stack, layers=layers), kept, tuple(there.items()), share)
 
 
-def _whole(layer: Element) -> Element:
+def _whole(layer: Layer) -> Layer:
     values = {name: value for name, value in layer.values.items() if name != "coverage"}
     return replace(layer, values=MappingProxyType(values))

@@ -4,7 +4,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from .stack import Element, Stack
+from .stack import Base, Layer, Stack
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Place:
     def __str__(self) -> str:
         return f"the {self.name.replace('_', ' ')} of {self.where}"
 
-    def element(self, stack: Stack) -> Element:
+    def element(self, stack: Stack) -> Layer | Base:
         """The layer or base that it is in."""
         return stack.base if self.layer is None else stack.layers[self.layer]
 
@@ -47,7 +47,7 @@ class Place:
         return cls(None if int(index) < 0 else int(index), str(name))
 
 
-def places(stack: Stack) -> list[tuple[int | None, Element]]:
+def places(stack: Stack) -> list[tuple[int | None, Layer | Base]]:
     """The layers from the top and the base, each with the `layer` of its places."""
     return [*enumerate(stack.layers), (None, stack.base)]
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from types import MappingProxyType
+from typing import Self, TypeVar
 
 from ..atomic import write_text
 from ..errors import LaminaError
@@ -21,8 +22,8 @@ def _frozen(mapping: Mapping) -> Mapping:
 
 
 @dataclass(frozen=True)
-class Element:
-    """A layer or the base: its kind, its values by parameter name, and the keys we do not know."""
+class _Part:
+    """Its kind, its values by parameter name, and the keys we do not know."""
 
     kind: str
     values: Mapping
@@ -38,7 +39,7 @@ class Element:
         """Whether it has an optional feature."""
         return feature.parameters[0].name in self.values
 
-    def with_values(self, **values) -> "Element":
+    def with_values(self, **values) -> Self:
         """A copy with some values replaced; not validated until it enters a Stack by `Stack.from_dict`."""
         return replace(self, values=_frozen({**self.values, **values}))
 
@@ -48,12 +49,23 @@ class Element:
         return {"kind": self.kind, **known, **self.unknown}
 
 
+class Layer(_Part):
+    """A layer: the interface at its top and the medium below that."""
+
+
+class Base(_Part):
+    """The opaque base."""
+
+
+LayerOrBase = TypeVar("LayerOrBase", Layer, Base)
+
+
 @dataclass(frozen=True)
 class Stack:
     """Layers from the top over an opaque base."""
 
-    layers: tuple[Element, ...]
-    base: Element
+    layers: tuple[Layer, ...]
+    base: Base
     name: str = ""
     source: str = ""
     unknown: Mapping = field(default_factory=lambda: _frozen({}))
@@ -84,8 +96,8 @@ class Stack:
                 raise LaminaError(f"{where}: {key} must be text, not {data[key]!r}")
         known = {"schema_version", "name", "source", "layers", "base"}
         return cls(
-            layers=tuple(_element(d, f"{where}: layer {i}", schema.layer, version) for i, d in enumerate(layers)),
-            base=_element(data["base"], f"{where}: base", schema.base, version),
+            layers=tuple(_part(Layer, d, f"{where}: layer {i}", schema.layer, version) for i, d in enumerate(layers)),
+            base=_part(Base, data["base"], f"{where}: base", schema.base, version),
             name=data.get("name", ""),
             source=data.get("source", ""),
             unknown=_frozen({k: v for k, v in data.items() if k not in known}),
@@ -148,7 +160,7 @@ def _json_text(value, indent: str = "") -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def _element(data, where: str, kind_of, version: int) -> Element:
+def _part(part: type[LayerOrBase], data, where: str, kind_of, version: int) -> LayerOrBase:
     if not isinstance(data, Mapping):
         raise LaminaError(f"{where}: must be a JSON object with a 'kind', not {data!r}")
     kind: Kind = kind_of(data.get("kind"), where)
@@ -158,7 +170,7 @@ def _element(data, where: str, kind_of, version: int) -> Element:
     names = _given_names(kind, data, where)
     values = {p.name: p.check(data.get(p.name, p.default), where) for p in kind.all_parameters if p.name in names}
     known = {"kind"} | {p.name for p in kind.all_parameters}
-    return Element(kind.name, _frozen(values), _frozen({k: v for k, v in data.items() if k not in known}))
+    return part(kind.name, _frozen(values), _frozen({k: v for k, v in data.items() if k not in known}))
 
 
 def _given_names(kind: Kind, data: Mapping, where: str) -> set[str]:

@@ -83,7 +83,7 @@ class Level:
     wi: np.ndarray
     reaches: np.ndarray
     """Bool (...): both directions are above every horizon on the way."""
-    carried: np.ndarray
+    throughput: np.ndarray
     """Product (..., 3) of T12 a t of eq. 2; 0 where `reaches` is false."""
 
 
@@ -128,8 +128,8 @@ class WeidlichWilkie:
             wh = half_vector(level.wi, level.wo)
             cos_h = np.clip(dot(level.wi, wh), 0.0, 1.0)
             reflected = fresnel_dielectric(cos_h, surface.eta) * facets.lobe(level.wi, level.wo, wh)
-            parts.append(level.carried * reflected[..., None])
-        return [*parts, bottom.carried * self._base(bottom.wi, bottom.wo)]
+            parts.append(level.throughput * reflected[..., None])
+        return [*parts, bottom.throughput * self._base(bottom.wi, bottom.wo)]
 
     def levels(self, wo: np.ndarray, wi: np.ndarray) -> Iterator[Level]:
         """The levels from the top interface to the base."""
@@ -157,7 +157,7 @@ class WeidlichWilkie:
             t21 = (1.0 - g) + t21 * g
         reaches = level.reaches & (wi_below[..., 2] > 0.0) & (wo_below[..., 2] > 0.0)
         factor = np.where(reaches, t12 * t21, 0.0)[..., None] * self._absorption(surface.tau, wi_below, wo_below)
-        return Level(wo_below, wi_below, reaches, level.carried * factor)
+        return Level(wo_below, wi_below, reaches, level.throughput * factor)
 
     def _absorption(self, tau, wi, wo) -> np.ndarray:
         cos_i, cos_o = np.clip(wi[..., 2], 1e-6, 1.0), np.clip(wo[..., 2], 1e-6, 1.0)
@@ -201,10 +201,10 @@ class WeidlichWilkie:
         for surface, facets, level in zip(self.interfaces, self._facets, above):
             if is_specular(facets.alpha):
                 fresnel = fresnel_dielectric(level.wo[..., 2], surface.eta)
-                total = total + level.carried * (fresnel * self._delta_energy(level.wo, top_cos, surface.n_above))[..., None]
+                total = total + level.throughput * (fresnel * self._delta_energy(level.wo, top_cos, surface.n_above))[..., None]
         if self._base_facets and is_specular(self._base_facets.alpha):
             fresnel = self.base.reflectance(bottom.wo[..., 2])
-            total = total + bottom.carried * fresnel * self._delta_energy(bottom.wo, top_cos, self.base.n_above)[..., None]
+            total = total + bottom.throughput * fresnel * self._delta_energy(bottom.wo, top_cos, self.base.n_above)[..., None]
         return total
 
     def _delta_energy(self, wo, top_cos, n_above):

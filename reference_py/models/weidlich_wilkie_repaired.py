@@ -58,7 +58,7 @@ class WeidlichWilkieRepaired(WeidlichWilkie):
 
     def _cross(self, surface, facets, level: Level) -> Level:
         below = super()._cross(surface, facets, level)
-        return replace(below, carried=below.carried / surface.eta**2)
+        return replace(below, throughput=below.throughput / surface.eta**2)
 
     def sample(self, wo: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
         """One light direction (..., 3) per wo and whether it is valid, (...).
@@ -107,10 +107,10 @@ class WeidlichWilkieRepaired(WeidlichWilkie):
         wo_inside, wi_inside = sampling.enter(wo, n), sampling.enter(wi, n)
         jacobian = wi[..., 2] / (n * n * np.maximum(wi_inside[..., 2], 1e-30))
         above = sampling.component_density(lobe, wo_inside, wi_inside) * jacobian
-        turned = wi * np.array([1.0, 1.0, -1.0])
-        is_trapped = ~sampling.leave(turned, n)[1]
+        wi_down = wi * np.array([1.0, 1.0, -1.0])
+        is_trapped = ~sampling.leave(wi_down, n)[1]
         below = sampling.component_density(lobe, wo_inside, wi)
-        below = below + np.where(is_trapped, sampling.component_density(lobe, wo_inside, turned), 0.0)
+        below = below + np.where(is_trapped, sampling.component_density(lobe, wo_inside, wi_down), 0.0)
         return np.where(wi[..., 2] > 0.0, above, below)
 
     def component_weights(self, wo: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..material.stack import Element
+from ..material.stack import Base
 from .colour import artist_index, conductor_rgb
 from .diffuse import oren_nayar, oren_nayar_1994, oren_nayar_albedo
 from .fresnel import fresnel_conductor
@@ -25,7 +25,7 @@ class DiffuseBase:
     is_specular = False
 
     @classmethod
-    def of(cls, base: Element, n_above: float) -> "DiffuseBase":
+    def of(cls, base: Base, n_above: float) -> "DiffuseBase":
         """That of a base which has a color, and may have a slope deviation, below a medium of index `n_above`."""
         return cls(n_above, np.array(base["color"], float), base["sigma_deg"] if "sigma_deg" in base else 0.0)
 
@@ -62,7 +62,7 @@ class ConductorBase:
     film: Film | None = None
 
     @classmethod
-    def of(cls, base: Element, n_above: float) -> "ConductorBase":
+    def of(cls, base: Base, n_above: float) -> "ConductorBase":
         """That of a base which is given by name, by index or by its colors, below a medium of index `n_above`."""
         return cls(n_above, *conductor_index(base), Microfacets.of(base), film_of(base))
 
@@ -92,7 +92,7 @@ class ConductorBase:
         return fresnel_conductor(np.asarray(cos_theta_i)[..., None], *self.relative_index)
 
 
-def conductor_index(base: Element) -> tuple[np.ndarray, np.ndarray]:
+def conductor_index(base: Base) -> tuple[np.ndarray, np.ndarray]:
     """Absolute complex index (eta, k), each (channels,), of a conductor base."""
     if "metal" in base:
         return conductor_rgb(base["metal"])

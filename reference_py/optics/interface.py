@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..material.schema import ANISOTROPY, THIN_FILM
-from ..material.stack import Element
+from ..material.stack import Base, Layer
 from .fresnel import fresnel_dielectric
 from .microfacet import alpha_from_roughness, is_specular
 from .thin_film import THINNEST_NM, Film, film_reflectance
@@ -38,7 +38,7 @@ class Microfacets:
     anisotropic: AnisotropicRoughness | None = None
 
     @classmethod
-    def of(cls, element: Element) -> "Microfacets":
+    def of(cls, element: Layer | Base) -> "Microfacets":
         """Those of a layer or base, in Blender's convention of anisotropy. Cycles takes no alpha above 1."""
         alpha = float(alpha_from_roughness(element["roughness"]))
         if not element.has(ANISOTROPY):
@@ -65,7 +65,7 @@ class Interface:
     film: Film | None = None
 
     @classmethod
-    def of(cls, layer: Element, n_above: float) -> "Interface":
+    def of(cls, layer: Layer, n_above: float) -> "Interface":
         """That of a layer below a medium of absolute index `n_above`."""
         tau = optical_depth(layer["tint"], layer["thickness"])
         return cls(n_above, layer["ior"], Microfacets.of(layer), tau, film_of(layer))
@@ -92,7 +92,7 @@ class Interface:
         return film_reflectance(cos_theta_i, self.n_above, self.film, self.n_below)
 
 
-def film_of(element: Element) -> Film | None:
+def film_of(element: Layer | Base) -> Film | None:
     """The thin film on an element's surface; None if it has none that Cycles would see."""
     if not element.has(THIN_FILM) or element["film_thickness"] <= THINNEST_NM:
         return None

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scattering by one rough interface: once, as most renderers do, or until the light leaves it.
 
-    scattered = scatter_dielectric(w, eta, alpha, kind, rng, surface="multiple")
+    scattered = scatter_dielectric(w, eta, alpha, distribution, rng, surface="multiple")
     scattered.direction  (n, 3)  direction of travel after the interface; z < 0 means transmitted
     scattered.weight     (n,)    energy carried: 1 for "multiple", which loses none; "single" loses some
 
@@ -49,7 +49,7 @@ def scatter_dielectric(
     w: np.ndarray,
     eta: float,
     alpha,
-    kind: str,
+    distribution: str,
     rng: np.random.Generator,
     surface: str = "multiple",
     target: np.ndarray | None = None,
@@ -63,15 +63,15 @@ def scatter_dielectric(
     """
     _check(surface)
     if surface == "single":
-        return _dielectric_once(w, eta, alpha, kind, rng, target, film, from_above)
-    return _dielectric_walk(w, eta, alpha, kind, rng, target, film, from_above)
+        return _dielectric_once(w, eta, alpha, distribution, rng, target, film, from_above)
+    return _dielectric_walk(w, eta, alpha, distribution, rng, target, film, from_above)
 
 
 def scatter_conductor(
     w: np.ndarray,
     fresnel: Callable[[np.ndarray], np.ndarray],
     alpha,
-    kind: str,
+    distribution: str,
     rng: np.random.Generator,
     surface: str = "multiple",
     target: np.ndarray | None = None,
@@ -82,38 +82,38 @@ def scatter_conductor(
     """
     _check(surface)
     if surface == "single":
-        return _conductor_once(w, fresnel, alpha, kind, rng, target)
-    return _conductor_walk(w, fresnel, alpha, kind, rng, target)
+        return _conductor_once(w, fresnel, alpha, distribution, rng, target)
+    return _conductor_walk(w, fresnel, alpha, distribution, rng, target)
 
 
 def scattering_density(
-    w: np.ndarray, o: np.ndarray, eta: float | None, alpha, kind: str, film: FilmInterface | None = None, from_above: bool = True
+    w: np.ndarray, o: np.ndarray, eta: float | None, alpha, distribution: str, film: FilmInterface | None = None, from_above: bool = True
 ) -> np.ndarray:
     """Density (n,) in 1/sr of the direction o after one scattering event, before masking; eta None for a conductor.
 
     It is the exact density of "single" samples, lost ones included. All o lie on one side.
     """
-    return _mean(_scattered(w, o, eta, alpha, kind, film, from_above))
+    return _mean(_scattered(w, o, eta, alpha, distribution, film, from_above))
 
 
 def _mean(values: np.ndarray) -> np.ndarray:
     return values if values.ndim == 1 else values.mean(axis=1)
 
 
-def _scattered(w, o, eta, alpha, kind, film=None, from_above=True) -> np.ndarray:
+def _scattered(w, o, eta, alpha, distribution, film=None, from_above=True) -> np.ndarray:
     """The density of `scattering_density`, with a film per channel, (n, 3)."""
-    area = projected_area(w, alpha, kind)
+    area = projected_area(w, alpha, distribution)
     if eta is None:
-        return _facets_reflecting(w, o, area, alpha, kind)[1]
+        return _facets_reflecting(w, o, area, alpha, distribution)[1]
     if o[0, 2] < 0.0:
-        return _refracted(w, o, area, eta, alpha, kind, film, from_above)
-    return _reflected(w, o, area, eta, alpha, kind, film, from_above)
+        return _refracted(w, o, area, eta, alpha, distribution, film, from_above)
+    return _reflected(w, o, area, eta, alpha, distribution, film, from_above)
 
 
-def masking(o: np.ndarray, alpha, kind: str) -> np.ndarray:
+def masking(o: np.ndarray, alpha, distribution: str) -> np.ndarray:
     """Smith G1 (n,) of directions on either side, from the exact projected area."""
     outward = vectors(o[:, 0], o[:, 1], np.abs(o[:, 2]))
-    return outward[:, 2] / projected_area(outward, alpha, kind)
+    return outward[:, 2] / projected_area(outward, alpha, distribution)
 
 
 def _check(surface: str) -> None:
@@ -145,28 +145,28 @@ def _cosine(w, wm) -> np.ndarray:
     return w[:, 0] * wm[:, 0] + w[:, 1] * wm[:, 1] + w[:, 2] * wm[:, 2]
 
 
-def _facets_reflecting(w, o, area, alpha, kind):
+def _facets_reflecting(w, o, area, alpha, distribution):
     """Facet cosine and density of mirror directions, D_w(wh) / (4 cos), for every reflecting facet (Heitz16)."""
     h = w + o
     length = np.sqrt(np.maximum(dot(h, h), 1e-30))
-    return 0.5 * length, 0.25 * facet_distribution(h / length[:, None], alpha, kind) / area
+    return 0.5 * length, 0.25 * facet_distribution(h / length[:, None], alpha, distribution) / area
 
 
-def _reflected(w, o, area, eta, alpha, kind, film=None, from_above=True) -> np.ndarray:
-    cos, spread = _facets_reflecting(w, o, area, alpha, kind)
+def _reflected(w, o, area, eta, alpha, distribution, film=None, from_above=True) -> np.ndarray:
+    cos, spread = _facets_reflecting(w, o, area, alpha, distribution)
     if film is not None:
         return film.reflectance(cos, cos_theta_t(cos, eta), from_above) * spread[:, None]
     return fresnel_dielectric(cos, eta) * spread
 
 
-def _refracted(w, o, area, eta, alpha, kind, film=None, from_above=True) -> np.ndarray:
+def _refracted(w, o, area, eta, alpha, distribution, film=None, from_above=True) -> np.ndarray:
     """Density of refracted directions with the Jacobian of Walter07, eq. 17."""
     h = -(w + eta * o)
     length2 = np.maximum(dot(h, h), 1e-30)
     h = h / (np.sqrt(length2) * np.where(h[:, 2] < 0.0, -1.0, 1.0))[:, None]
     cos, cos_o = dot(w, h), -dot(o, h)
     facing = (cos > 0.0) & (cos_o > 0.0)
-    visible = np.where(facing, cos * cos_o, 0.0) * facet_distribution(h, alpha, kind) / area
+    visible = np.where(facing, cos * cos_o, 0.0) * facet_distribution(h, alpha, distribution) / area
     density = visible * refraction_jacobian(eta, length2)
     if film is not None:
         return (1.0 - film.reflectance(cos, cos_theta_t(cos, eta), from_above)) * density[:, None]
@@ -189,43 +189,43 @@ def refraction_jacobian(eta: float, length2: np.ndarray) -> np.ndarray:
     return eta * eta / length2
 
 
-def _dielectric_once(w, eta, alpha, kind, rng, target, film, from_above) -> Scattered:
-    wm = sample_visible_normals(w, alpha, kind, rng)
+def _dielectric_once(w, eta, alpha, distribution, rng, target, film, from_above) -> Scattered:
+    wm = sample_visible_normals(w, alpha, distribution, rng)
     cos = _cosine(w, wm)
     reflectance, cos_t = fresnel_and_refraction(cos, eta)
     reflected, choice = chosen(reflectance, cos, cos_t, film, from_above, rng)
     o = _bend(w, wm, cos, cos_t, eta, reflected)
-    weight = np.where((o[:, 2] > 0.0) == reflected, masking(o, alpha, kind), 0.0)
+    weight = np.where((o[:, 2] > 0.0) == reflected, masking(o, alpha, distribution), 0.0)
     weight = weight if choice is None else weight[:, None] * choice
     toward = None
     if target is not None:
-        toward = (_scattered(w, target, eta, alpha, kind, film, from_above).T * masking(target, alpha, kind)).T
+        toward = (_scattered(w, target, eta, alpha, distribution, film, from_above).T * masking(target, alpha, distribution)).T
     return Scattered(o, weight, toward)
 
 
-def _conductor_once(w, fresnel, alpha, kind, rng, target) -> Scattered:
-    wm = sample_visible_normals(w, alpha, kind, rng)
+def _conductor_once(w, fresnel, alpha, distribution, rng, target) -> Scattered:
+    wm = sample_visible_normals(w, alpha, distribution, rng)
     cos = _cosine(w, wm)
     o = _bend(w, wm, cos, 0.0, 1.0, True)
-    weight = np.where(o[:, 2] > 0.0, masking(o, alpha, kind), 0.0)[:, None] * fresnel(cos)
+    weight = np.where(o[:, 2] > 0.0, masking(o, alpha, distribution), 0.0)[:, None] * fresnel(cos)
     toward = None
     if target is not None:
-        cos, spread = _facets_reflecting(w, target, projected_area(w, alpha, kind), alpha, kind)
-        toward = (spread * masking(target, alpha, kind))[:, None] * fresnel(cos)
+        cos, spread = _facets_reflecting(w, target, projected_area(w, alpha, distribution), alpha, distribution)
+        toward = (spread * masking(target, alpha, distribution))[:, None] * fresnel(cos)
     return Scattered(o, weight, toward)
 
 
-def _dielectric_walk(w, eta, alpha, kind, rng, target, film, from_above) -> Scattered:
+def _dielectric_walk(w, eta, alpha, distribution, rng, target, film, from_above) -> Scattered:
     """Random walk of Heitz16 in the frame of the side where the ray is: crossing a facet negates it."""
     n = len(w)
     out = np.empty((3, n)).T
     ray, outside = np.arange(n), np.ones(n, bool)
     log_below = np.zeros(n)
     eta_here = eta
-    carried = None if film is None else np.ones((n, 3))
-    estimate = None if target is None else _Estimate(target, alpha, kind, (n,) if film is None else (n, 3))
+    throughput = None if film is None else np.ones((n, 3))
+    estimate = None if target is None else _Estimate(target, alpha, distribution, (n,) if film is None else (n, 3))
     while True:
-        area = projected_area(w, alpha, kind)
+        area = projected_area(w, alpha, distribution)
         log_below = _advance(log_below, w, area, rng)
         leaves = log_below >= 0.0
         gone = np.flatnonzero(leaves)
@@ -238,46 +238,46 @@ def _dielectric_walk(w, eta, alpha, kind, rng, target, film, from_above) -> Scat
             log_below, area = log_below[stay], area[stay]
             eta_here = np.where(outside, eta, 1.0 / eta)
         if estimate is not None:
-            estimate.add_dielectric(w, area, ray, outside, log_below, eta, carried, film, from_above)
-        wm = sample_visible_normals(w, alpha, kind, rng)
+            estimate.add_dielectric(w, area, ray, outside, log_below, eta, throughput, film, from_above)
+        wm = sample_visible_normals(w, alpha, distribution, rng)
         cos = _cosine(w, wm)
         reflectance, cos_t = fresnel_and_refraction(cos, eta_here)
         reflected, choice = chosen(reflectance, cos, cos_t, film, outside == from_above, rng)
-        if carried is not None:
-            carried[ray] *= choice
+        if throughput is not None:
+            throughput[ray] *= choice
         o = _bend(w, wm, cos, cos_t, eta_here, reflected)
         # Light goes along o; w of the next event is -o, and crossing negates it once more.
         w = (o.T * np.where(reflected, -1.0, 1.0)).T
         log_below = np.where(reflected, log_below, _log_above(log_below))
         outside = outside == reflected
         eta_here = np.where(outside, eta, 1.0 / eta)
-    weight = np.broadcast_to(1.0, n) if carried is None else carried
+    weight = np.broadcast_to(1.0, n) if throughput is None else throughput
     return Scattered(out, weight, None if estimate is None else estimate.total)
 
 
-def _conductor_walk(w, fresnel, alpha, kind, rng, target) -> Scattered:
+def _conductor_walk(w, fresnel, alpha, distribution, rng, target) -> Scattered:
     n, channels = len(w), fresnel(np.ones(1)).shape[-1]
     out, weight = np.empty((3, n)).T, np.empty((channels, n)).T
-    ray, carried, log_below = np.arange(n), np.ones((channels, n)).T, np.zeros(n)
-    estimate = None if target is None else _Estimate(target, alpha, kind, (n, channels))
+    ray, throughput, log_below = np.arange(n), np.ones((channels, n)).T, np.zeros(n)
+    estimate = None if target is None else _Estimate(target, alpha, distribution, (n, channels))
     while True:
-        area = projected_area(w, alpha, kind)
+        area = projected_area(w, alpha, distribution)
         log_below = _advance(log_below, w, area, rng)
         leaves = log_below >= 0.0
         gone = np.flatnonzero(leaves)
         if len(gone):
             out[ray[gone]] = -take(w, gone)
-            weight[ray[gone]] = carried[gone]
+            weight[ray[gone]] = throughput[gone]
             if len(gone) == len(ray):
                 break
             stay = np.flatnonzero(~leaves)
-            w, carried = take(w, stay), take(carried, stay)
+            w, throughput = take(w, stay), take(throughput, stay)
             ray, log_below, area = ray[stay], log_below[stay], area[stay]
         if estimate is not None:
-            estimate.add_conductor(w, area, ray, log_below, carried, fresnel)
-        wm = sample_visible_normals(w, alpha, kind, rng)
+            estimate.add_conductor(w, area, ray, log_below, throughput, fresnel)
+        wm = sample_visible_normals(w, alpha, distribution, rng)
         cos = _cosine(w, wm)
-        carried = carried * fresnel(cos)
+        throughput = throughput * fresnel(cos)
         w = -_bend(w, wm, cos, 0.0, 1.0, True)
     return Scattered(out, weight, None if estimate is None else estimate.total)
 
@@ -297,13 +297,13 @@ def _log_above(log_below: np.ndarray) -> np.ndarray:
 class _Estimate:
     """Next event estimation inside the microsurface: energy that each facet sends out to the target (Heitz16)."""
 
-    def __init__(self, target: np.ndarray, alpha, kind: str, shape: tuple[int, ...]):
-        self.target, self.alpha, self.kind = target, alpha, kind
+    def __init__(self, target: np.ndarray, alpha, distribution: str, shape: tuple[int, ...]):
+        self.target, self.alpha, self.distribution = target, alpha, distribution
         self.is_above = bool(target[0, 2] > 0.0)
-        self.lambda_target = 1.0 / masking(target, alpha, kind) - 1.0
+        self.lambda_target = 1.0 / masking(target, alpha, distribution) - 1.0
         self.total = np.zeros(shape)
 
-    def add_dielectric(self, w, area, ray, outside, log_below, eta, carried, film, from_above) -> None:
+    def add_dielectric(self, w, area, ray, outside, log_below, eta, throughput, film, from_above) -> None:
         for is_outside in (True, False):
             index = np.flatnonzero(outside == is_outside)
             if not len(index):
@@ -313,14 +313,14 @@ class _Estimate:
             same_side = is_outside == self.is_above
             spread = _reflected if same_side else _refracted
             height = log_below[index] if same_side else _log_above(log_below[index])
-            value = spread(take(w, index), to, area[index], eta_here, self.alpha, self.kind, film, is_outside == from_above)
-            if carried is not None:
-                value = value * carried[ray[index]]
+            value = spread(take(w, index), to, area[index], eta_here, self.alpha, self.distribution, film, is_outside == from_above)
+            if throughput is not None:
+                value = value * throughput[ray[index]]
             self.total[ray[index]] += (value.T * self._escape(ray[index], height)).T
 
-    def add_conductor(self, w, area, ray, log_below, carried, fresnel) -> None:
-        cos, spread = _facets_reflecting(w, take(self.target, ray), area, self.alpha, self.kind)
-        value = carried * fresnel(cos) * (spread * self._escape(ray, log_below))[:, None]
+    def add_conductor(self, w, area, ray, log_below, throughput, fresnel) -> None:
+        cos, spread = _facets_reflecting(w, take(self.target, ray), area, self.alpha, self.distribution)
+        value = throughput * fresnel(cos) * (spread * self._escape(ray, log_below))[:, None]
         self.total[ray] += value
 
     def _escape(self, ray, log_height) -> np.ndarray:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import LaminaError
 from ..material.schema import ANISOTROPY, CONDUCTOR, DIELECTRIC, LAMBERT, OREN_NAYAR, THIN_FILM, Feature
-from ..material.stack import Element, Stack
+from ..material.stack import Base, Layer, Stack
 from .bases import ConductorBase, DiffuseBase
 from .interface import Interface
 from .microfacet import BECKMANN, GGX, is_specular
@@ -96,13 +96,13 @@ def rough_surfaces(stack: Stack) -> list[tuple[str, float]]:
     return OpticalStack.of(stack).rough_surfaces()
 
 
-def _class_of(element: Element, where: str, classes: dict[str, Any]) -> Any:
+def _class_of(element: Layer | Base, where: str, classes: dict[str, Any]) -> Any:
     if element.kind not in classes:
         raise LaminaError(f"{where}: the kind {element.kind} has no optics; choose {', '.join(classes)}")
     return classes[element.kind]
 
 
-def _require(user, where: str, element: Element, kind: type, place: str) -> None:
+def _require(user, where: str, element: Layer | Base, kind: type, place: str) -> None:
     wanted = [(f"{'base' if place == 'bases' else 'layer'} {element.kind}", lambda s: getattr(s, place) is None or issubclass(kind, getattr(s, place)))]
     if "distribution" in element:
         name = element["distribution"]

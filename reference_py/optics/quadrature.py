@@ -28,9 +28,9 @@ def points(count: int) -> tuple[np.ndarray, np.ndarray]:
     return result
 
 
-def facet_normals(u1: np.ndarray, u2: np.ndarray, alpha: float, kind: str) -> np.ndarray:
+def facet_normals(u1: np.ndarray, u2: np.ndarray, alpha: float, distribution: str) -> np.ndarray:
     """Facet normals (n, 3) of density D(wm) cos(wm) for uniform u1, u2 (Walter07, eqs. 28 and 35; Weidlich07, eq. 7)."""
-    return _around_normal(microfacet.distribution_of(kind).cosine_quantile(u1, alpha), u2)
+    return _around_normal(microfacet.distribution_of(distribution).cosine_quantile(u1, alpha), u2)
 
 
 def cosine_directions(u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
@@ -57,7 +57,7 @@ def directional_albedo(
     """
     wo = np.asarray(wo, float)
     flat = wo.reshape(-1, 3)
-    lobes = sorted({(kind, alpha) for kind, alpha in lobes if not microfacet.is_specular(alpha)})
+    lobes = sorted({(distribution, alpha) for distribution, alpha in lobes if not microfacet.is_specular(alpha)})
     result = np.array([_albedo_of_view(f, view, lobes, count) for view in flat])
     return result.reshape(wo.shape[:-1] + result.shape[-1:])
 
@@ -74,7 +74,7 @@ def balanced_directions(wo: np.ndarray, lobes: Sequence[tuple[str, float]], coun
     `count` points are spent on the cosine and on each (distribution, alpha), weighted by the balance heuristic (Veach95).
     """
     u1, u2 = points(count)
-    wi = np.concatenate([cosine_directions(u1, u2)] + [reflect(wo, facet_normals(u1, u2, alpha, kind)) for kind, alpha in lobes])
+    wi = np.concatenate([cosine_directions(u1, u2)] + [reflect(wo, facet_normals(u1, u2, alpha, distribution)) for distribution, alpha in lobes])
     above = wi[:, 2] > 0.0
     return wi, np.where(above, wi[:, 2] / (count * _mixture_density(wo, np.where(above[:, None], wi, wo), lobes)), 0.0)
 
@@ -85,6 +85,6 @@ def _mixture_density(wo, wi, lobes) -> np.ndarray:
     if lobes:
         wh = half_vector(wi, wo)
         jacobian = wh[:, 2] / np.maximum(4.0 * dot(wi, wh), 1e-300)
-        for kind, alpha in lobes:
-            density = density + microfacet.distribution(wh[:, 2], alpha, kind) * jacobian
+        for distribution, alpha in lobes:
+            density = density + microfacet.distribution(wh[:, 2], alpha, distribution) * jacobian
     return density

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import LaminaError
-from ..material.stack import Element, Stack
+from ..material.stack import Base, Layer, Stack
 from .colour import metal_index, rgb_weights
 
 
@@ -60,7 +60,7 @@ def smoothest_reflectance(rgb: Sequence[float], wavelength_nm: np.ndarray) -> np
     return spectrum
 
 
-def _spectral_base(base: Element, wavelength_nm: np.ndarray, color) -> Element:
+def _spectral_base(base: Base, wavelength_nm: np.ndarray, color) -> Base:
     count = len(wavelength_nm)
     if "color" in base:
         return base.with_values(color=_spectrum(base, "color", color, count, "base"))
@@ -74,7 +74,7 @@ def _spectral_base(base: Element, wavelength_nm: np.ndarray, color) -> Element:
     return base.with_values(**{name: _spectrum(base, name, None, count, "base") for name in pair})
 
 
-def _spectrum(element: Element, name: str, given, count: int, where: str) -> tuple[float, ...]:
+def _spectrum(element: Layer | Base, name: str, given, count: int, where: str) -> tuple[float, ...]:
     if given is None:
         if len(set(element[name])) > 1:
             raise LaminaError(f"{where}: {name} {list(element[name])} is coloured; give its spectrum")

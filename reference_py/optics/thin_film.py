@@ -64,15 +64,15 @@ def film_reflectance(cos_theta_i: np.ndarray, n_above: float, film: Film, n_belo
     if k_below is None:
         cos_3 = cos_theta_t(cos_2, n_below / ior)
         below = _amplitudes(cos_2, cos_3, ior, n_below)
-        turned = (cos_2 <= 0.0) | (cos_3 <= 0.0)
+        is_total = (cos_2 <= 0.0) | (cos_3 <= 0.0)
     else:
         below = _conductor_amplitudes(cos_2, ior, np.asarray(n_below) + 1j * np.asarray(k_below))
-        turned = cos_2 <= 0.0
+        is_total = cos_2 <= 0.0
     path = 2.0 * ior * film.thickness_nm * cos_2
     total = 0.0
     for r12, energy, r23 in zip((r_s, r_p), reflected_above, below):
         total = total + 0.5 * _airy(r12, energy, r23, path)
-    return np.where(turned, 1.0, np.clip(total, 0.0, 1.0))
+    return np.where(is_total, 1.0, np.clip(total, 0.0, 1.0))
 
 
 def _faded_ior(film: Film, n_above: float) -> float:

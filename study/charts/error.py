@@ -12,7 +12,7 @@ from ...reference_py.atomic import require_writable
 from ...reference_py.material import presets
 from ...reference_py.optics.frame import spherical
 from ...reference_py.registry import make_model
-from ..stress import MODELS_AND_TIERS, make_model_or_tier
+from ..stress import MODELS_AND_METHODS, make_model_or_method
 from ..tables import Report, write_table
 from .output import print_table, pyplot, save_picture
 
@@ -20,8 +20,8 @@ THETA_DEG = np.array([0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 75.0, 80.0,
 TRUTHS = ("adding", "position_free")
 # A fit to one measured paint knows no stack, so that it has no error against one.
 FITS = ("lafortune",)
-COMPARED = tuple(name for name in MODELS_AND_TIERS if name not in TRUTHS + FITS)
-_PEERS_FROM = COMPARED.index("torrance_sparrow")
+COMPARED = tuple(name for name in MODELS_AND_METHODS if name not in TRUTHS + FITS)
+_BASELINES_FROM = COMPARED.index("torrance_sparrow")
 
 _OURS = ("black", "orangered", "gold", "deepskyblue", "limegreen")
 _MARKERS = ("o", "s", "^", "v", "D", "P", "X", "<")
@@ -39,7 +39,7 @@ def chart(folder: Path, report: Report) -> None:
         stack = presets.load(preset)
         exact = make_model("adding", stack).albedo(wo)
         for name in COMPARED:
-            errors[preset, name] = worst_channel(make_model_or_tier(name, stack).albedo(wo), exact)
+            errors[preset, name] = worst_channel(make_model_or_method(name, stack).albedo(wo), exact)
     rows = [[*key, *(f"{v:.4f}" for v in error)] for key, error in errors.items()]
     write_table(table, _HEADING, ("preset", "model", *(f"{t:g}deg" for t in THETA_DEG)), rows, report)
     print_table(("model", "worst", "where", "at", "worst to 60", "mean |error|"), [_summary(name, errors) for name in COMPARED])
@@ -71,10 +71,10 @@ def _draw(path: Path, errors: dict, report: Report) -> None:
         axis.axhspan(-1.0, 1.0, color="0.92", zorder=0)
         axis.axhline(0.0, color="0.5", linewidth=0.8)
         for i, name in enumerate(COMPARED):
-            peer = i - _PEERS_FROM
-            color = f"C{peer + 1}" if peer >= 0 else _OURS[i % len(_OURS)]
-            if peer >= 0:
-                style = {"linewidth": 1.2, "marker": _MARKERS[peer % len(_MARKERS)], "markersize": 4}
+            baseline = i - _BASELINES_FROM
+            color = f"C{baseline + 1}" if baseline >= 0 else _OURS[i % len(_OURS)]
+            if baseline >= 0:
+                style = {"linewidth": 1.2, "marker": _MARKERS[baseline % len(_MARKERS)], "markersize": 4}
             else:  # dashes, as the mirror should hide the model that it follows
                 style = {"linewidth": 3.0, "zorder": 3 + i, "linestyle": (0, (1.5, 1.5)) if name == "closure_model:weidlich_wilkie" else "-"}
             axis.plot(THETA_DEG, 100.0 * errors[preset, name], color=color, label=name, **style)
@@ -91,6 +91,6 @@ def _draw(path: Path, errors: dict, report: Report) -> None:
     figure.legend(handles, labels, loc="outside lower center", ncols=6, fontsize=10)
     figure.suptitle(
         "Albedo against the truth (adding, lossless surfaces): too bright above, too dark below; band: 1 %. A jump: another "
-        "channel is the worst.\nThick: models of this project; marked: peers"
+        "channel is the worst.\nThick: models of this project; marked: baselines"
     )
     save_picture(figure, path, report)

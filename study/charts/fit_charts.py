@@ -211,9 +211,9 @@ def _where_it_is_hard(whole: Metric) -> list[tuple[str, ...]]:
     rows = []
     for name, data in ((", without its lobe towards the light", replace(m, f=m.f - retro)), (f", to {_STEEP_DEG:g} degrees", m.subset(inner))):
         metric, few = Metric(data), subsampled(data)
-        peer = fit_baseline(BASELINE_MODELS[0], few)
-        f = peer.f(data.wi, data.wo)
-        rows.append((BASELINE_MODELS[0].label + name, str(peer.count), f"{metric.error(f):.4f}", f"{shape_error(f, data.f, data.wi[:, 2]):.4f}"))
+        baseline = fit_baseline(BASELINE_MODELS[0], few)
+        f = baseline.f(data.wi, data.wo)
+        rows.append((BASELINE_MODELS[0].label + name, str(baseline.count), f"{metric.error(f):.4f}", f"{shape_error(f, data.f, data.wi[:, 2]):.4f}"))
         for structure in (Structure.of(1, "oren_nayar"), Structure.of(2, "oren_nayar")):
             rows.append(_paint_row(metric, fit_structure(data, structure, "weidlich_wilkie"), name))
         rows.append((f"any sum of lobes of stacks{name}", "-", f"{least_error(metric):.4f}", "-"))

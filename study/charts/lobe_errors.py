@@ -15,8 +15,8 @@ from .output import pyplot, save_picture
 
 THETA_DEG = np.array([0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0])
 
-_TIER = PaperLobes.name
-_HEADING = ("lamina chart lobes", f"tier {_TIER} against model weidlich_wilkie")
+_METHOD = PaperLobes.name
+_HEADING = ("lamina chart lobes", f"tier {_METHOD} against model weidlich_wilkie")
 
 
 def chart(folder: Path, report: Report) -> None:
@@ -28,7 +28,7 @@ def chart(folder: Path, report: Report) -> None:
     for i, name in enumerate(names):
         report(f"{100 * i // len(names):3} % {name}")
         stack = presets.load(name)
-        results[name] = distance(stack, make_model("mirror", stack, tier=_TIER), make_model("weidlich_wilkie", stack), np.radians(THETA_DEG))
+        results[name] = distance(stack, make_model("closure_model", stack, method=_METHOD), make_model("weidlich_wilkie", stack), np.radians(THETA_DEG))
     rows = []
     for name, result in results.items():
         rows.append([name, "albedo", *(f"{v:.4f}" for v in result.albedo)])
@@ -48,5 +48,5 @@ def _draw(path: Path, results: dict[str, Distance], report: Report) -> None:
         axis.set(title=title, xlabel="view angle (degrees)", ylim=(1e-5, 2.0))
         axis.grid(alpha=0.3)
     axes[1].legend(fontsize=7, ncols=2)
-    figure.suptitle(f"Lobe set of tier {_TIER} against the exact model of Weidlich and Wilkie 2007")
+    figure.suptitle(f"Lobe set of tier {_METHOD} against the exact model of Weidlich and Wilkie 2007")
     save_picture(figure, path, report)

@@ -94,7 +94,7 @@ def _scene(study: str, n: int) -> dict:
     from ...addon.rendering.geometry import plane_mesh
     from ...addon.rendering.settings import add_object, measurement_settings, render_to
 
-    stacks, tier = _stacks(study, n)
+    stacks, method = _stacks(study, n)
     backend = NODES if "stock" in study else OSL
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.data.scenes.new("Scale")
@@ -110,13 +110,13 @@ def _scene(study: str, n: int) -> dict:
     with tempfile.TemporaryDirectory() as folder:
         render_to(scene, Path(folder, "empty.exr"))  # what Cycles takes without materials
         seconds, clock, memory = _spent(), time.monotonic(), _resident()
-        prefetch([Wanted(stack, tier) for stack in stacks if stack], lambda told: None)
+        prefetch([Wanted(stack, method) for stack in stacks if stack], lambda message: None)
         for i, stack in enumerate(stacks):
             material = bpy.data.materials.new("Scale")
             if stack is None:
                 node_tree(material).nodes["Principled BSDF"].inputs["Roughness"].default_value = 0.2 + 0.6 * i / n
             else:
-                apply_stack(material, stack, tier, backend)
+                apply_stack(material, stack, method, backend)
                 refresh(material, settle=True)
             tile = add_object(scene, "Tile", plane_mesh("Tile", 1.0))
             tile.location = (1.1 * (i % side), 1.1 * (i // side), 0.0)
@@ -148,7 +148,7 @@ def _stacks(study: str, n: int) -> tuple[list, str]:
 
 def _pictures(n: int) -> dict:
     """A whole `lamina batch`, its processes included."""
-    job = {"stacks": ["clean_copper"], "tiers": ["weidlich_wilkie"], "frames": f"1-{n}", "size": 32, "samples": 4}
+    job = {"stacks": ["clean_copper"], "qualities": ["weidlich_wilkie"], "frames": f"1-{n}", "size": 32, "samples": 4}
     with tempfile.TemporaryDirectory() as home:
         Path(home, "job.json").write_text(json.dumps(job), encoding="utf-8")
         code = "import os, sys; from lamina.addon.cli.main import run; os._exit(run(sys.argv[1:]))"

@@ -4,7 +4,7 @@
 from pathlib import Path
 
 from ...reference_py.atomic import require_writable
-from ..stress import CASES, COLUMNS, MODELS_AND_TIERS, REFUSED, is_refused, measure
+from ..stress import CASES, COLUMNS, MODELS_AND_METHODS, REFUSED, is_refused, measure
 from ..tables import Report, write_table
 from .output import print_table
 
@@ -16,8 +16,8 @@ def chart(folder: Path, report: Report) -> None:
     table = folder / "stress.csv"
     require_writable(table)
     rows = []
-    for i, name in enumerate(MODELS_AND_TIERS):
-        report(f"{100 * i // len(MODELS_AND_TIERS):3} % {name}")
+    for i, name in enumerate(MODELS_AND_METHODS):
+        report(f"{100 * i // len(MODELS_AND_METHODS):3} % {name}")
         for case in CASES:
             result = measure(name, CASES[case])
             rows.append([name, case, *(_cell(getattr(result, column)) for column in COLUMNS)])

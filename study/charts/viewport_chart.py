@@ -61,7 +61,7 @@ def _measure(names: Sequence[str], sheet: Path, report: Report) -> tuple[tuple[s
             osl = _render(stage, item, sample.osl)
             nodes = osl if sample.closures is None else _render(stage, item, sample.nodes)
             eevee, nodes, osl = (np.where(inside, picture, np.nan) for picture in (eevee, nodes, osl))
-            cells = [f"{value:.4f}" for told in (eevee, nodes) for value in (difference(told, osl, surroundings), _energy(told, osl))]
+            cells = [f"{value:.4f}" for picture in (eevee, nodes) for value in (difference(picture, osl, surroundings), _energy(picture, osl))]
             rows.append([sample.label, "" if sample.closures is None else str(sample.closures), *cells])
             pictures.append(encoded(shown(np.nan_to_num(np.concatenate([eevee, nodes, osl], axis=1)) * surroundings.exposure)))
     tiles = [Tile(row[0], made[0].nodes, f"CIEDE2000 of EEVEE: {float(row[2]):.1f}") for row in rows]
@@ -74,7 +74,7 @@ def _render(stage, item, material) -> np.ndarray:
     return stage.picture(SAMPLES)
 
 
-def _energy(told: np.ndarray, truth: np.ndarray) -> float:
+def _energy(picture: np.ndarray, truth: np.ndarray) -> float:
     """Relative error of a picture's mean radiance, of the channel where it is worst."""
-    error = np.nanmean(told, axis=(0, 1)) / np.nanmean(truth, axis=(0, 1)) - 1.0
+    error = np.nanmean(picture, axis=(0, 1)) / np.nanmean(truth, axis=(0, 1)) - 1.0
     return float(error[np.argmax(np.abs(error))])

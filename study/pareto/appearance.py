@@ -102,7 +102,7 @@ def ball_picture(reflectance: Reflectance, widths: list[float], size: int, surro
         for dj, wj in ((0, 1.0 - t), (1, t)):
             total += wi * wj * rings[i + di, (j + dj) % _AZIMUTHS]
     mirrored = reflect(np.array([0.0, 0.0, 1.0]), n)
-    picture[inside] = total + reflectance.mirror(n[:, 2]) * surroundings.radiance(mirrored)[:, None]
+    picture[inside] = total + reflectance.specular_albedo(n[:, 2]) * surroundings.radiance(mirrored)[:, None]
     return picture
 
 

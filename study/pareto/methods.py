@@ -47,9 +47,9 @@ def methods(stack: Stack, truth, report: Callable[[str], None]) -> list[Method]:
         Method("layer", "OSL layer()", ModelReflectance(layer), lambda tag: script_material(tag, layer_text(stack, tag))),
         _tables(stack, "belcour", "Belcour 2018", belcour_lobes(belcour)),
     ]
-    for tier in _LABELS:
-        lobe_set = make_lobe_set(stack, tier)
-        result.append(Method(tier, _LABELS[tier], LobeReflectance(lobe_set), _live(stack, tier), lobe_set.lobe_count))
+    for method in _LABELS:
+        lobe_set = make_lobe_set(stack, method)
+        result.append(Method(method, _LABELS[method], LobeReflectance(lobe_set), _live(stack, method), lobe_set.lobe_count))
     start = time.process_time()
     baker = Baker(stack, truth)
     for glossy in range(1, MAX_GLOSSY + 1):
@@ -76,10 +76,10 @@ def _nodes(lobe_set: TableLobes, spent: float) -> Method:
     return Method(NODES, f"stock nodes, {_NODES_GLOSSY}", LobeReflectance(stock), lambda tag: group_material(stock), stock.lobe_count, spent)
 
 
-def _live(stack: Stack, tier: str) -> Callable[[str], bpy.types.Material]:
+def _live(stack: Stack, method: str) -> Callable[[str], bpy.types.Material]:
     def material(tag: str) -> bpy.types.Material:
         made = bpy.data.materials.new(tag)
-        apply_stack(made, stack, tier, OSL)
+        apply_stack(made, stack, method, OSL)
         return made
 
     return material

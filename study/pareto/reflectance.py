@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a way to render a stack reflects, in numpy, and how far that is from the truth. Does not need bpy.
 
-Lobe sets and peers equal their renders to 1e-4 and 5e-4 (tests/addon/test_parity*.py, test_peers_render.py), so that
+Lobe sets and baselines equal their renders to 1e-4 and 5e-4 (tests/addon/test_parity*.py, test_baselines_render.py), so that
 their errors need no render.
 """
 
@@ -26,11 +26,11 @@ _GUESSES = np.geomspace(0.02, 1.0, 14)
 
 
 class Reflectance(Protocol):
-    """`f(wo, wi)` (..., 3) without mirror-like parts, `albedo(cos)` and its mirror-like share `mirror(cos)`, each (n, 3)."""
+    """`f(wo, wi)` (..., 3) without mirror-like parts, `albedo(cos)` and its mirror-like share `specular_albedo(cos)`, each (n, 3)."""
 
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray: ...
     def albedo(self, cos_theta_o: np.ndarray) -> np.ndarray: ...
-    def mirror(self, cos_theta_o: np.ndarray) -> np.ndarray: ...
+    def specular_albedo(self, cos_theta_o: np.ndarray) -> np.ndarray: ...
 
 
 class LobeReflectance:
@@ -45,7 +45,7 @@ class LobeReflectance:
     def albedo(self, cos_theta_o):
         return self._energy(cos_theta_o, lambda lobe: True)
 
-    def mirror(self, cos_theta_o):
+    def specular_albedo(self, cos_theta_o):
         return self._energy(cos_theta_o, lambda lobe: isinstance(lobe, GlossyLobe) and is_specular_lobe(lobe))
 
     def _energy(self, cos_theta_o, counts):
@@ -65,8 +65,8 @@ class ModelReflectance:
     def albedo(self, cos_theta_o):
         return self.model.albedo(_views(cos_theta_o))
 
-    def mirror(self, cos_theta_o):
-        if not has_mirror(self.model.stack):
+    def specular_albedo(self, cos_theta_o):
+        if not is_specular_somewhere(self.model.stack):
             return np.zeros((len(cos_theta_o), 3))
         wo = _views(cos_theta_o)
         return np.maximum(self.model.albedo(wo) - directional_albedo(self.model.f, wo, self._rough), 0.0)
@@ -75,7 +75,7 @@ class ModelReflectance:
 class TruthReflectance(ModelReflectance):
     """That of `adding`, which knows its mirror-like part."""
 
-    def mirror(self, cos_theta_o):
+    def specular_albedo(self, cos_theta_o):
         return self.model.specular_albedo(cos_theta_o)
 
 
@@ -83,7 +83,7 @@ def _views(cos_theta_o) -> np.ndarray:
     return spherical(np.arccos(np.asarray(cos_theta_o, float)), 0.0)
 
 
-def has_mirror(stack: Stack) -> bool:
+def is_specular_somewhere(stack: Stack) -> bool:
     """Whether light can come back as from a mirror."""
     optics = OpticalStack.of(stack)
     return optics.base.is_specular or any(s.facets.is_specular for s in optics.interfaces)
@@ -105,11 +105,11 @@ class Reference:
         self._cosines = np.cos(np.radians(THETA_DEG))
         self._views = truth_at(truth, self._cosines, [alpha for _, alpha in rough_surfaces(stack)])
         exact = TruthReflectance(truth)
-        self._albedo, self._mirror = np.maximum(exact.albedo(self._cosines), 1e-9), exact.mirror(self._cosines)
+        self._albedo, self._specular_albedo = np.maximum(exact.albedo(self._cosines), 1e-9), exact.specular_albedo(self._cosines)
 
     def errors(self, reflectance: Reflectance) -> Errors:
         albedo = np.abs(reflectance.albedo(self._cosines) / self._albedo - 1.0)
-        gaps = np.abs(reflectance.mirror(self._cosines) - self._mirror)
+        gaps = np.abs(reflectance.specular_albedo(self._cosines) - self._specular_albedo)
         for gap, view in zip(gaps, self._views):
             gap += view.share @ np.abs(reflectance.f(np.broadcast_to(view.wo, view.wi.shape), view.wi) - view.f)
         shape = np.max(gaps / self._albedo, axis=-1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Anisotropic surfaces in the render: equal to the mirror at every azimuth, along the material's Tangent node."""
+"""Anisotropic surfaces in the render: equal to their closure model at every azimuth, along the material's Tangent node."""
 
 import numpy as np
 import pytest
@@ -48,7 +48,7 @@ def shown(layers, base, tier, backend="osl"):
 @pytest.mark.parametrize("name", STACKS)
 def test_render_equals_mirror(blender, tier, name):
     new = shown(*STACKS[name], tier)
-    result = tangent_parity(new, make_model("mirror", material.stack_of(new), tier=tier).f, 45.0, 64)
+    result = tangent_parity(new, make_model("closure_model", material.stack_of(new), method=tier).f, 45.0, 64)
     print(f"{tier}, {name}: 99th percentile {result.percentile_99:.1e} of {result.errors.size}")
     assert result.finite and result.errors.size > 300
     assert result.percentile_99 <= TOLERANCE
@@ -57,7 +57,7 @@ def test_render_equals_mirror(blender, tier, name):
 def test_the_wrong_azimuth_is_caught(blender):
     new = shown(*STACKS["bare metal"], "weidlich_wilkie")
     turned = Stack.from_dict({"base": {**STEEL, **BRUSHED, "rotation": 0.11}})
-    assert tangent_parity(new, make_model("mirror", turned, tier="weidlich_wilkie").f, 45.0, 64).percentile_99 > 100 * TOLERANCE
+    assert tangent_parity(new, make_model("closure_model", turned, method="weidlich_wilkie").f, 45.0, 64).percentile_99 > 100 * TOLERANCE
 
 
 @pytest.mark.parametrize("tier", ["weidlich_wilkie", "analytic"])

@@ -136,12 +136,12 @@ def test_a_cancelled_bake_stays_live_until_asked_for(window):
     bakes.tick()
     bakes.tick()
     bakes.cancel(owner)
-    assert bakes.given_up(owner) == "cancelled"
+    assert bakes.failed(owner) == "cancelled"
     rest(owner)
-    assert is_live(owner) and bakes.given_up(owner) == "cancelled"
+    assert is_live(owner) and bakes.failed(owner) == "cancelled"
     bakes.retry(owner)
     rest(owner)
-    assert not is_live(owner) and not bakes.given_up(owner)
+    assert not is_live(owner) and not bakes.failed(owner)
 
 
 def test_a_worker_that_cannot_start_is_named_and_costs_nothing(window, monkeypatch, capsys):

@@ -19,6 +19,7 @@ from lamina.addon.rendering import settings
 from lamina.addon.rendering.geometry import plane_mesh, sphere_mesh
 from lamina.addon.shader.nodes import stock_nodes
 from lamina.addon.shader.osl import parts
+from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
@@ -154,7 +155,7 @@ def test_nothing_reflects_more_than_it_receives(blender, tmp_path, scene, tier, 
 @pytest.mark.parametrize("data", ["plane", "ribbons"])
 def test_flat_surfaces_and_strands_stay(blender, tmp_path, monkeypatch, data, backend):
     """Where Cycles bends nothing, pictures are those of the normal as it is; of a coat over metal, which has tilted lobes."""
-    stack = Stack.from_dict({"layers": [{"kind": "dielectric", "roughness": 0.3}], "base": {"kind": "conductor", "metal": "gold", "roughness": 0.2}})
+    stack = presets.load("frosted_metal")  # which other tests bake too
 
     def picture():
         made = ribbons(blender) if data == "ribbons" else plane_mesh("plane", 1.0)

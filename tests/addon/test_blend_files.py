@@ -43,20 +43,25 @@ def render_elsewhere(blend: Path, picture: Path) -> np.ndarray:
     return np.stack([channels[c] for c in "RGB"], axis=-1)
 
 
-def test_presets_blend_renders_the_same_without_lamina(blender, tmp_path):
+@pytest.fixture(scope="module")
+def committed(registered_lamina, tmp_path_factory) -> np.ndarray:
+    """The committed file's picture."""
+    return render_elsewhere(BUILT, tmp_path_factory.mktemp("committed") / "picture.exr")
+
+
+def test_presets_blend_renders_the_same_without_lamina(blender, committed, tmp_path):
     """Against a copy that this Lamina builds now: the committed file is not stale either."""
     from lamina.addon.blender.blend_files import save_copy
     from lamina.demo_blend.build_presets import build
 
     build()
     save_copy(tmp_path / "fresh.blend")
-    committed = render_elsewhere(BUILT, tmp_path / "committed.exr")
     fresh = render_elsewhere(tmp_path / "fresh.blend", tmp_path / "fresh.exr")
     assert committed.max() > 0.5
     assert np.percentile(np.abs(committed - fresh), 99) <= 1e-3 * committed.mean()
 
 
-def test_a_lost_shader_would_be_caught(blender, tmp_path):
+def test_a_lost_shader_would_be_caught(blender, committed, tmp_path):
     """A deliberate fault: materials that lost the link to their shader must not compare equal."""
     import bpy
 
@@ -67,6 +72,5 @@ def test_a_lost_shader_would_be_caught(blender, tmp_path):
         for link in [k for k in material.node_tree.links if k.from_node.bl_idname == "ShaderNodeScript"]:
             material.node_tree.links.remove(link)
     save_copy(tmp_path / "broken.blend")
-    committed = render_elsewhere(BUILT, tmp_path / "committed.exr")
     broken = render_elsewhere(tmp_path / "broken.blend", tmp_path / "broken.exr")
     assert np.percentile(np.abs(committed - broken), 99) > 0.05 * committed.mean()

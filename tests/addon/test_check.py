@@ -311,13 +311,13 @@ def test_a_renamed_node_of_an_older_file_is_found_by_its_links(owner):
     assert coat(owner) == node and codes(owner) == [] and material.stack_of(owner) == stack
 
 
-def test_a_stale_shader_and_a_bake_that_was_given_up(owner, monkeypatch):
+def test_a_stale_shader_and_a_bake_that_failed(owner, monkeypatch):
     material.apply_stack(owner, STACK, "analytic", "nodes")
     coat(owner).inputs["Roughness"].default_value = 0.7
     assert codes(owner) == ["shader_stale"]
     check.mend(owner, bpy.context.scene, bpy.context.preferences, "shader_stale//")
     assert codes(owner) == []
-    monkeypatch.setattr(bakes, "given_up", lambda _: "cancelled")
+    monkeypatch.setattr(bakes, "failed", lambda _: "cancelled")
     assert codes(owner) == ["not_baked"]
     called = []
     monkeypatch.setattr(bakes, "retry", called.append)

@@ -40,7 +40,7 @@ def test_eval_prints_f_for_every_light_direction():
     data = json.loads(out)
     wi = spherical(np.radians([30, 50]), np.radians([180, 90]))
     wo = np.broadcast_to(spherical(np.radians(30), 0.0), wi.shape)
-    assert np.array(data["f"]) == pytest.approx(make_model("mirror", presets.load("frosted_paint"), tier="analytic").f(wo, wi))
+    assert np.array(data["f"]) == pytest.approx(make_model("closure_model", presets.load("frosted_paint"), method="analytic").f(wo, wi))
 
 
 def test_json_says_how_to_get_the_numbers_again():
@@ -209,7 +209,7 @@ def test_render_writes_both_formats_and_furnace_prints_json(tmp_path, blender):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.exr", "b.png"]
     out, _ = lamina("render", "clean_copper", "--scene", "furnace", "--theta", 0, 60, "--samples", 16, "--size", 8, "--json")
     data = json.loads(out)
-    expected = make_model("mirror", presets.load("clean_copper")).albedo(spherical(np.radians([0, 60]), 0.0))
+    expected = make_model("closure_model", presets.load("clean_copper")).albedo(spherical(np.radians([0, 60]), 0.0))
     assert np.shape(data["stderr"]) == (2, 3)
     assert np.array(data["albedo"]) == pytest.approx(expected, abs=5e-3)
     out, _ = lamina("render", "clean_copper", "--scene", "furnace", "--theta", 0, 60, "--samples", 16, "--size", 8, "--json", "--backend", "nodes")

@@ -45,7 +45,7 @@ def picture(layers, base, tier, backend="osl"):
 @pytest.mark.parametrize("tier, base", [("weidlich_wilkie", GREY), ("weidlich_wilkie", GOLD), ("analytic", GREY), ("analytic", GOLD), ("baked", GREY)])
 def test_render_equals_mirror(blender, tier, base):
     new = layered([{**VARNISH, "coverage": 0.4}, {**GLAZE, "coverage": 0.7}], base, tier)
-    result = parity(new, make_model("mirror", material.stack_of(new), tier=tier).f, 45.0, 64)
+    result = parity(new, make_model("closure_model", material.stack_of(new), method=tier).f, 45.0, 64)
     print(f"{tier}: 99th percentile {result.percentile_99:.1e}")
     assert result.finite and result.errors.size > 1000
     assert result.percentile_99 <= TOLERANCE

@@ -165,13 +165,13 @@ def test_a_fit_beside_the_window(blender, item, matte, tmp_path):
     assert not blender.ops.lamina.fit_measurement.poll()
     owner.name = "renamed meanwhile"
     run_out(fitting)
-    assert material.stack_of(owner).base.kind == "lambert" and "error" in fitting.last_told(owner)
-    (text,) = (t for t in blender.data.texts if t.name in fitting.last_told(owner))
+    assert material.stack_of(owner).base.kind == "lambert" and "error" in fitting.last_summary(owner)
+    (text,) = (t for t in blender.data.texts if t.name in fitting.last_summary(owner))
     assert "table of 150 rows" in text.as_string() and "red color of the base" in text.as_string()
 
     fitting.start(owner, str(tmp_path / "gone.csv"), 0, "lambert")
     run_out(fitting)
-    assert "gone.csv" in fitting.last_told(owner) and material.stack_of(owner).base.kind == "lambert"
+    assert "gone.csv" in fitting.last_summary(owner) and material.stack_of(owner).base.kind == "lambert"
 
     other = blender.data.materials.new("other")
     fitting.start(other, str(matte), "auto", "auto")

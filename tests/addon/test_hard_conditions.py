@@ -222,7 +222,7 @@ def test_a_broken_cache_counts_as_none(tmp_path, monkeypatch, text):
     monkeypatch.setattr(cache, "_folder", tmp_path)
     stack = presets.load("clean_copper")
     cache._file(methods.key_of(stack, "auto")).write_text(text)
-    assert not methods.is_known(stack, "auto")
+    assert not methods.is_cached(stack, "auto")
 
 
 def test_the_clock_may_run_backwards(tmp_path, monkeypatch):

@@ -82,7 +82,7 @@ def test_what_was_computed_before_is_refused_alike(blender, monkeypatch):
     from lamina.addon.material import material, state
 
     owner = blender.data.materials.new("owner")
-    monkeypatch.setattr(state.Wanted, "is_known", lambda _: True)
+    monkeypatch.setattr(state.Wanted, "is_cached", lambda _: True)
     with pytest.raises(LaminaError, match="50 layers need 201 shader parameters"):
         material.apply_stack(owner, Stack.from_dict(MANY), "auto")
 

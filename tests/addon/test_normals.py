@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A normal of its own per layer: each closure renders as the mirror says in the frame of its layer's normal."""
+"""A normal of its own per layer: each closure renders as its closure model says in the frame of its layer's normal."""
 
 import numpy as np
 import pytest
@@ -52,7 +52,7 @@ def bent(normal, offset):
 @pytest.mark.parametrize("tier", ["weidlich_wilkie", "analytic"])
 @pytest.mark.parametrize("base", BASES)
 def test_each_layer_renders_in_its_frame(blender, tier, base):
-    """Two layers and the base; with one closure per element, each is the mirror's in its own frame."""
+    """Two layers and the base; with one closure per element, each is the closure model's in its own frame."""
     layers = [{**COAT, **OWN}, {**COAT, "ior": 1.8, **OWN}]
     new = shown(Stack.from_dict({"layers": layers, "base": {**BASES[base], **OWN}}), tier)
     for index, element in ((0, new.lamina.layers[0]), (1, new.lamina.layers[1]), (-1, new.lamina.base)):

@@ -61,5 +61,5 @@ def test_albedo(blender, name, normal, backend):
 @pytest.mark.parametrize("tier", ["weidlich_wilkie", "analytic"])
 def test_render_under_a_coat_equals_the_mirror(blender, tier):
     stack = rough("colored", [{"kind": "dielectric", "roughness": 0.5, "tint": [0.9, 0.6, 0.5]}])
-    result = parity(shown(stack, tier, "osl"), make_model("mirror", stack, tier=tier).f, 45.0, 64)
+    result = parity(shown(stack, tier, "osl"), make_model("closure_model", stack, method=tier).f, 45.0, 64)
     assert result.finite and result.percentile_99 <= TOLERANCE

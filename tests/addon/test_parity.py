@@ -33,10 +33,10 @@ def _material(stack: Stack, tier: str = "weidlich_wilkie"):
 @pytest.mark.parametrize("name", presets.PAPER)
 def test_render_equals_mirror(blender, name):
     material, stack = _material(presets.load(name))
-    mirror = make_model("mirror", stack, tier="weidlich_wilkie")
+    model = make_model("closure_model", stack, method="weidlich_wilkie")
     for theta in SUN_THETA_DEG:
         for window in filter(None, ((0.0, 0.0, 1.0), highlight_window(stack, theta))):
-            result = parity(material, mirror.f, theta, window=window)
+            result = parity(material, model.f, theta, window=window)
             print(
                 f"{name} sun {theta:g} deg, window {window[2]:.3g}: 99th percentile {result.percentile_99:.1e}"
                 f" of {result.errors.size} values, allowed {tolerance(stack):.1e}"
@@ -50,9 +50,9 @@ def test_render_equals_mirror(blender, name):
 @pytest.mark.parametrize("name", ["glazed_mug", "frosted_paint", "clean_copper", "metallic_car_paint", "patina_copper"])
 def test_baked_render_equals_mirror(blender, name):
     material, stack = _material(presets.load(name), "baked")
-    mirror = make_model("mirror", stack, tier="baked")
+    model = make_model("closure_model", stack, method="baked")
     for theta in SUN_THETA_DEG:
-        result = parity(material, mirror.f, theta)
+        result = parity(material, model.f, theta)
         print(f"{name} baked, sun {theta:g} deg: 99th percentile {result.percentile_99:.1e} of {result.errors.size} values")
         assert result.finite and result.errors.size > 30
         assert result.percentile_99 <= 1e-4
@@ -75,8 +75,8 @@ def test_furnace_equals_mirror(blender, name):
     material, stack = _material(presets.load(name))
     measured, stderr = render_furnace(material, FURNACE_THETA_DEG, samples=64, size=32)
     wo = spherical(np.radians(FURNACE_THETA_DEG), 0.0)
-    expected = make_model("mirror", stack, tier="weidlich_wilkie").albedo(wo)
-    print(f"{name}: Cycles {np.round(measured[:, 1], 5)}, mirror {np.round(expected[:, 1], 5)}, stderr {np.round(stderr[:, 1], 6)}")
+    expected = make_model("closure_model", stack, method="weidlich_wilkie").albedo(wo)
+    print(f"{name}: Cycles {np.round(measured[:, 1], 5)}, model {np.round(expected[:, 1], 5)}, stderr {np.round(stderr[:, 1], 6)}")
     # A smooth metal at normal view renders without noise; what is left is the quadrature behind `expected`.
     allowed = 4.0 * stderr + QUADRATURE_ERROR * expected + beckmann_sampling_bias(stack, wo[:, 2])[:, None] * expected
     assert np.all(np.abs(measured - expected) <= allowed)
@@ -86,7 +86,7 @@ def test_a_wrong_index_is_caught(blender):
     """A deliberate fault: the reference believes in an ior 1 % off."""
     material, stack = _material(presets.load("frosted_paint"))
     wrong = Stack.from_dict({**stack.to_dict(), "layers": [{**stack.layers[0].to_dict(), "ior": 1.01 * stack.layers[0]["ior"]}]})
-    result = parity(material, make_model("mirror", wrong, tier="weidlich_wilkie").f, 45.0)
+    result = parity(material, make_model("closure_model", wrong, method="weidlich_wilkie").f, 45.0)
     assert result.percentile_99 > 10.0 * tolerance(stack)
 
 

@@ -33,9 +33,9 @@ def test_render_equals_mirror(blender, name):
     apply_stack(material, STACKS[name], "analytic")
     # what the sockets hold, rounded to float32, is what was rendered
     stack = stack_of(material)
-    mirror = make_model("mirror", stack, tier="analytic")
+    model = make_model("closure_model", stack, method="analytic")
     for theta in SUN_THETA_DEG:
-        result = parity(material, mirror.f, theta)
+        result = parity(material, model.f, theta)
         print(f"{name} sun {theta:g} deg: 99th percentile {result.percentile_99:.1e} of {result.errors.size} values")
         assert result.finite and result.errors.size > 30
         assert result.percentile_99 <= tolerance(stack)

@@ -43,7 +43,7 @@ def test_render_equals_mirror(blender, name, tier):
     material = bpy.data.materials.new(name)
     apply_stack(material, Stack.from_dict({"layers": layers, "base": base}), tier)
     refresh(material, settle=True)
-    result = parity(material, make_model("mirror", stack_of(material), tier=tier).f, 60.0)
+    result = parity(material, make_model("closure_model", stack_of(material), method=tier).f, 60.0)
     print(f"{name}: 99th percentile {result.percentile_99:.1e} of {result.errors.size} values")
     assert result.finite and result.errors.size > 1000
     assert result.percentile_99 <= TOLERANCE

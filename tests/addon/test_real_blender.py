@@ -130,5 +130,5 @@ def test_one_file_in_the_wheel_and_there_in_cycles_and_in_eevee(registered_lamin
     render = f"import bpy; bpy.context.scene.render.filepath = {str(there)!r}; bpy.ops.render.render(write_still=True)"
     subprocess.run([BLENDER, "-b", "--factory-startup", path, "--python-exit-code", "1", "--python-expr", render], check=True, capture_output=True, timeout=300)
     assert here.min() > 0.01 and np.all(np.abs(means(there) / here - 1.0) < AGREE)
-    (eevee,) = eevee_pictures(bpy.context.scene, bpy.data.objects["ball"], [owner], 16, lambda told: None)
+    (eevee,) = eevee_pictures(bpy.context.scene, bpy.data.objects["ball"], [owner], 16, lambda message: None)
     assert np.all(np.abs(eevee.mean(axis=(0, 1)) / here - 1.0) < EEVEE_AGREES), eevee.mean(axis=(0, 1)) / here

@@ -45,10 +45,10 @@ def no_osl(blender, monkeypatch):
     return blender
 
 
-def mirror_of(lobe_set: TableLobes):
-    mirror = make_model("mirror", presets.load("clean_copper"), tier="weidlich_wilkie")
-    mirror.lobe_set = lobe_set
-    return mirror
+def model_of(lobe_set: TableLobes):
+    model = make_model("closure_model", presets.load("clean_copper"), method="weidlich_wilkie")
+    model.lobe_set = lobe_set
+    return model
 
 
 def material_of(bpy, lobe_set: TableLobes):
@@ -62,10 +62,10 @@ def material_of(bpy, lobe_set: TableLobes):
 
 
 def check(bpy, lobe_set: TableLobes, tolerance: float, windows=((0.0, 0.0, 1.0),)):
-    material, mirror = material_of(bpy, lobe_set), mirror_of(lobe_set)
+    material, model = material_of(bpy, lobe_set), model_of(lobe_set)
     for theta in SUN_THETA_DEG:
         for window in windows(theta) if callable(windows) else windows:
-            result = parity(material, mirror.f, theta, window=window)
+            result = parity(material, model.f, theta, window=window)
             print(f"sun {theta:g} deg, window {window[2]:.3g}: 99th percentile {result.percentile_99:.1e} of {result.errors.size}")
             assert result.finite and result.errors.size > 30
             assert result.percentile_99 <= tolerance
@@ -141,7 +141,7 @@ def test_a_wrong_table_is_caught(no_osl):
     weight = jagged(6, 0.2, 0.9)
     wrong = weight.copy()
     wrong[18] *= 1.01
-    result = parity(material_of(no_osl, TableLobes((DiffuseTable(weight),))), mirror_of(TableLobes((DiffuseTable(wrong),))).f, 45.0)
+    result = parity(material_of(no_osl, TableLobes((DiffuseTable(weight),))), model_of(TableLobes((DiffuseTable(wrong),))).f, 45.0)
     assert result.percentile_99 > 10.0 * TOLERANCE
 
 

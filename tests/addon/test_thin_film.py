@@ -46,7 +46,7 @@ def shown(layers, base, tier):
 @pytest.mark.parametrize("name", {**BELOW, **ON_TOP})
 def test_render_equals_mirror(blender, tier, name):
     new = shown(*{**BELOW, **ON_TOP}[name], tier)
-    result = parity(new, make_model("mirror", material.stack_of(new), tier=tier).f, 45.0, 64)
+    result = parity(new, make_model("closure_model", material.stack_of(new), method=tier).f, 45.0, 64)
     print(f"{tier}, {name}: median {np.median(result.errors):.1e}, 99th percentile {result.percentile_99:.1e}")
     assert result.finite and result.errors.size > 1000
     assert result.percentile_99 <= (TOLERANCE if name in BELOW else FILM_TOLERANCE)

@@ -35,7 +35,7 @@ from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.fit.readers import read
 from lamina.reference_py.fit.readers.measurement import spread_pairs
 from lamina.reference_py.lobes import cache
-from lamina.reference_py.lobes.methods import is_known, key_of, make_lobe_set
+from lamina.reference_py.lobes.methods import is_cached, key_of, make_lobe_set
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.schema import SCHEMA
 from lamina.reference_py.material.stack import Stack
@@ -65,7 +65,7 @@ def read_cache(text: str) -> None:
     stack = presets.load("clean_copper")
     for method in ("auto", "baked"):
         cache._file(key_of(stack, method)).write_text(text, encoding="utf-8", errors="replace")
-        is_known(stack, method)
+        is_cached(stack, method)
 
 
 def read_preset_file(data: bytes) -> None:

@@ -69,7 +69,7 @@ def pictures(folder: Path) -> dict[str, list[np.ndarray]]:
         act = f"import bpy; s = bpy.data.scenes['{scene.name}']; s.render.filepath = {str(there)!r}; bpy.ops.render.render(write_still=True, scene=s.name)"
         subprocess.run([blender_program(), "-b", "--factory-startup", file, "--python-exit-code", "1", "--python-expr", act], check=True, capture_output=True)
         found["other_blender"].append(pixels(there))
-    found["eevee"] = list(eevee_pictures(scene, studio.ball, materials, EEVEE_SAMPLES, lambda told: None))
+    found["eevee"] = list(eevee_pictures(scene, studio.ball, materials, EEVEE_SAMPLES, lambda message: None))
     return found
 
 

@@ -43,12 +43,12 @@ def main() -> None:
         material = bpy.data.materials.new("tilted")
         materials.apply_stack(material, stack, "baked")
         materials.refresh(material, settle=True)
-        mirror = make_model("mirror", materials.stack_of(material), tier="baked")
-        formula = mirror.albedo(spherical(np.radians(THETA_DEG), 0.0))
+        model = make_model("closure_model", materials.stack_of(material), method="baked")
+        formula = model.albedo(spherical(np.radians(THETA_DEG), 0.0))
         measured, _ = render_furnace(material, THETA_DEG, samples=128)
         off = np.take_along_axis(measured / formula - 1.0, np.argmax(np.abs(measured / formula - 1.0), axis=1)[:, None], 1)[:, 0]
         worst = max(worst, np.abs(off).max())
-        sun = parity(material, mirror.f, 45.0).percentile_99
+        sun = parity(material, model.f, 45.0).percentile_99
         print(f"{stack.name:34}" + "".join(f"{100.0 * v:>8.2f}" for v in off) + f"{100.0 * sun:>6.2f}", flush=True)
     print(f"at most {100.0 * worst:.2f} %")
 

@@ -29,19 +29,19 @@ def stack_of(*layers, base):
     return Stack.from_dict({"layers": list(layers), "base": base})
 
 
-def mirror(stack):
-    return make_model("mirror", stack, tier="analytic")
+def closures(stack):
+    return make_model("closure_model", stack, method="analytic")
 
 
 def worst_error(stack, theta=VIEWS):
     wo = spherical(theta, 0.0)
     exact = make_model("adding", stack).albedo(wo)
-    return float(np.max(np.abs(mirror(stack).albedo(wo) - exact) / np.maximum(exact, 1e-12)))
+    return float(np.max(np.abs(closures(stack).albedo(wo) - exact) / np.maximum(exact, 1e-12)))
 
 
 def test_smooth_coat_over_grey():
     """Known in closed form: a smooth coat of 1.5 over Lambert .5 reflects .316 at the normal."""
-    albedo = mirror(stack_of(layer(), base=lambert(0.5))).albedo(spherical(np.zeros(1), 0.0))
+    albedo = closures(stack_of(layer(), base=lambert(0.5))).albedo(spherical(np.zeros(1), 0.0))
     assert albedo[0] == pytest.approx(0.316, abs=0.003)
 
 
@@ -59,7 +59,7 @@ def test_smooth_coat_over_grey():
     ],
 )
 def test_white_stacks_are_white(layers):
-    albedo = mirror(stack_of(*layers, base=lambert(1.0))).albedo(spherical(FURNACE_VIEWS, 0.0))
+    albedo = closures(stack_of(*layers, base=lambert(1.0))).albedo(spherical(FURNACE_VIEWS, 0.0))
     # tables are coarse in the index of refraction towards grazing views
     assert np.max(np.abs(albedo[:-1] - 1.0)) <= 0.006
     assert np.max(np.abs(albedo[-1] - 1.0)) <= 0.008
@@ -67,16 +67,16 @@ def test_white_stacks_are_white(layers):
 
 def test_an_interface_between_equal_indices_vanishes():
     wo = spherical(VIEWS, 0.0)
-    # what is left is the quadrature behind the mirror's albedo
-    assert mirror(stack_of(layer(1.0, 0.3), base=lambert(0.5))).albedo(wo) == pytest.approx(0.5, abs=5e-4)
-    with_it = mirror(stack_of(layer(), layer(1.5, 0.4), base=lambert(0.5))).albedo(wo)
-    assert with_it == pytest.approx(mirror(stack_of(layer(), base=lambert(0.5))).albedo(wo), abs=5e-4)
+    # what is left is the quadrature behind the albedo of closures
+    assert closures(stack_of(layer(1.0, 0.3), base=lambert(0.5))).albedo(wo) == pytest.approx(0.5, abs=5e-4)
+    with_it = closures(stack_of(layer(), layer(1.5, 0.4), base=lambert(0.5))).albedo(wo)
+    assert with_it == pytest.approx(closures(stack_of(layer(), base=lambert(0.5))).albedo(wo), abs=5e-4)
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_stress(name):
     case = CASES[name]
-    model = mirror(case.stack)
+    model = closures(case.stack)
     wo, wi = pairs(case)
     f, albedo = model.f(wo, wi), model.albedo(views(case))
     assert np.all(np.isfinite(f)) and np.all(f >= 0.0)
@@ -119,7 +119,7 @@ def test_albedo_of_the_suite():
 def test_shape():
     for name, bound in (("plastic_grey_0_1", 0.053), ("silver_coat_0_2_metal_0_4", 0.17)):
         stack = suite_stack(name)
-        shape = distance(stack, mirror(stack), make_model("adding", stack), np.radians([10.0, 60.0])).shape
+        shape = distance(stack, closures(stack), make_model("adding", stack), np.radians([10.0, 60.0])).shape
         print(f"{name}: {np.round(100 * shape, 1)} %")
         assert np.max(shape) <= bound
 

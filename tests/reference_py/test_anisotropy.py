@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from lamina.reference_py.lobes.analytic.tables import brushed_energy
+from lamina.reference_py.lobes.analytic.tables import anisotropic_energy
 from lamina.reference_py.lobes.closure import lobe_energy, lobe_f, unit_energy
 from lamina.reference_py.lobes.lobe import DielectricCurve, GlossyLobe
 from lamina.reference_py.lobes.made import DEFAULT_TOLERANCE
@@ -65,7 +65,7 @@ def test_the_table_of_anisotropic_closures(kind):
         alpha_x, alpha_y = min(alpha / aspect, 1.0), alpha * aspect
         cos_o, phi = np.cos(np.radians(rng.uniform(0.0, 82.0, 1))), rng.uniform(0.0, np.pi)
         exact = unit_energy(GlossyLobe(kind, np.ones(3), alpha_x, alpha_y, frame=0.0), cos_o, phi)[0, 0]
-        errors.append(abs(brushed_energy(cos_o, phi, alpha_x, alpha_y, kind)[0] / exact - 1.0))
+        errors.append(abs(anisotropic_energy(cos_o, phi, alpha_x, alpha_y, kind)[0] / exact - 1.0))
     print(f"{kind}: 95 % {np.percentile(errors, 95):.4f}, worst {max(errors):.4f}")
     assert np.percentile(errors, 95) < 0.006 and max(errors) < 0.015
 

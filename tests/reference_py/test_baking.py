@@ -108,7 +108,7 @@ def test_mirror_evaluates_the_bake():
     stack = STACKS["smooth_coat"]
     wo = spherical(np.radians([20.0, 70.0]), 0.0)
     expected = energy(make_lobe_set(stack, "baked"), wo[:, 2])
-    assert make_model("mirror", stack, tier="baked").albedo(wo) == pytest.approx(expected, rel=2e-3)
+    assert make_model("closure_model", stack, method="baked").albedo(wo) == pytest.approx(expected, rel=2e-3)
 
 
 def test_a_cache_that_cannot_be_written_is_told_of_once(tmp_path):

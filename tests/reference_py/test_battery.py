@@ -10,7 +10,7 @@ from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.registry import MODELS, make_model
-from lamina.study.stress import MODELS_AND_TIERS, albedo_and_error, energy_excess, f_and_error, make_model_or_tier, reciprocity_defect
+from lamina.study.stress import MODELS_AND_METHODS, albedo_and_error, energy_excess, f_and_error, make_model_or_method, reciprocity_defect
 
 STACKS = {
     "plastic": {
@@ -34,7 +34,7 @@ GRAZING = spherical(np.arccos([1e-2, 1e-4, 1e-7]), [0.0, 1.0, 2.0])
 UP_SIDE_DOWN = np.array([1.0, 1.0, -1.0])
 
 # Weights of their lobes know the view, not the light.
-NOT_RECIPROCAL = {*(name for name in MODELS_AND_TIERS if name.startswith("closure_model:")), "cycles_layer", "principled_coat", "openpbr_coat", "belcour"}
+NOT_RECIPROCAL = {*(name for name in MODELS_AND_METHODS if name.startswith("closure_model:")), "cycles_layer", "principled_coat", "openpbr_coat", "belcour"}
 # Largest albedo above 1 over STACKS and VIEWS, two digits up; 0 where no number stands.
 ENERGY_EXCESS = {
     "weidlich_wilkie": 0.32,
@@ -48,7 +48,7 @@ ENERGY_EXCESS = {
 
 @cache
 def model_of(name, stack):
-    return make_model_or_tier(name, Stack.from_dict(STACKS[stack]))
+    return make_model_or_method(name, Stack.from_dict(STACKS[stack]))
 
 
 def light_directions(n=40):
@@ -56,7 +56,7 @@ def light_directions(n=40):
     return spherical(np.arccos(rng.uniform(0.02, 1.0, (2, n))), rng.uniform(0.0, 2.0 * np.pi, (2, n)))
 
 
-every_model = pytest.mark.parametrize("name", MODELS_AND_TIERS)
+every_model = pytest.mark.parametrize("name", MODELS_AND_METHODS)
 every_stack = pytest.mark.parametrize("stack", STACKS)
 
 
@@ -107,7 +107,7 @@ def test_shapes_broadcast_and_colors_come_last(name):
 @every_model
 def test_the_same_model_gives_the_same_figures(name):
     wo, wi = light_directions(8)
-    first, second = (make_model_or_tier(name, Stack.from_dict(STACKS["plastic"])) for _ in range(2))
+    first, second = (make_model_or_method(name, Stack.from_dict(STACKS["plastic"])) for _ in range(2))
     assert np.array_equal(first.f(wo, wi), second.f(wo, wi)) and np.array_equal(first.albedo(VIEWS), second.albedo(VIEWS))
 
 

@@ -14,7 +14,7 @@ from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.lobes import cache
 from lamina.reference_py.lobes.analytic import AnalyticLobes
 from lamina.reference_py.lobes.cache import cached, content, get, truth_of
-from lamina.reference_py.lobes.methods import auto, is_known, key_of, make_lobe_set, packed, put
+from lamina.reference_py.lobes.methods import auto, is_cached, key_of, make_lobe_set, packed, put
 from lamina.reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes
 from lamina.reference_py.material.place import Place
 
@@ -162,9 +162,9 @@ def a_choice(made):
 def test_a_choice_is_the_same_in_the_next_process(folder, monkeypatch):
     made = []
     monkeypatch.setattr(auto, "choose", a_choice(made))
-    assert not is_known(COATED, "auto")
+    assert not is_cached(COATED, "auto")
     first = make_lobe_set(COATED, "auto")
-    assert is_known(COATED, "auto") and not is_known(with_layer({"ior": 1.7}), "auto")
+    assert is_cached(COATED, "auto") and not is_cached(with_layer({"ior": 1.7}), "auto")
     forget(monkeypatch)
     again = make_lobe_set(replace(COATED, name="another"), "auto")
     assert len(made) == 1

@@ -6,7 +6,7 @@ import pytest
 
 from lamina.addon.cli.main import run
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.exchange.matching import color_map, mean, peer, truth
+from lamina.reference_py.exchange.matching import color_map, mean, rendered_by, truth
 from lamina.reference_py.exchange.materialx import from_mtlx, load_mtlx, to_mtlx
 from lamina.reference_py.exchange.openpbr import from_openpbr, to_openpbr
 from lamina.reference_py.exchange.principled import effective_ior, from_principled, to_principled
@@ -79,7 +79,7 @@ def test_textures_go_through_the_map_that_single_colors_take():
     original = stack(PAINT, CLEAR)
     converted = to_principled(original, textured=True)
     np.testing.assert_allclose(converted.colors(np.array(PAINT["color"])), converted.values["Base Color"], atol=2e-4)
-    exact, rendered = truth(original), peer("principled_coat", converted.slots)
+    exact, rendered = truth(original), rendered_by("principled_coat", converted.slots)
     for color in (0.1, 0.5, 0.9):
         np.testing.assert_allclose(mean(rendered(converted.colors(np.full(3, color)))), mean(exact(np.full(3, color))), atol=2e-3)
     there, back = color_map(exact, rendered), color_map(rendered, exact)

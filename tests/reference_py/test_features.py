@@ -60,10 +60,10 @@ def test_patches_have_the_layers_that_are_there():
         patches(stack([{**COAT, "coverage": 0.5}] * 4, WHITE))
 
 
-# A mirror is one lobe set whose quadrature sees other lobes: its albedo is as exact as that.
-@pytest.mark.parametrize("name, rtol", [("weidlich_wilkie", 1e-12), ("adding", 1e-12), ("position_free", 1e-12), ("belcour", 1e-12), ("mirror", 1e-3)])
+# A closure model is one lobe set whose quadrature sees other lobes: its albedo is as exact as that.
+@pytest.mark.parametrize("name, rtol", [("weidlich_wilkie", 1e-12), ("adding", 1e-12), ("position_free", 1e-12), ("belcour", 1e-12), ("closure_model", 1e-3)])
 def test_coverage_is_exact_at_its_ends_and_the_mean_between(name, rtol):
-    options = {"mirror": {"tier": "analytic"}, "position_free": {"walks": 64}}.get(name, {})
+    options = {"closure_model": {"method": "analytic"}, "position_free": {"walks": 64}}.get(name, {})
     tinted = {**COAT, "tint": [0.9, 0.5, 0.2]}
     glaze = {**COAT, "ior": 1.8}
 
@@ -91,7 +91,7 @@ def test_patches_keep_within_the_closures_of_a_shader(tier, covered):
 
 def test_a_patch_model_samples_its_density():
     covered = stack([{**COAT, "coverage": 0.4}], STEEL)
-    model = PatchModel([(patch, make_model("mirror", patch.stack, tier="weidlich_wilkie")) for patch in patches(covered)])
+    model = PatchModel([(patch, make_model("closure_model", patch.stack, method="weidlich_wilkie")) for patch in patches(covered)])
     wo = np.broadcast_to(spherical(np.radians(50.0), 0.3), (60000, 3))
     wi, valid = model.sample(wo, np.random.default_rng(1))
     assert chi_square_p_value(wi[valid], lambda w: model.pdf(np.broadcast_to(wo[0], w.shape), w), drawn=len(wo)) > 1e-4
@@ -146,7 +146,7 @@ def test_turning_an_anisotropic_stack_turns_its_light(surface):
 def test_single_scattering_brushed_metal_is_the_formula():
     base = {**STEEL, **BRUSHED}
     model = make_model("position_free", stack([], base), surface="single", walks=16)
-    lobe = make_model("mirror", stack([], base), tier="weidlich_wilkie").lobe_set.lobes(np.ones(1))[0]
+    lobe = make_model("closure_model", stack([], base), method="weidlich_wilkie").lobe_set.lobes(np.ones(1))[0]
     wi = spherical(np.radians([25.0, 40.0, 55.0, 70.0]), np.array([1.0, 2.5, 3.3, 4.0]))
     c, s = np.cos(lobe.frame), np.sin(lobe.frame)
     own = [np.stack([c * w[:, 0] + s * w[:, 1], c * w[:, 1] - s * w[:, 0], w[:, 2]], axis=-1) for w in (WO, wi)]

@@ -230,16 +230,16 @@ def test_bad_choices_are_named():
             select(data, **options)
 
 
-@pytest.mark.parametrize("peer", BASELINE_MODELS, ids=lambda p: p.name)
-def test_peers_find_themselves(peer):
-    low, high = peer.bounds(1)
-    usual = np.array([0.5 * sum(t.usual) if t.name != "diffuse" else 0.3 for t in peer.terms])
-    if peer.name == "lafortune":
+@pytest.mark.parametrize("baseline", BASELINE_MODELS, ids=lambda p: p.name)
+def test_baselines_find_themselves(baseline):
+    low, high = baseline.bounds(1)
+    usual = np.array([0.5 * sum(t.usual) if t.name != "diffuse" else 0.3 for t in baseline.terms])
+    if baseline.name == "lafortune":
         usual = np.array([0.3, -0.9, 0.9, 30.0, -0.4, 0.1, 3.0, 0.85, 0.8, 20.0])
     wi, wo = spread_pairs(300, np.random.default_rng(1))
-    f = peer.f(peer.values(usual, 1), wi, wo)
-    fit = fit_baseline(peer, subsampled(checked(wi, wo, f, peer.name)))
-    assert fit.count == len(low) == peer.count(1)
+    f = baseline.f(baseline.values(usual, 1), wi, wo)
+    fit = fit_baseline(baseline, subsampled(checked(wi, wo, f, baseline.name)))
+    assert fit.count == len(low) == baseline.count(1)
     assert fit.error < 0.01
 
 

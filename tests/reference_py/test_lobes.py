@@ -25,7 +25,7 @@ def test_the_top_interface_is_exact(layer):
     stack = Stack.from_dict({"layers": [{"kind": "dielectric", **layer}], "base": BLACK})
     wo, wi = pairs()
     exact = make_model("weidlich_wilkie", stack).f(wo, wi)
-    assert make_model("mirror", stack, tier="weidlich_wilkie").f(wo, wi) == pytest.approx(exact, rel=1e-9, abs=1e-12)
+    assert make_model("closure_model", stack, method="weidlich_wilkie").f(wo, wi) == pytest.approx(exact, rel=1e-9, abs=1e-12)
 
 
 @pytest.mark.parametrize("base", [{"kind": "lambert"}, {"kind": "oren_nayar", "sigma_deg": 35}])
@@ -33,15 +33,15 @@ def test_a_bare_diffuse_base_is_exact(base):
     """An Oren-Nayar one to what a dark lobe has of light that meets several facets, 2e-6."""
     stack = Stack.from_dict({"base": base})
     wo, wi = pairs()
-    assert make_model("mirror", stack, tier="weidlich_wilkie").f(wo, wi) == pytest.approx(make_model("weidlich_wilkie", stack).f(wo, wi), rel=5e-6)
+    assert make_model("closure_model", stack, method="weidlich_wilkie").f(wo, wi) == pytest.approx(make_model("weidlich_wilkie", stack).f(wo, wi), rel=5e-6)
 
 
 def test_equal_indices_change_nothing():
     clear = {"kind": "dielectric", "ior": 1.0, "roughness": 0.4}
     bare = {"base": {"kind": "conductor", "metal": "gold", "roughness": 0.5}}
     wo, wi = pairs()
-    coated = make_model("mirror", Stack.from_dict({**bare, "layers": [clear, clear]}), tier="weidlich_wilkie").f(wo, wi)
-    assert coated == pytest.approx(make_model("mirror", Stack.from_dict(bare), tier="weidlich_wilkie").f(wo, wi), rel=2e-2, abs=1e-9)
+    coated = make_model("closure_model", Stack.from_dict({**bare, "layers": [clear, clear]}), method="weidlich_wilkie").f(wo, wi)
+    assert coated == pytest.approx(make_model("closure_model", Stack.from_dict(bare), method="weidlich_wilkie").f(wo, wi), rel=2e-2, abs=1e-9)
 
 
 def test_weights_are_finite_and_never_negative_from_normal_to_grazing():

@@ -22,7 +22,7 @@ def test_lambert_is_its_color():
 @pytest.mark.parametrize("name", ["metal_foil", "clean_copper", "blue_wall_paint"])
 def test_stated_error_holds(name):
     stack = presets.load(name)
-    mirror = make_model("mirror", stack, tier="weidlich_wilkie")
-    coarse = directional_albedo(mirror.f, WO, rough_surfaces(stack))
-    fine = directional_albedo(mirror.f, WO, rough_surfaces(stack), 16 * 8192)
+    model = make_model("closure_model", stack, method="weidlich_wilkie")
+    coarse = directional_albedo(model.f, WO, rough_surfaces(stack))
+    fine = directional_albedo(model.f, WO, rough_surfaces(stack), 16 * 8192)
     assert np.max(np.abs(coarse / fine - 1.0)) < STATED_ERROR

@@ -15,9 +15,9 @@ from lamina.reference_py.registry import make_model
 SIGNIFICANCE = 1e-4
 SAMPLES = 20_000
 
-LITERAL, REPAIRED, MIRROR = "weidlich_wilkie", "weidlich_wilkie_repaired", "mirror"
+LITERAL, REPAIRED, CLOSURES = "weidlich_wilkie", "weidlich_wilkie_repaired", "closure_model"
 MACRO = {"refraction": "macro_normal"}
-HONEST = ((REPAIRED, {}), (REPAIRED, {"weights": "constant"}), (MIRROR, {"tier": "weidlich_wilkie"}), (MIRROR, {"tier": "analytic"}))
+HONEST = ((REPAIRED, {}), (REPAIRED, {"weights": "constant"}), (CLOSURES, {"method": "weidlich_wilkie"}), (CLOSURES, {"method": "analytic"}))
 
 
 def metal(alpha, distribution="ggx"):
@@ -74,7 +74,7 @@ def test_samples_have_their_density(model, options, name, theta):
 
 
 def test_samples_of_a_bake_have_their_density():
-    assert p_value(make_model(MIRROR, STACKS["rough on lambert"], tier="baked"), view(75.0)) > SIGNIFICANCE
+    assert p_value(make_model(CLOSURES, STACKS["rough on lambert"], method="baked"), view(75.0)) > SIGNIFICANCE
 
 
 @pytest.mark.parametrize("options", ({}, MACRO, {"distribution": "blinn"}))
@@ -153,7 +153,7 @@ def finite_albedo(model, wo):
 
 @pytest.mark.parametrize(
     "model, options, name",
-    [(REPAIRED, {}, name) for name in STACKS] + [(MIRROR, {"tier": "analytic"}, name) for name in ("smooth on metal", "beckmann on oren-nayar")],
+    [(REPAIRED, {}, name) for name in STACKS] + [(CLOSURES, {"method": "analytic"}, name) for name in ("smooth on metal", "beckmann on oren-nayar")],
 )
 def test_samples_estimate_the_albedo(model, options, name):
     model, wo = make_model(model, STACKS[name], **options), view(60.0)
@@ -199,7 +199,7 @@ def test_variance_of_energy_weights(name, theta, expected):
     assert variance["energy"] / variance["constant"] == pytest.approx(expected, rel=0.1)
 
 
-@pytest.mark.parametrize("model", (LITERAL, REPAIRED, MIRROR))
+@pytest.mark.parametrize("model", (LITERAL, REPAIRED, CLOSURES))
 def test_shapes_seeds_and_directions_without_samples(model):
     reflector = make_model(model, STACKS["rough on lambert"])
     wo = view([[20.0, 50.0, 100.0], [80.0, 179.0, 0.0]])

@@ -56,7 +56,7 @@ def test_constants_in_force_are_used_and_then_gone():
 
 def test_the_fit_finds_what_made_its_data():
     """Data of the tier itself with three other constants, which come back, and with them the albedos of stacks that were not fitted."""
-    made_with = {"LOBE_SPREAD": 1.2, "STIR_SCALE": 0.2, "BASE_LOSS": 0.2}
+    made_with = {"LOBE_SPREAD": 1.2, "REMIX_SCALE": 0.2, "BASE_LOSS": 0.2}
     stacks = plain_stacks(np.random.default_rng(11), 7)
     with in_force(made_with):
         truths = [Case(stack, truth=np.ones((len(calibrate_analytic.THETA_DEG), 3))).albedo() for stack in stacks]

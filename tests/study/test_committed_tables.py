@@ -10,7 +10,7 @@ from lamina.reference_py.models.distance import distance
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.registry import make_model
 from lamina.study.charts import error
-from lamina.study.stress import make_model_or_tier
+from lamina.study.stress import make_model_or_method
 from lamina.study.tables import FIGURES, read_rows
 
 PRESET_ERRORS = FIGURES / "preset_errors.csv"
@@ -22,7 +22,7 @@ def test_albedo_errors_by_angle_are_those_of_this_code(name):
     assert {key for key in rows if key[0] in presets.PAPER} == {(p, m) for p in presets.PAPER for m in error.COMPARED}
     preset, chosen = "metallic_car_paint", np.array([0, 6, 10])
     stack, wo = presets.load(preset), spherical(np.radians(error.THETA_DEG[chosen]), 0.0)
-    measured = error.worst_channel(make_model_or_tier(name, stack).albedo(wo), make_model("adding", stack).albedo(wo))
+    measured = error.worst_channel(make_model_or_method(name, stack).albedo(wo), make_model("adding", stack).albedo(wo))
     assert measured == pytest.approx(np.array(rows[preset, name], float)[chosen], abs=2e-4)
 
 
@@ -32,7 +32,7 @@ def test_errors_of_the_papers_tier_are_those_of_this_lobe_set(name):
     rows = [row for row in rows if row[0] == name]
     columns = [header.index("30deg"), header.index("75deg")]
     stack = presets.load(name)
-    gap = distance(stack, make_model("mirror", stack, tier="weidlich_wilkie"), make_model("weidlich_wilkie", stack), np.radians([30.0, 75.0]))
+    gap = distance(stack, make_model("closure_model", stack, method="weidlich_wilkie"), make_model("weidlich_wilkie", stack), np.radians([30.0, 75.0]))
     for row, measured in zip(rows, (gap.albedo, gap.shape)):
         assert measured == pytest.approx([float(row[c]) for c in columns], abs=2e-4)
     assert gap.albedo.max() <= 0.01

@@ -8,7 +8,7 @@ import pytest
 
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.registry import MODELS
-from lamina.study.stress import CASES, COLUMNS, MODELS_AND_TIERS, REFUSED, Case, is_refused, measure, pairs, relative_difference
+from lamina.study.stress import CASES, COLUMNS, MODELS_AND_METHODS, REFUSED, Case, is_refused, measure, pairs, relative_difference
 from lamina.study.tables import FIGURES, read_rows
 
 TABLE = FIGURES / "stress.csv"
@@ -45,7 +45,7 @@ def committed():
     return {(row[0], row[1]): dict(zip(COLUMNS, row[2:])) for row in rows}
 
 
-@pytest.mark.parametrize("name", MODELS_AND_TIERS)
+@pytest.mark.parametrize("name", MODELS_AND_METHODS)
 def test_no_cell_is_worse_than_the_committed_one(name):
     worse = []
     for case in CASES:
@@ -66,7 +66,7 @@ def is_no_worse(column, value, before):
 
 
 def test_the_table_has_every_model_and_case():
-    expected = {(name, case) for name in MODELS_AND_TIERS for case in CASES} | {("(all)", case) for case in REFUSED}
+    expected = {(name, case) for name in MODELS_AND_METHODS for case in CASES} | {("(all)", case) for case in REFUSED}
     assert set(committed()) == expected, "run lamina chart stress -o figures"
 
 

@@ -55,18 +55,18 @@ def _group_with(content: str | None) -> bpy.types.NodeTree | None:
 
 
 def _digest(lobe_set: TableLobes | PatchLobes) -> str:
-    def told(value):
+    def plain(value):
         if isinstance(value, np.ndarray):
             return value.tolist()
         if isinstance(value, PatchLobes):
-            return told((value.stack, value.parts))
+            return plain((value.stack, value.parts))
         if is_dataclass(value):
-            return [type(value).__name__, *(told(getattr(value, field.name)) for field in fields(value))]
+            return [type(value).__name__, *(plain(getattr(value, field.name)) for field in fields(value))]
         if isinstance(value, Mapping):
-            return [[name, told(value[name])] for name in sorted(value)]
-        return [told(v) for v in value] if isinstance(value, (list, tuple)) else value
+            return [[name, plain(value[name])] for name in sorted(value)]
+        return [plain(v) for v in value] if isinstance(value, (list, tuple)) else value
 
-    return hashlib.sha256(json.dumps(told(lobe_set)).encode()).hexdigest()
+    return hashlib.sha256(json.dumps(plain(lobe_set)).encode()).hexdigest()
 
 
 def drop_group(tree: bpy.types.NodeTree | None) -> None:

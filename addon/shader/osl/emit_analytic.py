@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from ....reference_py.lobes.analytic import base
 from ....reference_py.lobes.analytic.lobe_set import ALBEDO_NODES
 from ....reference_py.material.schema import ANISOTROPY
-from ....reference_py.material.stack import Element, Stack
+from ....reference_py.material.stack import Base, Layer, Stack
 from ..inputs import BASE
 from .analytic_layers import Tables, beam_of, for_each, layers_lines, roughest, view_lines
 from .block import Block, Closure
@@ -87,7 +87,7 @@ class _Lobe:
     energy: str
 
     @classmethod
-    def of(cls, element: Element, surface: Surface, owner: str, name: str, n: str | None, energies: Tables) -> "_Lobe":
+    def of(cls, element: Layer | Base, surface: Surface, owner: str, name: str, n: str | None, energies: Tables) -> "_Lobe":
         """The lobe of width `alpha_{name}` of an element below index n, or bare: along its axes as far as the width is its own."""
         alpha, distribution = f"alpha_{name}", element["distribution"]
         table = energies.arguments(distribution)
@@ -108,7 +108,7 @@ def _anisotropic_energy(table: str, cosine: str, owner: str, surface: Surface) -
     return f"anisotropic_energy({table}, {cosine}, cos_2phi_{owner}, {surface.alpha_x}, {surface.alpha_y})"
 
 
-def _deeper_interfaces(layer: Element, surface: Surface, owner: str, energies: Tables) -> tuple[list[str], Closure]:
+def _deeper_interfaces(layer: Layer, surface: Surface, owner: str, energies: Tables) -> tuple[list[str], Closure]:
     """All interfaces below the top as one lobe with the axes of the second, `layer`: statements and the closure."""
     lobe, beam = _Lobe.of(layer, surface, owner, "inner", "n_1", energies), beam_of(surface.view)
     lines = [

@@ -14,11 +14,11 @@ from ....reference_py.lobes.cache import ALWAYS_LIVE
 from ....reference_py.lobes.live_grid import LiveLobes
 from ....reference_py.lobes.made import Made
 from ....reference_py.lobes.methods.paper import PaperLobes
-from ....reference_py.lobes.methods.with_features import FeaturedAnalyticLobes
+from ....reference_py.lobes.methods.with_features import AnalyticLobesWithFeatures
 from ....reference_py.lobes.patch_lobes import PatchLobes
 from ....reference_py.lobes.view_table import TableLobes
 from ....reference_py.material.schema import SCHEMA, Schema
-from ....reference_py.material.stack import Element, Stack
+from ....reference_py.material.stack import Base, Layer, Stack
 from ..inputs import BASE, PRIMARIES, ShaderInput, layer_owner, shader_inputs
 from . import emit_analytic, emit_live_grid, emit_paper, emit_tables
 from .block import Block, Share, shader_text
@@ -49,7 +49,7 @@ _EMITTERS = {
     TableLobes: _Emitter(lambda lobes, owners, suffix: emit_tables.table_block(lobes, suffix), emit_tables.NOTE, False),
     LiveLobes: _Emitter(emit_live_grid.grid_block, emit_live_grid.NOTE, False),
     AnalyticLobes: _Emitter(lambda lobes, owners, suffix: emit_analytic.analytic_block(lobes.stack, owners), emit_analytic.NOTE, True),
-    FeaturedAnalyticLobes: _Emitter(lambda lobes, owners, suffix: emit_analytic.analytic_block(lobes.stack, owners), emit_analytic.NOTE, True),
+    AnalyticLobesWithFeatures: _Emitter(lambda lobes, owners, suffix: emit_analytic.analytic_block(lobes.stack, owners), emit_analytic.NOTE, True),
     PaperLobes: _Emitter(lambda lobes, owners, suffix: emit_paper.weidlich_wilkie_block(lobes.stack, owners), emit_paper.NOTE, True),
 }
 
@@ -84,5 +84,5 @@ def _words(stack: Stack) -> str:
     return ", ".join(_word(element) for element in (*stack.layers, stack.base))
 
 
-def _word(element: Element) -> str:
+def _word(element: Layer | Base) -> str:
     return element.kind + (f" ({element['distribution']})" if "distribution" in element else "")

@@ -18,7 +18,7 @@ PARTS = Path(__file__).resolve().parents[3] / "osl"
 NEAR_SPECULAR_ALPHA = 0.06
 # Blocks of a distribution's tables of energies in their order in a shader's array, and the constants that say where they start.
 # The last is for stacks with anisotropy alone.
-TABLE_BLOCKS = {"thin": "THIN", "dense": "DENSE", "diffuse": "DIFFUSE", "gain": "GAIN", "closure": "CLOSURE", "brushed": "ANISOTROPIC"}
+TABLE_BLOCKS = {"thin": "THIN", "dense": "DENSE", "diffuse": "DIFFUSE", "gain": "GAIN", "closure": "CLOSURE", "anisotropic": "ANISOTROPIC"}
 
 
 def functions(names: Iterable[str]) -> str:
@@ -67,12 +67,11 @@ def constants() -> dict[str, str]:
         "FILM_THINNEST": thin_film.THINNEST_NM,
         "MOST_RHO": tables.MOST_RHO, "RHO_CELLS": tables.RHO_CELLS, "ALPHA_CELLS": tables.ALPHA_CELLS, "UNIT": tables.UNIT,
         "T_KNOTS": len(tables.T), "V_KNOTS": len(tables.V), "CLOSURE_CELLS": tables.CLOSURE_CELLS,
-        "LEAST_RATIO": tables.LEAST_RATIO, "LEAST_KAPPA": tables.LEAST_KAPPA, "ANISOTROPIC_ALPHAS": tables.BRUSHED_ALPHAS,
-        "ANISOTROPIC_RATIOS": tables.BRUSHED_RATIOS, "ANISOTROPIC_COSINES": tables.BRUSHED_COSINES,
-        "ANISOTROPIC_KEPT": calibration.BRUSHED_KEPT,
+        "LEAST_RATIO": tables.LEAST_RATIO, "LEAST_KAPPA": tables.LEAST_KAPPA, "ANISOTROPIC_ALPHAS": tables.ANISOTROPIC_ALPHAS,
+        "ANISOTROPIC_RATIOS": tables.ANISOTROPIC_RATIOS, "ANISOTROPIC_COSINES": tables.ANISOTROPIC_COSINES,
         **dict(zip(TABLE_BLOCKS.values(), table_starts())),
     }  # fmt: skip
-    rows = {"ANISOTROPIC_KNOTS": np.cos(2.0 * tables.BRUSHED_AZIMUTHS), "MEAN_COSINE": base.MEAN_COSINES, "MEAN_WEIGHT": base.MEAN_WEIGHTS}
+    rows = {"ANISOTROPIC_KNOTS": np.cos(2.0 * tables.ANISOTROPIC_AZIMUTHS), "MEAN_COSINE": base.MEAN_COSINES, "MEAN_WEIGHT": base.MEAN_WEIGHTS}
     for name, value in (*vars(calibration).items(), *rows.items()):
         if name.isupper():
             values |= {f"{name}_{i}": v for i, v in enumerate(value)} if isinstance(value, tuple | np.ndarray) else {name: value}

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from ....reference_py.lobes.lobe import DARK
 from ....reference_py.material.schema import ANISOTROPY, NORMAL, THIN_FILM
-from ....reference_py.material.stack import Element, Stack
+from ....reference_py.material.stack import Base, Layer, Stack
 from ....reference_py.optics.bases import ConductorBase
 from ....reference_py.optics.optical_stack import OpticalStack
 from .block import Closure
@@ -53,7 +53,7 @@ def table_view() -> tuple[str, ...]:
     return *view(), "int cell;", "float between;", "view_place(view_z, cell, between);"
 
 
-def surface_of(element: Element, owner: str) -> Surface:
+def surface_of(element: Layer | Base, owner: str) -> Surface:
     """The surface of an element whose shader parameters begin with `owner`; without widths where it is diffuse."""
     suffix, normal = (f"_{owner}", f"normal_{owner}") if element.has(NORMAL) else ("", "N")
     functions = ("own_normal.h", "bent.h") if element.has(NORMAL) else ("bent.h",)
@@ -75,11 +75,11 @@ def surface_of(element: Element, owner: str) -> Surface:
     return Surface(functions, tuple(common), normal, f"view_z{suffix}", tangent, alpha, *widths)
 
 
-def beckmann(element: Element) -> str:
+def beckmann(element: Layer | Base) -> str:
     return "1" if element["distribution"] == "beckmann" else "0"
 
 
-def top_closure(surface: Surface, element: Element, owner: str) -> str:
+def top_closure(surface: Surface, element: Layer | Base, owner: str) -> str:
     """The closure of an interface below vacuum; it calls `top_function`. Of a closure's curves one knows films."""
     ior, distribution = f"{owner}Ior", element["distribution"]
     shape = f'{surface.frame}, {surface.alpha_x}, {surface.alpha_y}, {ior}, "{distribution}"'
@@ -87,7 +87,7 @@ def top_closure(surface: Surface, element: Element, owner: str) -> str:
     return f"{'filmed_' if film else ''}interface_bsdf({shape}{film})"
 
 
-def top_function(element: Element) -> str:
+def top_function(element: Layer | Base) -> str:
     """The file that the closure of an interface below vacuum calls."""
     return "filmed_interface.h" if element.has(THIN_FILM) else "interface.h"
 
@@ -110,12 +110,12 @@ def is_metal(stack: Stack) -> bool:
     return isinstance(OpticalStack.of(stack).base, ConductorBase)
 
 
-def is_rough(base: Element) -> bool:
+def is_rough(base: Base) -> bool:
     """Whether a diffuse base has inclined facets, by its structure."""
     return "sigma_deg" in base
 
 
-def diffuse_closures(base: Element, surface: Surface) -> BaseClosures:
+def diffuse_closures(base: Base, surface: Surface) -> BaseClosures:
     """Those of a diffuse base: of a rough one two, as its color counts otherwise from Blender 5.3 on (osl/oren_nayar.h)."""
     if not is_rough(base):
         return BaseClosures((Closure("BaseColor", f"diffuse({surface.normal})"),))
@@ -127,7 +127,7 @@ def diffuse_closures(base: Element, surface: Surface) -> BaseClosures:
     return BaseClosures((white, dark), ("oren_nayar.h",), common)
 
 
-def metal_closure(base: Element, weight: str, closure: str, is_local: bool = False) -> BaseClosures:
+def metal_closure(base: Base, weight: str, closure: str, is_local: bool = False) -> BaseClosures:
     """That of a metal base, and the statements that declare its index: `base_eta` and `base_k`."""
     closures = (Closure(weight, closure, is_local),)
     if "reflectance" in base:

@@ -68,14 +68,14 @@ def checked(wi, wo, f, where: str, found: tuple[str, ...] = (), wavelength_nm=No
     f, wi, wo = f[good], wi[good], wo[good]
     if np.max(f) <= 0.0:
         raise LaminaError(f"{where}: all {len(f)} values are 0: a black measurement tells nothing")
-    f, told = _as_color(f, wavelength_nm, only_nm, where)
+    f, color_notes = _as_color(f, wavelength_nm, only_nm, where)
     steep = np.minimum(wi[:, 2], wo[:, 2]) < np.cos(np.radians(STEEPEST_DEG))
     if steep.all():
         raise LaminaError(f"{where}: all directions are steeper than {STEEPEST_DEG:g} degrees, where no measurement is reliable")
     if steep.any():
         notes.append(f"steeper than {STEEPEST_DEG:g} degrees and left out: {int(steep.sum())}")
     kept = ~steep
-    return Measurement(wi[kept], wo[kept], f[kept], where, (*notes, *told, f"{int(kept.sum())} pairs of directions"))
+    return Measurement(wi[kept], wo[kept], f[kept], where, (*notes, *color_notes, f"{int(kept.sum())} pairs of directions"))
 
 
 def _as_color(f, wavelength_nm, only_nm, where) -> tuple[np.ndarray, tuple[str, ...]]:
@@ -97,10 +97,10 @@ def _as_color(f, wavelength_nm, only_nm, where) -> tuple[np.ndarray, tuple[str, 
     if only_nm is None:
         rgb = reflectance_to_rgb(f, nm)
         lost = np.mean(rgb.min(axis=1) < 0.0)
-        told = (f"{len(nm)} wavelengths, {nm[0]:g} to {nm[-1]:g} nm, made linear RGB",)
+        notes = (f"{len(nm)} wavelengths, {nm[0]:g} to {nm[-1]:g} nm, made linear RGB",)
         if lost > 0.0:
-            told += (f"{100 * lost:.1f} % of the colors are outside Rec.709 and were limited",)
-        return np.maximum(rgb, 0.0), told
+            notes += (f"{100 * lost:.1f} % of the colors are outside Rec.709 and were limited",)
+        return np.maximum(rgb, 0.0), notes
     if not nm[0] <= only_nm <= nm[-1]:
         raise LaminaError(f"{where}: wavelength {only_nm:g} nm is not in the data; choose {nm[0]:g} to {nm[-1]:g}")
     upper = min(int(np.searchsorted(nm, only_nm)), len(nm) - 1)

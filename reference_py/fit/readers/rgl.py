@@ -26,14 +26,14 @@ def read(path: Path, wavelength_nm: float | None = None) -> Measurement:
     rng = np.random.default_rng(0)
     wi, wo = spread_pairs(_PAIRS, rng)
     turn = 2.0 * np.pi * rng.random(_PAIRS)
-    wi, wo = _turned(wi, turn), _turned(wo, turn)
+    wi, wo = _rotated(wi, turn), _rotated(wo, turn)
     where = "isotropic" if material.is_isotropic else f"anisotropic ({len(material.phi_i)} azimuths; the fit is isotropic)"
     text = bytes(material.description).decode("utf-8", "replace").strip("\0 \n")
     found = (f"RGL material {text!r}, {where}, {len(material.theta_i)} angles of incidence",)
     return checked(wi, wo, material.f(wi, wo), str(path), found, material.wavelength_nm, wavelength_nm)
 
 
-def _turned(w, angle):
+def _rotated(w, angle):
     c, s = np.cos(angle), np.sin(angle)
     return np.stack([c * w[:, 0] - s * w[:, 1], s * w[:, 0] + c * w[:, 1], w[:, 2]], axis=-1)
 

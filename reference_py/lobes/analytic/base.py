@@ -15,17 +15,17 @@ from ...optics.fresnel import fresnel_conductor
 from ...optics.microfacet import GGX, distribution_of, smith_lambda_stretched
 from .beam import Crossing, attenuation, cosine, through
 from .calibration import (
+    ANISOTROPIC_RETAINED,
     BASE_LOSS,
-    BRUSHED_KEPT,
     EXIT_SPREAD,
-    KEPT_ORDER,
-    KEPT_SCALE,
     LEAST_COS,
     MOST_LOBE_SHARE,
     NODE_SPREAD,
-    STIR_BACK,
-    STIR_POWER,
-    STIR_SCALE,
+    REMIX_BACK,
+    REMIX_POWER,
+    REMIX_SCALE,
+    RETAINED_ORDER,
+    RETAINED_SCALE,
 )
 
 # Gauss nodes over the cosine outside, over the light trapped below, and over the lobe of a base.
@@ -147,21 +147,21 @@ class MetalLobe:
     """After more of them."""
 
 
-def bare_metal(cos_theta, alpha: float, kind: str, eta: np.ndarray, k: np.ndarray, facets: Facets) -> np.ndarray:
+def bare_metal(cos_theta, alpha: float, distribution: str, eta: np.ndarray, k: np.ndarray, facets: Facets) -> np.ndarray:
     """Directional albedo (..., 3) of a lossless-faceted metal without layers."""
     p = np.sqrt(1.0 - np.square(cos_theta))
-    once, more, _ = _reflected(p, 0.0 * p, 1.0, alpha, kind, kind, eta, k, facets)
-    return np.sum(once, axis=-2) + more
+    single, multi, _ = _reflected(p, 0.0 * p, 1.0, alpha, distribution, distribution, eta, k, facets)
+    return np.sum(single, axis=-2) + multi
 
 
-def metal_lobe(up: Sequence[Crossing], n_base: float, p, variance, alpha: float, kind: str, eta, k, seen: Facets) -> MetalLobe:
+def metal_lobe(up: Sequence[Crossing], n_base: float, p, variance, alpha: float, distribution: str, eta, k, seen: Facets) -> MetalLobe:
     """The base's lobe for beams (...) that reach it and see its facets; eta, k (3,) are relative to the medium above it.
 
     The lobe is carried out through the layers at a few of its directions. Its later orders return along the
     directions that were reflected, mixed with uniform light the more the wider the lobe is.
     """
     widened = np.sqrt(variance * EXIT_SPREAD) / (2.0 * n_base * cosine(p, n_base))
-    share, facets, p_out = _reflected(p, widened, n_base, alpha, kind, up[0].kind, eta, k, seen)
+    share, facets, p_out = _reflected(p, widened, n_base, alpha, distribution, up[0].distribution, eta, k, seen)
     total_alpha = np.minimum(np.sqrt(alpha * alpha + np.square(widened)), 1.0)
     width = (NODE_SPREAD * 2.0 * n_base * cosine(p, n_base) * total_alpha)[..., None] * lobe_nodes()[4]
     below = layers_below(up, n_base)
@@ -173,38 +173,38 @@ def metal_lobe(up: Sequence[Crossing], n_base: float, p, variance, alpha: float,
     scale = np.maximum(back, 1e-12)
     out_again, back_again = (np.sum(returned * part, axis=-2) / scale for part in (escapes, returns))
     roughest = max(c.alpha if c.n_own != c.n_other else 0.0 for c in up)
-    kept = out_again * (1.0 - KEPT_ORDER * roughest / (roughest + KEPT_SCALE))
-    back_again = back_again + out_again - kept
-    width = total_alpha**STIR_POWER
-    stirred, stirred_back = ((width / (width + scale))[..., None] for scale in (STIR_SCALE, STIR_BACK))
-    out_again, back_again = kept + stirred * (out_d - kept), back_again + stirred_back * (back_d - back_again)
+    retained = out_again * (1.0 - RETAINED_ORDER * roughest / (roughest + RETAINED_SCALE))
+    back_again = back_again + out_again - retained
+    width = total_alpha**REMIX_POWER
+    remixed, remixed_back = ((width / (width + scale))[..., None] for scale in (REMIX_SCALE, REMIX_BACK))
+    out_again, back_again = retained + remixed * (out_d - retained), back_again + remixed_back * (back_d - back_again)
     albedo = np.sum(share, axis=-2) + facets
     return MetalLobe(first, (back + facets * back_d) * albedo * out_again / (1.0 - albedo * back_again))
 
 
-def _reflected(p, widened, n: float, alpha: float, kind: str, kind_above: str, eta, k, facets: Facets):
+def _reflected(p, widened, n: float, alpha: float, distribution: str, distribution_above: str, eta, k, facets: Facets):
     """What a metal reflects: by one facet, per node (..., Q, 3), by more of them (..., 3), and p of the nodes (..., Q)."""
-    seen, hidden, p_out, cos_om = _lobe_nodes(p, widened, n, kind, kind_above, facets)
+    seen, hidden, p_out, cos_om = _lobe_nodes(p, widened, n, distribution, distribution_above, facets)
     fresnel = fresnel_conductor(cos_om[..., None], eta, k)
     again = np.sum(hidden[..., None] * fresnel, axis=-2)
     later = _later_facets(alpha, eta, k)
-    later = later + facets.gap * (_later_brushed(again, 1.0 - facets.white[..., None]) - later)
+    later = later + facets.gap * (_later_anisotropic(again, 1.0 - facets.white[..., None]) - later)
     return seen[..., None] * fresnel, again * later, p_out
 
 
 def _later_facets(alpha: float, eta, k) -> np.ndarray:
     """Share (3,) of light that leaves a metal after it met one facet and was not let go (after Kulla and Conty 2017)."""
     mean = np.sum(MEAN_WEIGHTS[:, None] * fresnel_conductor(MEAN_COSINES[:, None], eta, k), axis=0)
-    kept = BASE_LOSS * alpha * alpha / (1.0 + (1.0 + BASE_LOSS) * alpha * alpha)
-    return mean * (1.0 - kept) / (1.0 - mean * kept)
+    retained = BASE_LOSS * alpha * alpha / (1.0 + (1.0 + BASE_LOSS) * alpha * alpha)
+    return mean * (1.0 - retained) / (1.0 - mean * retained)
 
 
-def _later_brushed(again: np.ndarray, hidden: np.ndarray) -> np.ndarray:
+def _later_anisotropic(again: np.ndarray, hidden: np.ndarray) -> np.ndarray:
     """The same share (..., 3) where facets are anisotropic, whose light stays near the plane it came in: `again` (..., 3) is what the
     first facet reflected of the share `hidden` (..., 1) that it did not let go."""
     mean = again / np.maximum(hidden, 1e-9)
-    kept = BRUSHED_KEPT * hidden
-    return mean * (1.0 - kept) / (1.0 - mean * kept)
+    retained = ANISOTROPIC_RETAINED * hidden
+    return mean * (1.0 - retained) / (1.0 - mean * retained)
 
 
 def lobe_nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -221,14 +221,14 @@ def lobe_nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.nda
     )  # fmt: skip
 
 
-def _lobe_nodes(p, widened, n: float, kind: str, kind_above: str, facets: Facets):
+def _lobe_nodes(p, widened, n: float, distribution: str, distribution_above: str, facets: Facets):
     """(seen, hidden, p, cosine on the facet), each (..., Q): directions of a metal's lobe from its visible facets.
 
     `seen` is the share of light that one facet lets go, `hidden` that which meets another.
     Nodes of a spherical cap (Dupuy23), then moved apart by what `widened`, the spread of the beam as an alpha, adds.
     """
     u, node_weight, turn_x, turn_y, _ = lobe_nodes()
-    own, above, nodes = (distribution_of(name).slope2_quantile(u) for name in (kind, kind_above, GGX))
+    own, above, nodes = (distribution_of(name).slope2_quantile(u) for name in (distribution, distribution_above, GGX))
     scale = np.sqrt(own / nodes)
     along, across = (np.asarray(alpha)[..., None] for alpha in facets.sides)
     apart_x, apart_y = (np.sqrt(a * a * own + np.square(widened[..., None]) * above) - a * np.sqrt(own) for a in (along, across))

@@ -44,7 +44,7 @@ class Crossing:
     n_own: float
     n_other: float
     alpha: float
-    kind: str
+    distribution: str
     tau: np.ndarray
 
 
@@ -69,15 +69,15 @@ def cosine(p, n: float) -> np.ndarray:
     return np.sqrt(np.maximum(1.0 - np.square(p / n), 0.0) + LEAST_COS2)
 
 
-def widened_reflectance(cos_theta, variance, n_own: float, eta: float, alpha: float, kind: str) -> np.ndarray:
+def widened_reflectance(cos_theta, variance, n_own: float, eta: float, alpha: float, distribution: str) -> np.ndarray:
     """Reflectance (...) of an interface for a beam: that of a rougher interface, towards that of uniform light when wide."""
     if eta == 1.0:
         return np.zeros(np.shape(cos_theta))
     spread = SPREAD_INCIDENCE * variance / np.square(n_own * cos_theta)
     wide = np.square(spread / (spread + SPREAD_HALF))
     alpha_wide = np.minimum(np.sqrt(alpha * alpha + spread / (1.0 + spread / SPREAD_LIMIT)), 1.0)
-    narrow = reflectance(cos_theta, alpha_wide, eta, kind)
-    return narrow + wide * (diffuse_reflectance(alpha, eta, kind) - narrow)
+    narrow = reflectance(cos_theta, alpha_wide, eta, distribution)
+    return narrow + wide * (diffuse_reflectance(alpha, eta, distribution) - narrow)
 
 
 def attenuation(tau: np.ndarray, p, variance, n: float) -> np.ndarray:
@@ -94,8 +94,8 @@ def refracted(p, variance, crossing: Crossing):
     c1, c2 = cosine(p, n1), cosine(p, n2)
     turn = (n2 * c2 - n1 * c1) * alpha
     tangent = alpha * np.sqrt(np.maximum(1.0 / np.square(c1) - 1.0, 0.0))
-    a, b, c = {GGX: LEAN_GGX, BECKMANN: LEAN_BECKMANN}[crossing.kind]
-    lean = turn * a * tangent / (1.0 + b * alpha + c * tangent * (alpha if crossing.kind == GGX else 1.0))
+    a, b, c = {GGX: LEAN_GGX, BECKMANN: LEAN_BECKMANN}[crossing.distribution]
+    lean = turn * a * tangent / (1.0 + b * alpha + c * tangent * (alpha if crossing.distribution == GGX else 1.0))
     variance = variance + LOBE_SPREAD * np.square(turn / (1.0 + SPREAD_GRAZING * tangent))
     p = np.where(np.asarray(alpha) > 0.0, np.minimum(p, MOST_SHARE * n2), p)
     room = np.maximum(MOST_SHARE * n2 - p, 1e-3)
@@ -118,7 +118,7 @@ def through(crossings: Sequence[Crossing], p: np.ndarray, variance: np.ndarray, 
         if eta != 1.0:
             c1 = cosine(p, n1)
             seen = crossing if index or seen_alpha is None else replace(crossing, alpha=seen_alpha)
-            r12 = widened_reflectance(c1, variance, n1, eta, seen.alpha, crossing.kind)
+            r12 = widened_reflectance(c1, variance, n1, eta, seen.alpha, crossing.distribution)
             if before is not None:
                 returned = _returned_reflectance(before[0], crossing, c1, variance, r12)[..., None]
                 back, out = _close(returned, *before[1:])
@@ -153,10 +153,10 @@ def _returned_reflectance(before: Crossing, crossing: Crossing, c1, variance, r1
     n1, eta = crossing.n_own, crossing.n_other / crossing.n_own
     variance = variance + BACK_SPREAD * np.square(2.0 * n1 * c1 * crossing.alpha)
     eta_back = before.n_own / before.n_other
-    r21 = widened_reflectance(c1, variance, n1, eta_back, before.alpha, before.kind)
+    r21 = widened_reflectance(c1, variance, n1, eta_back, before.alpha, before.distribution)
     if eta < 1.0:
         total = np.clip((r12 - fresnel_dielectric(c1, eta)) / np.maximum(r12, 1e-9), 0.0, 1.0)
         trapped_cos = np.full(np.shape(c1), TRAPPED_COS * np.sqrt(1.0 - eta * eta))
-        trapped = widened_reflectance(trapped_cos, TRAPPED_SPREAD * variance, n1, eta_back, before.alpha, before.kind)
+        trapped = widened_reflectance(trapped_cos, TRAPPED_SPREAD * variance, n1, eta_back, before.alpha, before.distribution)
         r21 = r21 + total * np.maximum(trapped - r21, 0.0)
     return r21

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Constants of the tier `analytic`, fitted to the albedos of `models.adding`; `study/calibrate_analytic.py` fits them again.
+"""Constants of the method `analytic`, fitted to the albedos of `models.adding`; `study/calibrate_analytic.py` fits them again.
 
 Levenberg-Marquardt steps in the logarithms of the constants (logits where they have an upper limit), on the signed relative
 errors in per cent of every channel, squared in size so that large ones count, at 0, 40, 65 and 80 degrees. Stacks: the suite and
@@ -45,14 +45,14 @@ NODE_SPREAD = 0.5432
 """Width of one direction of the lobe over the range of slopes that it stands for."""
 MOST_LOBE_SHARE = 0.9297
 """Limit of p over n of the lobe's directions."""
-STIR_SCALE, STIR_BACK, STIR_POWER = 0.1237, 0.1057, 0.7752
+REMIX_SCALE, REMIX_BACK, REMIX_POWER = 0.1237, 0.1057, 0.7752
 """Later orders are uniform light by x / (x + scale), x = lobe alpha^power: what escapes, and what returns."""
-KEPT_ORDER, KEPT_SCALE = 0.713, 0.003982
+RETAINED_ORDER, RETAINED_SCALE = 0.713, 0.003982
 """Rough layers turn trapped light to grazing angles: what escapes again is less by this share, half of it at this alpha."""
 BASE_LOSS = 0.1336
 """1 / (1 + this alpha^2 / (1 + alpha)) is about the mean energy of one reflection on a rough metal."""
 LEAST_COS = 1e-3
-BRUSHED_KEPT = 0.7
+ANISOTROPIC_RETAINED = 0.7
 """Of light that an anisotropic metal's first facet does not let go, its share, this often, is the share that later ones keep. Fitted to
 `position_free`: metals of .9, .6 and .2, roughness .35 to .9, to 80 degrees at 0, 45 and 90 of azimuth, worst 1.1, 5 and 14 % of the albedo."""
 

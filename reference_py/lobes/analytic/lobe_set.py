@@ -62,15 +62,15 @@ class AnalyticLobes:
             result.append(self._top_lobe(cos_o, top_alpha))
         if len(self._down) > 1:
             alpha = lobe_alpha(passage.inner_variance, cos_o)
-            result.append(glossy(self._down[1].kind, passage.inner, alpha, cos_o))
+            result.append(glossy(self._down[1].distribution, passage.inner, alpha, cos_o))
         return result + self._base_lobes(cos_o, passage, base_facets)
 
     def _top_lobe(self, cos_o, seen_alpha) -> GlossyLobe:
         top = self._down[0]
         eta = top.n_other / top.n_own
-        weight = top_gain(cos_o, top.alpha if seen_alpha is None else seen_alpha, eta, top.kind)[..., None] * np.ones(3)
+        weight = top_gain(cos_o, top.alpha if seen_alpha is None else seen_alpha, eta, top.distribution)[..., None] * np.ones(3)
         alpha = np.full(cos_o.shape, top.alpha)
-        return GlossyLobe(top.kind, weight, alpha, alpha, fresnel=DielectricCurve(eta))
+        return GlossyLobe(top.distribution, weight, alpha, alpha, fresnel=DielectricCurve(eta))
 
     def _base_lobes(self, cos_o, passage, base_facets) -> list[GlossyLobe | DiffuseLobe]:
         match self.base:
@@ -94,16 +94,16 @@ class AnalyticLobes:
 
     def _metal_lobes(self, cos_o, passage, base_facets) -> list[GlossyLobe | DiffuseLobe]:
         base, n = self.base, self.base.n_above
-        alpha, kind = base.facets.alpha, base.facets.distribution
+        alpha, distribution = base.facets.alpha, base.facets.distribution
         eta, k = base.relative_index
         reaches = cosine(passage.p, n)
-        facets = base_facets(reaches) if base_facets else Facets((alpha, alpha), closure_energy(reaches, alpha, kind))
+        facets = base_facets(reaches) if base_facets else Facets((alpha, alpha), closure_energy(reaches, alpha, distribution))
         if not self._down:
-            return [glossy(kind, bare_metal(cos_o, alpha, kind, eta, k, facets), alpha * np.ones_like(cos_o), cos_o)]
-        lobe = metal_lobe(self._up, n, passage.p, passage.variance, alpha, kind, eta, k, facets)
+            return [glossy(distribution, bare_metal(cos_o, alpha, distribution, eta, k, facets), alpha * np.ones_like(cos_o), cos_o)]
+        lobe = metal_lobe(self._up, n, passage.p, passage.variance, alpha, distribution, eta, k, facets)
         variance = 2.0 * passage.variance + np.square(2.0 * n * reaches * alpha)
         energy = passage.transmitted * (lobe.first + lobe.later)
-        return [glossy(kind, energy, lobe_alpha(variance, cos_o), cos_o)]
+        return [glossy(distribution, energy, lobe_alpha(variance, cos_o), cos_o)]
 
 
 def at_views(lobe, index):
@@ -123,6 +123,6 @@ def lobe_alpha(variance, cos_o) -> np.ndarray:
     return np.minimum(spread / (cos_o + np.sqrt(np.square(cos_o) + bend * spread)), 1.0)
 
 
-def glossy(kind: str, energy, alpha, cos_o) -> GlossyLobe:
+def glossy(distribution: str, energy, alpha, cos_o) -> GlossyLobe:
     """A glossy lobe of the given energy (..., 3)."""
-    return GlossyLobe(kind, energy / np.maximum(closure_energy(cos_o, alpha, kind), 1e-3)[..., None], alpha, alpha)
+    return GlossyLobe(distribution, energy / np.maximum(closure_energy(cos_o, alpha, distribution), 1e-3)[..., None], alpha, alpha)

@@ -88,10 +88,10 @@ def followed_by_nodes(stack: Stack, method: str, live: tuple[Place, ...]) -> tup
     return in_tables(stack, live) if holds_values(method) and not not_bakeable(stack) else ()
 
 
-def is_known(stack: Stack, method: str, **options) -> bool:
+def is_cached(stack: Stack, method: str, **options) -> bool:
     """Whether making the lobe set takes no time."""
     row = method_of(method)
-    return row.computed is None or all(row.computed.is_known(bakeable(patch.stack), own) for patch, own in _parts(row, stack, Options(**options)))
+    return row.computed is None or all(row.computed.is_cached(bakeable(patch.stack), own) for patch, own in _parts(row, stack, Options(**options)))
 
 
 def packed(stack: Stack, method: str, **options) -> list[dict]:

@@ -46,7 +46,7 @@ def main() -> None:
     from . import packed
 
     data = json.load(sys.stdin)
-    keep_in(Path(data["folder"]) if data["folder"] else None, lambda told: print(f"warning {told}", flush=True))
+    keep_in(Path(data["folder"]) if data["folder"] else None, lambda message: print(f"warning {message}", flush=True))
     live = tuple(Place.of_pair(*pair) for pair in data["live"])
     try:
         result = packed(Stack.from_dict(data["stack"]), data["method"], live=live, tolerance=data["tolerance"], progress=_progress)

@@ -3,7 +3,7 @@
 
 Equal to the render up to float32 rounding (`make test`, goniometer tests). It is not a model of the stack:
 its distance from one is the lobe set's error. Limits: weights of lobes know the view alone, so f is not reciprocal;
-energy is that of the tier, which exceeds 1 where the tier's own model does.
+energy is that of the method, which exceeds 1 where the method's own model does.
 
 option | default | meaning
 ------ | ------- | -------
@@ -35,7 +35,7 @@ _LEAST_SHARE = 1e-3
 
 @supports("model", features=(ANISOTROPY, THIN_FILM))
 class ClosureModel:
-    """What Cycles renders: the closures of a tier, evaluated."""
+    """What Cycles renders: the closures of a method, evaluated."""
 
     name = "closure_model"
     stochastic = False

@@ -30,7 +30,7 @@ class Computed:
         """What was computed before, or is now."""
         return cached(self.key(stack, options), lambda: self.compute(stack, options), self.pack, lambda data: self.unpack(data, stack))
 
-    def is_known(self, stack: Stack, options: Options) -> bool:
+    def is_cached(self, stack: Stack, options: Options) -> bool:
         """Whether it takes no time, as it was computed before or needs no computing."""
         return self.is_instant(stack, options) or get(self.key(stack, options), lambda data: self.unpack(data, stack)) is not None
 

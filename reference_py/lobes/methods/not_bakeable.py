@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 from ...material.place import Place, in_words, places
 from ...material.schema import ANISOTROPY, NORMAL, THIN_FILM
-from ...material.stack import Element, Stack
+from ...material.stack import LayerOrBase, Stack
 from ...optics.interface import Microfacets
 
 _FEATURES = (ANISOTROPY, THIN_FILM, NORMAL)
@@ -26,7 +26,7 @@ def bakeable(stack: Stack) -> Stack:
     """The stack without the features of `not_bakeable`; its surfaces are as rough as those that they had."""
     names = {p.name for feature in _FEATURES for p in feature.parameters}
 
-    def plain(element: Element) -> Element:
+    def plain(element: LayerOrBase) -> LayerOrBase:
         values = {k: v for k, v in element.values.items() if k not in names}
         if element.has(ANISOTROPY):
             values["roughness"] = Microfacets.of(element).alpha ** 0.5

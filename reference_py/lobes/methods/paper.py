@@ -84,13 +84,13 @@ class PaperLobes:
 
         return self._glossy_weight(cos_o, index, surface.alpha, surface.distribution, surface.reflectance)
 
-    def _carried(self, depth, cos_h, z_h, z_i, z_o):
+    def _throughput(self, depth, cos_h, z_h, z_i, z_o):
         """T12 a t of eq. 2 through the first `depth` interfaces, and the inner cosines (h, i, o) there.
 
         All interfaces share the outer half vector, so the inner directions have a closed form:
         w_k = w / n_k + (cos_h_k - cos_h / n_k) h.
         """
-        carried = np.ones(np.shape(z_i) + (3,))
+        throughput = np.ones(np.shape(z_i) + (3,))
         cos_k, z_ik, z_ok = cos_h, z_i, z_o
         for surface in self._surfaces[:depth]:
             t12 = 1.0 - surface.reflectance(cos_k)
@@ -102,8 +102,8 @@ class PaperLobes:
             above = (z_ik > 0.0) & (z_ok > 0.0)
             z_ik, z_ok = np.where(above, z_ik, 1.0), np.where(above, z_ok, 1.0)
             factor = np.where(above[..., None], t12 * ((1.0 - g) + t12 * g), 0.0)
-            carried = carried * factor * np.exp(-surface.tau * (1.0 / z_ik + 1.0 / z_ok)[..., None])
-        return carried, cos_k, z_ik, z_ok
+            throughput = throughput * factor * np.exp(-surface.tau * (1.0 / z_ik + 1.0 / z_ok)[..., None])
+        return throughput, cos_k, z_ik, z_ok
 
     def _glossy_weight(self, cos_o, depth, alpha, distribution, fresnel):
         """Energy of component `depth` over that of its closure, averaged over the closure's lobe."""
@@ -119,9 +119,9 @@ class PaperLobes:
         z_o = np.broadcast_to(cos_o, z_i.shape)
         # density of the nodes is D cos(h), so a lobe D G / (4 cos_i cos_o) cos_i becomes G cos(o, h) / (cos_o cos(h))
         weight = np.where(valid, node_weight * cos_h / z_h, 0.0)
-        carried, cos_k, z_ik, z_ok = self._carried(depth, cos_h, z_h, z_i, z_o)
+        throughput, cos_k, z_ik, z_ok = self._throughput(depth, cos_h, z_h, z_i, z_o)
         inner = masking_g2(z_ik, z_ok, alpha, distribution) * z_i * z_o / (z_ik * z_ok)
-        component = np.sum((weight * inner)[..., None] * carried * fresnel(cos_k), axis=-2)
+        component = np.sum((weight * inner)[..., None] * throughput * fresnel(cos_k), axis=-2)
         closure = np.sum(weight * masking_g2(z_i, z_o, alpha, distribution), axis=-1)[..., None]
         return component / np.maximum(closure, 1e-20)
 
@@ -138,10 +138,10 @@ class PaperLobes:
         cos_h = np.sqrt(np.maximum(0.5 * (1.0 + cos_io), 0.0))
         z_h = 0.5 * (z_i + cos_o) / np.maximum(cos_h, 1e-6)
         z_i, z_o = np.broadcast_arrays(z_i, cos_o)
-        carried, cos_k, z_ik, z_ok = self._carried(len(self._surfaces), cos_h, z_h, z_i, z_o)
+        throughput, cos_k, z_ik, z_ok = self._throughput(len(self._surfaces), cos_h, z_h, z_i, z_o)
         inner = node_weight * _oren_nayar_lobe(2.0 * np.square(cos_k) - 1.0, z_ik, z_ok, sigma)
         outer = node_weight * _oren_nayar_lobe(cos_io, z_i, z_o, sigma)
-        return np.sum(inner[..., None] * carried, axis=-2) / np.sum(outer, axis=-1)[..., None]
+        return np.sum(inner[..., None] * throughput, axis=-2) / np.sum(outer, axis=-1)[..., None]
 
 
 def _oren_nayar_lobe(cos_io, z_i, z_o, sigma):

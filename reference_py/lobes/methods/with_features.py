@@ -4,7 +4,7 @@
 Anisotropy: the top lobe has its surface's exact widths, deeper ones as far as their width is their own surface's, and every
 lobe's weight is of its own energy at the azimuth of the view. A view crosses the top as one of the isotropic surface that it sees
 there; what other anisotropic surfaces do to light that crosses them has no direction.
-Thin films: the tier has no colored interfaces, so `weidlich_wilkie` stands in. Normals are the renderer's.
+Thin films: the method has no colored interfaces, so `weidlich_wilkie` stands in. Normals are the renderer's.
 """
 
 from dataclasses import replace
@@ -18,7 +18,7 @@ from ...optics.interface import AnisotropicRoughness, Microfacets
 from ..analytic import AnalyticLobes
 from ..analytic.base import Facets
 from ..analytic.lobe_set import at_views
-from ..analytic.tables import brushed_energy, closure_energy
+from ..analytic.tables import anisotropic_energy, closure_energy
 from ..lobe import DiffuseLobe, GlossyLobe
 from ..view_table import MIN_COS_O
 from .not_bakeable import bakeable, not_bakeable
@@ -31,10 +31,10 @@ def featured_analytic(stack: Stack):
         return AnalyticLobes(stack)
     if any(element.has(THIN_FILM) for element in (*stack.layers, stack.base)):
         return PaperLobes(stack)
-    return FeaturedAnalyticLobes(stack)
+    return AnalyticLobesWithFeatures(stack)
 
 
-class FeaturedAnalyticLobes(AnalyticLobes):
+class AnalyticLobesWithFeatures(AnalyticLobes):
     """The lobes of the stack without its features, in the shapes that these give them."""
 
     def __init__(self, stack: Stack):
@@ -51,7 +51,7 @@ class FeaturedAnalyticLobes(AnalyticLobes):
         layers, base = self.stack.layers, self.stack.base
         top, metal = (_widths(e) if e is not None and "roughness" in e else None for e in (layers[0] if layers else None, base))
         seen = None if top is None else seen_alpha(top, cos_o, phi)
-        facets = None if metal is None else partial(_facets, widths=metal, phi=phi, kind=base["distribution"])
+        facets = None if metal is None else partial(_facets, widths=metal, phi=phi, distribution=base["distribution"])
         lobes = self._plain.lobes_of(cos_o, seen, facets)
         indices = [1.0, *(layer["ior"] for layer in layers)]
         # the top, all deeper layers as the second, and the base, which may have two lobes
@@ -84,9 +84,9 @@ def _sides(widths: AnisotropicRoughness, phi) -> tuple[np.ndarray, np.ndarray]:
     return np.hypot(widths.alpha_x * cos, widths.alpha_y * sin), np.hypot(widths.alpha_x * sin, widths.alpha_y * cos)
 
 
-def _facets(cos_theta, widths: AnisotropicRoughness, phi, kind: str) -> Facets:
+def _facets(cos_theta, widths: AnisotropicRoughness, phi, distribution: str) -> Facets:
     x2, y2 = widths.alpha_x**2, widths.alpha_y**2
-    white = brushed_energy(cos_theta, phi - widths.angle, widths.alpha_x, widths.alpha_y, kind)
+    white = anisotropic_energy(cos_theta, phi - widths.angle, widths.alpha_x, widths.alpha_y, distribution)
     return Facets(_sides(widths, phi), white, (x2 - y2) / max(x2 + y2, 1e-20))
 
 
@@ -100,5 +100,5 @@ def _shaped(lobe, widths: AnisotropicRoughness | None, n: float, cos_o: np.ndarr
     stretch = [alpha / max(widths.alpha, 1e-12) for alpha in (widths.alpha_x, widths.alpha_y)]
     alpha_x, alpha_y = (np.minimum(lobe.alpha_x * np.sqrt(1.0 - share + share * s * s), 1.0) for s in stretch)
     isotropic = np.maximum(closure_energy(cos_o, lobe.alpha_x, lobe.distribution), 1e-3)
-    own = np.maximum(brushed_energy(cos_o, phi - widths.angle, alpha_x, alpha_y, lobe.distribution), 1e-3)
+    own = np.maximum(anisotropic_energy(cos_o, phi - widths.angle, alpha_x, alpha_y, lobe.distribution), 1e-3)
     return replace(lobe, weight=lobe.weight * (isotropic / own)[..., None], alpha_x=alpha_x, alpha_y=alpha_y, frame=widths.angle)

@@ -10,7 +10,7 @@ from pathlib import Path
 from ...errors import LaminaError
 from ..json_input import parse_json, read_text
 from ..schema import LAMBERT
-from ..stack import Element, Stack
+from ..stack import Layer, Stack
 
 FOLDER = Path(__file__).parent
 
@@ -20,7 +20,7 @@ def names() -> list[str]:
     return sorted(path.stem for path in FOLDER.glob("*.json"))
 
 
-def load(name: str) -> tuple[str, str, tuple[Element, ...]]:
+def load(name: str) -> tuple[str, str, tuple[Layer, ...]]:
     """Label, source and layers, from the top, of a ready layer. Raises LaminaError; an unknown name lists the choices."""
     if name not in names():
         raise LaminaError(f"unknown ready layer {name!r}; choose {', '.join(names())}")
@@ -29,7 +29,7 @@ def load(name: str) -> tuple[str, str, tuple[Element, ...]]:
     return data["name"], data["source"], layers_of(data, str(where))
 
 
-def layers_of(data: Mapping, where: str) -> tuple[Element, ...]:
+def layers_of(data: Mapping, where: str) -> tuple[Layer, ...]:
     """The layers of a dictionary, validated. Raises LaminaError naming `where`, the key, the value and the choices."""
     version = {"schema_version": data["schema_version"]} if "schema_version" in data else {}
     return Stack.from_dict({**version, "layers": data.get("layers", []), "base": {"kind": LAMBERT.name}}, where).layers

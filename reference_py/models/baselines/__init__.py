@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Peers: other people's models of a coated material, so that charts compare like with like.
+"""Baselines: other people's models of a coated material, so that charts compare like with like.
 
 Each takes a stack and sets what a user of that model would; each module's head gives source, mapping and limits.
 """
@@ -26,4 +26,4 @@ BASELINES = (
     Lafortune,
 )
 
-__all__ = ["BASELINES", *(peer.__name__ for peer in BASELINES)]
+__all__ = ["BASELINES", *(baseline.__name__ for baseline in BASELINES)]

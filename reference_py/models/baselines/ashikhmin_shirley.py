@@ -65,7 +65,7 @@ class AshikhminShirley(Baseline):
         # a Beckmann lobe of the same alpha is close enough to share samples
         return [(BECKMANN, self._alpha)]
 
-    def _mirrored(self, cos_o):
+    def _specular_albedo(self, cos_o):
         if not is_specular(self._alpha):
-            return super()._mirrored(cos_o)
+            return super()._specular_albedo(cos_o)
         return self._tint * schlick(self._f0)(cos_o)

@@ -92,9 +92,9 @@ class Belcour(Baseline):
         # lobes within a factor of two share samples
         return [(GGX, float(a)) for a in np.unique(2.0 ** np.round(np.log2(alphas[alphas > SPECULAR_ALPHA])))]
 
-    def _mirrored(self, cos_o):
-        mirrors = [weight * is_specular(alpha)[..., None] for weight, alpha in self.lobes(cos_o)]
-        return sum(mirrors, super()._mirrored(cos_o))
+    def _specular_albedo(self, cos_o):
+        specular = [weight * is_specular(alpha)[..., None] for weight, alpha in self.lobes(cos_o)]
+        return sum(specular, super()._specular_albedo(cos_o))
 
 
 def _variance(alpha):

@@ -105,9 +105,9 @@ class Closure:
         """(..., channels) for directions above the surface; 0 for a mirror."""
         return self.gain(wo[..., 2]) * self.lobe.f(wo, wi)
 
-    def mirrored(self, cos_o: np.ndarray) -> np.ndarray:
+    def specular_albedo(self, cos_o: np.ndarray) -> np.ndarray:
         """Energy (..., channels) of a mirror; 0 for a rough lobe."""
-        return self.gain(cos_o) * self.lobe.mirrored(cos_o)
+        return self.gain(cos_o) * self.lobe.specular_albedo(cos_o)
 
     def left(self, cos_o: np.ndarray) -> np.ndarray:
         """What Cycles leaves for the closures below, (..., 1): 1 - the largest channel of the estimated albedo."""

@@ -53,9 +53,9 @@ class CyclesLayer(Baseline):
         base = self._metal.f(wo, wi) if self._metal else self.optics.base.f(wi, wo)
         return self._layered(wo[..., 2], base, [top.f(wo, wi) for top in self._tops])
 
-    def _mirrored(self, cos_o):
-        base = self._metal.mirrored(cos_o) if self._metal else super()._mirrored(cos_o)
-        return self._layered(cos_o, base, [top.mirrored(cos_o) for top in self._tops])
+    def _specular_albedo(self, cos_o):
+        base = self._metal.specular_albedo(cos_o) if self._metal else super()._specular_albedo(cos_o)
+        return self._layered(cos_o, base, [top.specular_albedo(cos_o) for top in self._tops])
 
     def _layered(self, cos_o, base, tops):
         for top, value, tint in reversed(list(zip(self._tops, tops, self._tints))):

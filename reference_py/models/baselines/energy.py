@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Energies that peers need: directional albedo as a function of the view, means over it, and facets that a view sees."""
+"""Energies that baselines need: directional albedo as a function of the view, means over it, and facets that a view sees."""
 
 from collections.abc import Callable, Sequence
 
@@ -35,11 +35,11 @@ class Curve:
         return np.sum(0.5 * (weighted[1:] + weighted[:-1]) * np.diff(cos)[:, None], axis=0)
 
 
-def albedo_curve(f: Callable, widths: Sequence[tuple[str, float]], mirrored: Callable) -> Curve:
+def albedo_curve(f: Callable, widths: Sequence[tuple[str, float]], specular_albedo: Callable) -> Curve:
     """Directional albedo (3 channels) of f(wo, wi) and of its mirror-like part over the view's cosine."""
 
     def albedo(cos_o):
-        return directional_albedo(f, spherical(np.arccos(cos_o), 0.0), widths, count=2048) + mirrored(cos_o)
+        return directional_albedo(f, spherical(np.arccos(cos_o), 0.0), widths, count=2048) + specular_albedo(cos_o)
 
     return Curve(albedo)
 

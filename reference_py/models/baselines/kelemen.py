@@ -42,7 +42,7 @@ class Kelemen(Baseline):
         self._matte = None if metal else tint * self.optics.base.color
         if self._matte is not None and self._lobe:
             # where the lobe's own albedo exceeds 1 nothing is left for the matte part
-            self._specular_albedo = albedo_curve(self._specular, self._widths(), self._mirrored)
+            self._glossy_albedo = albedo_curve(self._specular, self._widths(), self._specular_albedo)
 
     def _f(self, wo, wi):
         total = self._specular(wo, wi)
@@ -50,8 +50,8 @@ class Kelemen(Baseline):
             return total
         if not self._lobe:
             return total + self._matte / np.pi
-        left = 1.0 - self._specular_albedo.mean
-        share = [np.maximum(1.0 - self._specular_albedo(w[..., 2]), 0.0) for w in (wi, wo)]
+        left = 1.0 - self._glossy_albedo.mean
+        share = [np.maximum(1.0 - self._glossy_albedo(w[..., 2]), 0.0) for w in (wi, wo)]
         return total + self._matte * share[0] * share[1] / (np.pi * left)
 
     def _specular(self, wo, wi):
@@ -65,5 +65,5 @@ class Kelemen(Baseline):
     def _widths(self):
         return [self._lobe.width] if self._lobe else []
 
-    def _mirrored(self, cos_o):
-        return self._tint * self._lobe.mirrored(cos_o) if self._lobe else super()._mirrored(cos_o)
+    def _specular_albedo(self, cos_o):
+        return self._tint * self._lobe.specular_albedo(cos_o) if self._lobe else super()._specular_albedo(cos_o)

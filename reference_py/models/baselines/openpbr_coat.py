@@ -78,9 +78,9 @@ class OpenPbrCoat(Baseline):
             base = base + left * self.optics.base.f(wi, wo)
         if not self._coat:
             return base * np.ones(3)
-        return self._coat.f(wo, wi) + self._carried(wo[..., 2], wi[..., 2]) * base
+        return self._coat.f(wo, wi) + self._throughput(wo[..., 2], wi[..., 2]) * base
 
-    def _carried(self, cos_o, cos_i):
+    def _throughput(self, cos_o, cos_i):
         """What the coat leaves of the base, (..., 3)."""
         path = 1.0 / cos_theta_t(cos_i, self._eta) + 1.0 / cos_theta_t(cos_o, self._eta)
         absorbed = np.exp(-self._tau * path[..., None])
@@ -94,11 +94,11 @@ class OpenPbrCoat(Baseline):
         inside = (smooth + self._base_roughness * (rough - smooth))[..., None]
         return (1.0 - inside) / np.maximum(1.0 - self._base_albedo * inside, 1e-12)
 
-    def _mirrored(self, cos_o):
-        base = self._lobe.mirrored(cos_o) if self._lobe else super()._mirrored(cos_o)
+    def _specular_albedo(self, cos_o):
+        base = self._lobe.specular_albedo(cos_o) if self._lobe else super()._specular_albedo(cos_o)
         if not self._coat:
             return base * np.ones(3)
-        return self._coat.mirrored(cos_o) + self._carried(cos_o, cos_o) * base
+        return self._coat.specular_albedo(cos_o) + self._throughput(cos_o, cos_o) * base
 
     def _widths(self):
         return [lobe.width for lobe in (self._coat, self._lobe) if lobe]
@@ -106,4 +106,4 @@ class OpenPbrCoat(Baseline):
 
 def _albedo(lobe: Lobe):
     """Directional albedo of a lobe over the view's cosine."""
-    return albedo_curve(lobe.f, [lobe.width], lobe.mirrored)
+    return albedo_curve(lobe.f, [lobe.width], lobe.specular_albedo)

@@ -29,7 +29,7 @@ Fresnel = Callable[[np.ndarray], np.ndarray]
 
 
 class Baseline:
-    """A model of the shared signature. Subclasses give `_f`, and `_widths` and `_mirrored` where they have lobes.
+    """A model of the shared signature. Subclasses give `_f`, and `_widths` and `_specular_albedo` where they have lobes.
 
     `OPTIONS` names the options and their choices, the default first. Raises LaminaError on any other.
     """
@@ -59,7 +59,7 @@ class Baseline:
         wo = np.asarray(wo, float)
         visible = wo[..., 2:] > 0.0
         above = np.where(visible, wo, _UP)
-        total = directional_albedo(self.f, above, self._widths()) + self._mirrored(above[..., 2])
+        total = directional_albedo(self.f, above, self._widths()) + self._specular_albedo(above[..., 2])
         return np.where(visible, total, 0.0)
 
     def _f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
@@ -70,7 +70,7 @@ class Baseline:
         """(distribution, alpha) of the lobes, for the quadrature."""
         return []
 
-    def _mirrored(self, cos_o: np.ndarray) -> np.ndarray:
+    def _specular_albedo(self, cos_o: np.ndarray) -> np.ndarray:
         """Energy (..., 3) of mirror-like lobes."""
         return np.zeros(cos_o.shape + (3,))
 
@@ -98,7 +98,7 @@ class Lobe:
         value = d * g / (4.0 * np.maximum(wi[..., 2] * wo[..., 2], 1e-30))
         return self.fresnel(np.clip(dot(wi, wh), 0.0, 1.0)) * value[..., None]
 
-    def mirrored(self, cos_o: np.ndarray) -> np.ndarray:
+    def specular_albedo(self, cos_o: np.ndarray) -> np.ndarray:
         """Energy (..., 1) or (..., 3) of a mirror; 0 for a rough lobe."""
         return self.fresnel(cos_o) * (1.0 if is_specular(self.alpha) else 0.0)
 

@@ -71,15 +71,15 @@ class PrincipledCoat(Baseline):
         base = self._metal.f(wo, wi) if self._metal else self.optics.base.f(wi, wo)
         if self._specular:
             base = self._specular.f(wo, wi) + self._specular.left(wo[..., 2]) * base
-        return self._carried(wo[..., 2]) * base + (self._coat.f(wo, wi) if self._coat else 0.0)
+        return self._throughput(wo[..., 2]) * base + (self._coat.f(wo, wi) if self._coat else 0.0)
 
-    def _mirrored(self, cos_o):
-        base = self._metal.mirrored(cos_o) if self._metal else super()._mirrored(cos_o)
+    def _specular_albedo(self, cos_o):
+        base = self._metal.specular_albedo(cos_o) if self._metal else super()._specular_albedo(cos_o)
         if self._specular:
-            base = base + self._specular.mirrored(cos_o)
-        return self._carried(cos_o) * base + (self._coat.mirrored(cos_o) if self._coat else 0.0)
+            base = base + self._specular.specular_albedo(cos_o)
+        return self._throughput(cos_o) * base + (self._coat.specular_albedo(cos_o) if self._coat else 0.0)
 
-    def _carried(self, cos_o):
+    def _throughput(self, cos_o):
         """What the coat leaves of the base, (..., 3)."""
         if not self._coat:
             return np.ones(cos_o.shape + (3,))

@@ -48,25 +48,25 @@ class Schlick(Baseline):
     def _f(self, wo, wi):
         wh = half_vector(wi, wo)
         u = np.clip(dot(wi, wh), 0.0, 1.0)
-        base = self._carried(u) * self._base_fresnel(u)
+        base = self._throughput(u) * self._base_fresnel(u)
         base = base / np.pi if self._base_alpha is None else base * _lobe(wo, wi, wh, self._base_alpha)
         if self._top_alpha is None:
             return base
         return base + self._top_fresnel(u) * _lobe(wo, wi, wh, self._top_alpha)
 
-    def _carried(self, u):
+    def _throughput(self, u):
         """What is left for the base, (..., 3)."""
         return self._tint * (1.0 - self._top_fresnel(u) if self._top_fresnel else 1.0)
 
     def _widths(self):
         return [(GGX, alpha) for alpha in (self._top_alpha, self._base_alpha) if alpha is not None]
 
-    def _mirrored(self, cos_o):
-        total = super()._mirrored(cos_o)
+    def _specular_albedo(self, cos_o):
+        total = super()._specular_albedo(cos_o)
         if self._top_alpha is not None and is_specular(self._top_alpha):
             total = total + self._top_fresnel(cos_o)
         if self._base_alpha is not None and is_specular(self._base_alpha):
-            total = total + self._carried(cos_o) * self._base_fresnel(cos_o)
+            total = total + self._throughput(cos_o) * self._base_fresnel(cos_o)
         return total
 
 

@@ -47,5 +47,5 @@ class TorranceSparrow(Baseline):
     def _widths(self):
         return [self._lobe.width] if self._lobe else []
 
-    def _mirrored(self, cos_o):
-        return self._lobe_tint * self._lobe.mirrored(cos_o) if self._lobe else super()._mirrored(cos_o)
+    def _specular_albedo(self, cos_o):
+        return self._lobe_tint * self._lobe.specular_albedo(cos_o) if self._lobe else super()._specular_albedo(cos_o)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The two Blender peers against Blender: layer() in a Script node, and a Principled node, furnace and goniometer."""
+"""The two Blender baselines against Blender: layer() in a Script node, and a Principled node, furnace and goniometer."""
 
 import numpy as np
 import pytest
@@ -75,7 +75,7 @@ def osl_of(stack: Stack, ggx: str) -> str:
     for s in reversed(OpticalStack.of(stack).interfaces):
         top = f"dielectric_bsdf(N, U, color(1), color(0), {s.alpha:.9g}, {s.alpha:.9g}, {s.eta:.9g}, {name(s.distribution)})"
         text = f"layer({top}, {triple(np.exp(-2.0 * s.tau))} * {text})"
-    return f"shader peer(output closure color BSDF = 0) {{ vector U = vector(0); BSDF = {text}; }}"
+    return f"shader baseline(output closure color BSDF = 0) {{ vector U = vector(0); BSDF = {text}; }}"
 
 
 def layer_material(bpy, stack: Stack, ggx: str = "multi_ggx"):
@@ -83,7 +83,7 @@ def layer_material(bpy, stack: Stack, ggx: str = "multi_ggx"):
     from lamina.addon.shader.osl.generate import Shader
 
     material, script, output = _new_material(bpy, "ShaderNodeScript")
-    set_script(script, Shader("peer", osl_of(stack, ggx), (), 1))
+    set_script(script, Shader("baseline", osl_of(stack, ggx), (), 1))
     material.node_tree.links.new(script.outputs["BSDF"], output.inputs["Surface"])
     return material
 
@@ -100,7 +100,7 @@ def _new_material(bpy, kind):
     from lamina.addon.blender.versions import node_tree
 
     bpy.context.scene.render.engine = "CYCLES"
-    material = bpy.data.materials.new("Peer")
+    material = bpy.data.materials.new("Baseline")
     tree = node_tree(material)
     tree.nodes.clear()
     return material, tree.nodes.new(kind), tree.nodes.new("ShaderNodeOutputMaterial")

@@ -16,7 +16,7 @@ from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.fresnel import fresnel_conductor, fresnel_dielectric
 from lamina.reference_py.registry import MODELS, make_model
 
-NAMES = [peer.name for peer in BASELINES]
+NAMES = [baseline.name for baseline in BASELINES]
 NORMAL = spherical(0.0, 0.0)
 VIEWS = spherical(np.radians([0.0, 60.0, 85.0, 89.9]), 0.0)
 RECIPROCAL = {"torrance_sparrow", "ashikhmin_shirley", "kelemen", "schlick", "lafortune"}
@@ -74,7 +74,7 @@ def stressed(name, case):
     return model, model.albedo(VIEWS)
 
 
-def test_all_peers_are_registered_under_their_names():
+def test_all_baselines_are_registered_under_their_names():
     assert NAMES == [
         "torrance_sparrow",
         "cycles_layer",
