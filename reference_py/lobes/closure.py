@@ -96,7 +96,7 @@ def glossy_rates(kind: str, alpha_x, alpha_y, tilt, wo: tuple, wi: tuple) -> np.
     g2 = 1.0 / (1.0 + into[0] + out[0])
     value = law.slope_density(slope2) * np.square(1.0 + lean2 + across2) * g2 / np.maximum(z, 1e-20)
     value *= np.where(seen, 0.25 / (np.pi * alpha_x * alpha_y * oz), 0.0)
-    result = np.empty((4, *value.shape))
+    result = np.empty((4, *value.shape), value.dtype)
     result[0] = value
     result[1] = value * (by_slope2 * x2 - 1.0 - g2 * (into[1] + out[1]))
     result[2] = value * (by_slope2 * y2 - 1.0 - g2 * (into[2] + out[2]))

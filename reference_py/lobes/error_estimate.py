@@ -19,7 +19,7 @@ from .samples import Views, truth_at
 SOFT_LIGHT_DEG = 40.0
 _PIXELS = 8
 # Points of each strategy at a view.
-_POINTS = 300
+_POINTS = 200
 _RINGS, _AROUND = 9, 12
 
 

@@ -159,11 +159,11 @@ def test_a_texture_on_a_layer_is_followed(window):
     rest(owner)
     tree = owner.node_tree
     noise = tree.nodes.new("ShaderNodeTexNoise")
-    tree.links.new(noise.outputs["Color"], elements.node_of(owner.lamina.base).inputs["Color"])
-    assert live_values(owner) == (Place(None, "color"),)
+    tree.links.new(noise.outputs["Color"], elements.node_of(owner.lamina.layers[0]).inputs["Tint"])
+    assert live_values(owner) == (Place(0, "tint"),)
     rest(owner)
     assert is_live(owner) and is_settled(owner)
-    assert "a bake cannot follow the color of the base" in owner.lamina.note
+    assert "a bake cannot follow the tint of layer 0" in owner.lamina.note
 
 
 def test_keyframes_and_drivers_are_live_values(window):

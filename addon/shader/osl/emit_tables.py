@@ -52,7 +52,7 @@ def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable
 def _base_weight(arrays: list[str], name: str, table: BaseColorTable) -> str:
     color = f"clamp({BASE_COLOR_INPUT.osl_name}, color(0.0), color(1.0))"
     weight = f"{_value(arrays, f'Through{name}', table.through)} * {color} / (color(1.0) - color({numbers(table.back)}) * {color})"
-    return f"{_value(arrays, f'Own{name}', table.own)} + {weight}" if np.any(table.own) else weight
+    return f"({_value(arrays, f'Own{name}', table.own)} + {weight})" if np.any(table.own) else weight
 
 
 def _is_round(shape: np.ndarray) -> bool:

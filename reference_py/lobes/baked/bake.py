@@ -21,13 +21,15 @@ from ..samples import truth_at
 from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
 from ..view_table import BASE_COLOR, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
 from .live import axes_of, bake_live
-from .plan import Path, Plan, best_path, continued_path
+from .plan import Branches, Path, Plan, best_path, continued_path
 
 DEFAULT_GLOSSY, MAX_GLOSSY = 2, 4
 # Points of each strategy at a view.
 _POINTS = 96
 # A lobe that nowhere carries more than this share of the albedo is left out.
 _NEGLIGIBLE = 1e-3
+# With one lobe less a path is worth a look where its first error is at most so many times as large.
+_CLOSE = 2.0
 # Of the energy that is left for the fitted lobes, what they have in every channel before all is scaled.
 _LEAST_SHARE = 1e-3
 
@@ -73,6 +75,10 @@ class Baker:
         found = self.path(glossy)
         return Bake(self.lobe_set(found), found.path.mixtures.error)
 
+    def first_error(self, glossy: int) -> float:
+        """The mean error of shape at a few knots, before fits are made good at every one."""
+        return self._best_plan(glossy)[1].error
+
     def path(self, glossy: int) -> Found:
         """The fits behind `bake`."""
         if glossy not in self._found:
@@ -80,18 +86,20 @@ class Baker:
         return self._found[glossy]
 
     def _path(self, glossy: int) -> Found:
-        spare = glossy - bool(np.any(self._mirror > 0.0))
-        trials = []
-        for number, plan in enumerate(self._plans):
-            free = spare - (plan.known is not None)
-            if free >= 0:
-                self._report(0.3 + 0.6 * number / len(self._plans))
-                trials.append((number, plan.branches(free)))
-        number, trial = min(trials, key=lambda t: t[1].error) if trials else (0, self._plans[0].branches(0))
-        found = Found(number, best_path(self._plans[number], trial))
+        number, branches = self._best_plan(glossy)
+        found = Found(number, best_path(self._plans[number], branches))
         self._report(0.9)
-        # more lobes fit each knot better, but may change more between knots
-        return min(found, self.path(glossy - 1), key=lambda one: one.path.cost) if glossy > 1 else found
+        if glossy > 1 and self.first_error(glossy - 1) < _CLOSE * branches.error:
+            # more lobes fit each knot better, but may change more between knots
+            return min(found, self.path(glossy - 1), key=lambda one: one.path.cost)
+        return found
+
+    def _best_plan(self, glossy: int) -> tuple[int, Branches]:
+        """The number of the plan that does best with at most so many glossy lobes, and its branches."""
+        spare = glossy - bool(np.any(self._mirror > 0.0))
+        free = [spare - (plan.known is not None) for plan in self._plans]
+        trials = [(number, plan.branches(count)) for number, (plan, count) in enumerate(zip(self._plans, free)) if count >= 0]
+        return min(trials, key=lambda trial: trial[1].error) if trials else (0, self._plans[0].branches(0))
 
     def continued(self, found: Found) -> Found:
         """The fits to this stack's truth that begin at those of a stack much like it."""

@@ -105,27 +105,26 @@ class ViewFits:
 
     def fit(self, kinds: tuple[str, ...], start: np.ndarray, iterations: int) -> Mixtures:
         """The best mixtures that are found from `start` (V, k, 3)."""
-        count = len(kinds)
+        slopes = 3 * len(kinds)
         shape = np.clip(start, self.low, _HIGH)
         rows = self._rows(kinds, shape)
-        weights = self._point_weights(0.1 * self.truth)
-        weight = non_negative(*self._moments(rows[:, 3 * count :], weights))
-        best = self._mixtures(shape, rows, weight)
+        weight = non_negative(*self._moments(rows[:, slopes:], self._point_weights(0.1 * self.truth)))
+        best, distances = self._mixtures(shape, rows[:, slopes:], weight)
         damping = np.full(len(shape), _FIRST_DAMPING)
-        for _ in range(iterations if count else 0):
-            weights = self._point_weights(self._residual(rows[:, 3 * count :], weight))
+        for _ in range(iterations if kinds else 0):
+            weights = self._point_weights(distances)
             gram, moments = self._moments(rows, weights)
-            weight = non_negative(gram[:, :, 3 * count :, 3 * count :], moments[:, :, 3 * count :])
+            weight = non_negative(gram[:, :, slopes:, slopes:], moments[:, :, slopes:])
             step = _gauss_newton_step(gram, moments, weight, damping)
             trial = np.clip(shape + np.clip(step, -_LONGEST_STEP, _LONGEST_STEP), self.low, _HIGH)
             trial_rows = self._rows(kinds, trial)
-            trial_weight = non_negative(*self._moments(trial_rows[:, 3 * count :], weights))
-            before, after = (self._squares(r[:, 3 * count :], c, weights) for r, c in ((rows, weight), (trial_rows, trial_weight)))
-            better = after < before
+            trial_gram, trial_moments = self._moments(trial_rows[:, slopes:], weights)
+            trial_weight = non_negative(trial_gram, trial_moments)
+            before = _squares(gram[:, :, slopes:, slopes:], moments[:, :, slopes:], weight)
+            better = _squares(trial_gram, trial_moments, trial_weight) < before
             damping = np.where(better, np.maximum(0.2 * damping, _LEAST_DAMPING), 8.0 * damping)
-            wide = better[:, None, None]
-            shape, rows, weight = (np.where(wide, new, old) for new, old in ((trial, shape), (trial_rows, rows), (trial_weight, weight)))
-            found = self._mixtures(shape, rows, weight)
+            shape[better], rows[better], weight[better] = trial[better], trial_rows[better], trial_weight[better]
+            found, distances = self._mixtures(shape, rows[:, slopes:], weight)
             best = found.where(found.error < best.error, best)
         return self._with_energy(kinds, best)
 
@@ -159,17 +158,16 @@ class ViewFits:
         weight = found.weight * scale[..., None]
         return Mixtures(found.shape, weight, self.errors(columns, weight)[0])
 
-    def _mixtures(self, shape, rows, weight) -> Mixtures:
-        return Mixtures(shape, weight, self.errors(rows[:, 3 * shape.shape[1] :], weight)[0])
+    def _mixtures(self, shape, columns, weight) -> tuple[Mixtures, np.ndarray]:
+        """The mixtures, and what is left of the goal at each point (V, 3, Q), without sign."""
+        distances = np.abs(self._residual(columns, weight))
+        return Mixtures(shape.copy(), weight.copy(), np.max(np.einsum("vcq,vcq->vc", self.share, distances), axis=1)), distances
 
     def _residual(self, columns, weight):
         return self.goal - weight @ columns
 
-    def _point_weights(self, residual) -> np.ndarray:
-        return self.share / np.maximum(np.abs(residual), self.floor)
-
-    def _squares(self, columns, weight, weights) -> np.ndarray:
-        return np.einsum("vcq,vcq->v", weights, np.square(self._residual(columns, weight)))
+    def _point_weights(self, distances) -> np.ndarray:
+        return self.share / np.maximum(distances, self.floor)
 
     def _moments(self, rows, weights) -> tuple[np.ndarray, np.ndarray]:
         """Weighted products of the rows with each other (V, 3, r, r), and with the goal (V, 3, r)."""
@@ -179,6 +177,11 @@ class ViewFits:
             gram.append(weighted @ np.swapaxes(rows, 1, 2))
             moments.append(weighted @ self.goal[:, channel, :, None])
         return np.stack(gram, axis=1), np.stack(moments, axis=1)[..., 0]
+
+
+def _squares(gram, moments, weight) -> np.ndarray:
+    """Weighted sums (V,) of squares of what is left of the goal, but for a part that the weights do not change."""
+    return np.einsum("vci,vcij,vcj->v", weight, gram, weight) - 2.0 * np.einsum("vci,vci->v", weight, moments)
 
 
 def _gauss_newton_step(gram, moments, weight, damping) -> np.ndarray:

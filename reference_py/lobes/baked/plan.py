@@ -21,11 +21,11 @@ _BEFORE, _AFTER, _PASSES = np.maximum(np.arange(len(COARSE)) - 1, 0), np.minimum
 # Steps of a trial, of the better half of the trials, of a branch at every knot, and of fits to a truth much like the one before.
 _TRIAL, _MORE, _FILL, _CONTINUED = 5, 8, 5, 5
 # Branches that a path may take.
-_BRANCHES = 3
+_BRANCHES = 2
 # Widths that starts are chosen from.
 _WIDTHS = 5
-# A wrong energy between knots weighs so much more than a wrong shape, and twice that at `_ENERGY_HURTS`, as eyes see the worst view.
-_ENERGY_COUNTS, _ENERGY_HURTS = 3.0, 0.003
+# A wrong energy between knots weighs so much more than a wrong shape. Errors of these sizes count twice, as eyes see the worst view.
+_ENERGY_COUNTS, _ENERGY_HURTS, _SHAPE_HURTS = 3.0, 0.0015, 0.15
 
 
 @dataclass(frozen=True)
@@ -62,20 +62,22 @@ class Plan:
         if free not in self._found:
             fewer = self.branches(free - 1) if free else None
             kinds = [(*fewer.kinds, kind) for kind in self._kinds] if fewer else [()]
-            self._found[free] = min((self._tried(k, fewer) for k in kinds), key=lambda b: b.error)
+            trials = [(k, self._trials(k, fewer)) for k in kinds]
+            self._found[free] = self._continued(*min(trials, key=lambda trial: float(np.mean(trial[1][0].error))))
         return self._found[free]
 
-    def _tried(self, kinds: tuple[str, ...], fewer: Branches | None) -> Branches:
-        """All starts at the coarse knots: after a few steps the better half goes on."""
+    def _trials(self, kinds: tuple[str, ...], fewer: Branches | None) -> list[Mixtures]:
+        """A few steps from all starts at the coarse knots; the better half of them."""
         starts = self._starts(fewer) if fewer else [np.zeros((len(COARSE), 0, 3))]
-        trials = self._fitted(kinds, starts, _TRIAL)
-        if len(trials) > _BRANCHES:
-            trials = _best(trials, max((len(trials) + 1) // 3, _BRANCHES))
-            trials = self._fitted(kinds, [trial.shape for trial in trials], _MORE)
-        trials = _best(trials, _BRANCHES)
-        for _ in range(_PASSES if kinds else 0):
-            best = trials[0].shape
-            trials = _best(trials + self._fitted(kinds, [best[_BEFORE], best[_AFTER]], _MORE), _BRANCHES)
+        return _best(self._fitted(kinds, starts, _TRIAL), max((len(starts) + 1) // 3, _BRANCHES))
+
+    def _continued(self, kinds: tuple[str, ...], trials: list[Mixtures]) -> Branches:
+        """The branches that trials lead to; then each knot begins at what its neighbours found."""
+        if kinds:
+            trials = _best(self._fitted(kinds, [trial.shape for trial in trials], _MORE), _BRANCHES)
+            for _ in range(_PASSES):
+                best = trials[0].shape
+                trials = _best(trials + self._fitted(kinds, [best[_BEFORE], best[_AFTER]], _MORE), _BRANCHES)
         return Branches(kinds, tuple(_in_order(kinds, trials)))
 
     def _fitted(self, kinds, starts: list[np.ndarray], iterations: int) -> list[Mixtures]:
@@ -161,7 +163,7 @@ def best_path(plan: Plan, found: Branches) -> Path:
 def _joined(plan: Plan, kinds: tuple[str, ...], branches: list[Mixtures]) -> Path:
     """The path over the branches of least sum of the errors at the knots and between them."""
     branches = [_symmetric_at_normal(plan, kinds, branch) for branch in branches]
-    errors = np.array([branch.error for branch in branches])
+    errors = np.array([_felt(branch.error) for branch in branches])
     between = np.array([[_half_way(plan.middles, kinds, a.of(slice(0, -1)), b.of(slice(1, None))) for b in branches] for a in branches])
     cost, came_from = errors[:, 0], []
     for k in range(KNOTS - 1):
@@ -208,4 +210,9 @@ def _half_way(middles: ViewFits, kinds: tuple[str, ...], left: Mixtures, right: 
     widths = np.log(0.5 * (np.exp(left.shape[..., :2]) + np.exp(right.shape[..., :2])))
     shape = np.concatenate([widths, 0.5 * (left.shape[..., 2:] + right.shape[..., 2:])], axis=2)
     distance, energy = middles.errors(middles.columns(kinds, shape), 0.5 * (left.weight + right.weight))
-    return distance + _ENERGY_COUNTS * energy * (1.0 + energy / _ENERGY_HURTS)
+    return _felt(distance) + _ENERGY_COUNTS * energy * (1.0 + energy / _ENERGY_HURTS)
+
+
+def _felt(error: np.ndarray) -> np.ndarray:
+    """What an error of shape counts."""
+    return error * (1.0 + error / _SHAPE_HURTS)

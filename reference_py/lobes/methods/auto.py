@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Method `auto`: the cheapest way to tell Cycles about a stack whose error stays under a tolerance."""
 
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, replace
+from itertools import chain
 
 import numpy as np
 
@@ -26,6 +28,8 @@ from .with_features import featured_analytic
 NAME = "auto"
 # Errors that differ by less than this share of them are as good: the cheaper one is taken.
 _AS_CLOSE = 0.05
+# Soft light sees a third to a fifth of an error of shape: above so many tolerances a bake need not be made good to know that it is not.
+_HOPELESS = 8.0
 # Of albedos with anisotropy: azimuths, views, and walks for each.
 _AZIMUTHS = np.radians([0.0, 45.0, 90.0, 135.0])
 _FEW, _WALKS = 4, 1 << 15
@@ -45,10 +49,9 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
     estimator = ErrorEstimator(stack, truth, ball_cosines() if cosines is None else cosines, light_deg)
     report(0.2)
     can_bake = follows(stack, live)
-    makers = [(tier, lambda lobe_set=lobe_set: lobe_set(stack)) for tier, lobe_set in _LIVE.items()]
+    makers: Iterable = [(method, lambda lobe_set=lobe_set: lobe_set(stack)) for method, lobe_set in _LIVE.items()]
     if not live:
-        baker = Baker(stack, truth)
-        makers += [(f"baked, {k} glossy", lambda k=k: baker.bake(k).lobe_set) for k in range(1, glossy + 1)]
+        makers = chain(makers, _bakes(Baker(stack, truth), glossy, tolerance))
     elif can_bake:
         over = (f"baked over {in_words(live)}", lambda: baked(stack, live, min(DEFAULT_GLOSSY, glossy), lambda share: report(0.4 + 0.6 * share)))
         # stock nodes follow a color that is baked over, and no live method
@@ -57,13 +60,20 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
     for done, (label, make) in enumerate(makers):
         lobe_set = make()
         tried.append((_candidate(label, lobe_set, estimator.errors(lobe_set), bool(live)), lobe_set))
-        report(0.2 + 0.8 * (done + 1) / len(makers))
+        report(0.2 + 0.8 * (done + 1) / (glossy + len(_LIVE)))
         if label not in _LIVE and tried[-1][0].visible <= tolerance:
             break  # more lobes cost more
     (chosen, lobe_set), reason = _best(tried, tolerance)
     if not can_bake:
         reason += f"; a bake cannot follow {in_words(live)}"
     return Choice(chosen, lobe_set, tuple(candidate for candidate, _ in tried), reason)
+
+
+def _bakes(baker: Baker, glossy: int, tolerance: float) -> Iterator[tuple[str, Callable]]:
+    """Labels and makers of bakes with ever more glossy lobes, without those that are hopeless."""
+    for count in range(1, glossy + 1):
+        if count == glossy or baker.first_error(count) < _HOPELESS * tolerance:
+            yield f"baked, {count} glossy", lambda count=count: baker.bake(count).lobe_set
 
 
 def _best(tried: list[tuple[Candidate, object]], tolerance: float) -> tuple[tuple[Candidate, object], str]:
