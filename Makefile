@@ -14,7 +14,7 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 FIRST_HALF := $(shell cat tests/first_half.txt)
 QUICK := -q -m "not blender and not slow"
 
-.PHONY: fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field branches surroundings numbers fuzz faults calibration matrix licences clean
+.PHONY: fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field bakes branches surroundings numbers fuzz faults calibration matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -40,6 +40,7 @@ help:
 	@echo "make killed-batch  kill a batch of 200 pictures five times at random and compare it with an undisturbed one"
 	@echo "make farm-tasks    measure what a farm's task costs beside its pictures"
 	@echo "make field     try a material beside a Principled one through the rest of Blender, and write figures/field.csv (ten minutes)"
+	@echo "make bakes     measure what bakes cost beside those of a former commit, and how they follow a base's color (fifteen minutes)"
 	@echo "make branches  measure what both branches of a material cost beside one alone (five minutes on a quiet machine)"
 	@echo "make surroundings  render one file in its four surroundings (LAMINA_BLENDER names a Blender that has EEVEE)"
 	@echo "make numbers   put the numbers of the tables into README.md and docs/ (a test compares)"
@@ -153,6 +154,10 @@ farm-tasks: $(READY)
 
 field: $(READY)
 	$(RUN) tests/field figures/field.csv
+
+bakes: $(READY)
+	$(RUN) tests/benchmarks/bakes.py figures/bakes.csv
+	$(VENV)/bin/lamina chart base_color -o figures
 
 branches: $(READY)
 	$(RUN) tests/benchmarks/branches.py figures/branches.csv

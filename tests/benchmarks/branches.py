@@ -25,7 +25,7 @@ from lamina.reference_py.material import presets
 from lamina.study.tables import write_table
 
 NAMES = ("glazed_mug", "metallic_car_paint", "frosted_paint")
-ROUNDS, SIZE, SAMPLES, COPIES = 5, 96, 64, 8
+ROUNDS, STARTS, SIZE, SAMPLES, COPIES = 7, 20, 96, 64, 8
 COLUMNS = ("preset", "osl", "render", "start", "start_least", "start_ms", "alone_start_ms", "make", "make_ms", "alone_make_ms")
 
 
@@ -103,7 +103,7 @@ def rows(folder: str):
             one, other = least(ROUNDS, *(lambda m=m: stage.seconds([m], osl, SIZE, SAMPLES) for m in (both, alone[osl])))
             starting = [both, alone[osl], *([with_diffuse(both)] if osl else [])]
             copies = [[material.copy() for _ in range(COPIES)] for material in starting]
-            none, *start = least(ROUNDS, *(lambda c=c: stage.seconds(c, osl, 4, 1) for c in ([], *copies)))
+            none, *start = least(STARTS, *(lambda c=c: stage.seconds(c, osl, 4, 1) for c in ([], *copies)))
             each = [1000.0 * (seconds - none) / COPIES for seconds in start]
             backends = "auto", "osl" if osl else "nodes"
             make = least(ROUNDS, *(lambda b=b: making(name, "analytic", b) for b in backends))
