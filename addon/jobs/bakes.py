@@ -18,7 +18,6 @@ from ...reference_py.material.schema import SCHEMA_VERSION
 from ..blender.user_folders import cache_folder
 from ..material import material as materials
 from ..material import state
-from ..material.live_values import live_in_nodes, live_values
 from ..material.osl_setting import shows_osl
 from ..material.pasted import adopt_pasted
 from ..material.reading import is_own, require_editable, stack_of
@@ -108,9 +107,11 @@ def _follow(material: bpy.types.Material) -> bool:
             if not is_older:
                 keep_record(material)
             return False
-        if not holds_values(material.lamina.tier) or live_values(material) != live_in_nodes(material, stack_of(material)):
+        wanted = state.wanted_stock(material) if holds_values(material.lamina.tier) else None
+        if wanted is None:
             return _follow_with_stock(material)
-    wanted = state.wanted_lobes(material)
+    else:
+        wanted = state.wanted_lobes(material)
     is_debounced = _state.debounced.get(material.name_full) == wanted.key
     _state.debounced[material.name_full] = wanted.key
     if wanted.is_cached():

@@ -7,11 +7,12 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ...reference_py.errors import LaminaError
+from ...reference_py.lobes.methods import holds_values
 from ..material import state
 from ..material.backend import NODES
 from ..material.elements import kind_of
 from ..material.hand_over import is_handed_over
-from ..material.live_values import live_in_nodes, live_values, what_moves
+from ..material.live_values import what_moves
 from ..material.material import hand_over, refresh, refresh_stock
 from ..material.osl_setting import shows_osl
 from ..material.pasted import adopt_pasted
@@ -32,7 +33,7 @@ def make_ready(*_) -> None:
         adopt_pasted(material)
     if bpy.app.background:
         wanted: list[state.Wanted] = []
-        _for_each(_needs_bake, lambda material: wanted.append(state.wanted_lobes(material)))
+        _for_each(_needs_bake, lambda material: wanted.extend(filter(None, (state.wanted_lobes(material), state.wanted_stock(material)))))
         prefetch(wanted, lambda message: print(f"Lamina: {message}"))
     _for_each(_is_unready, _make_ready)
     _for_each(_is_not_handed_over, lambda material: hand_over(material, settle=bpy.app.background))
@@ -44,8 +45,7 @@ def _is_unready(material) -> bool:
 
 
 def _needs_bake(material) -> bool:
-    # stock nodes beside a script that follows what they cannot are the tier analytic's
-    return _is_behind(material) or (state.lags(material) and live_values(material) == live_in_nodes(material, stack_of(material)))
+    return holds_values(material.lamina.tier) and _is_unready(material)
 
 
 def _is_behind(material) -> bool:

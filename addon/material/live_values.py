@@ -32,7 +32,7 @@ def live_values(material: bpy.types.Material) -> tuple[Place, ...]:
 
 
 def live_in_nodes(material: bpy.types.Material, stack: Stack) -> tuple[Place, ...]:
-    """Those of the live values that the stock nodes of a material follow: all of them or none."""
+    """Those of the live values that the stock nodes of a material follow."""
     return followed_by_nodes(stack, material.lamina.tier, live_values(material))
 
 

@@ -36,7 +36,7 @@ from .record import keep_record, keep_structure, take_structure
 from .roles import node_with
 from .shader_node import Surface, backend_of, replacing_branches, shading_of
 from .snapshot import restore, snapshot
-from .state import HELD_VALUES, SETTLED, note_of, wanted_lobes
+from .state import HELD_VALUES, SETTLED, note_of, wanted_lobes, wanted_stock
 
 _COLUMN, _ROW = 320, 240
 
@@ -181,7 +181,7 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
     owners = _owners(material)
     shown = _shown(material, settle, progress)
     with replacing_branches(material) as surface:
-        _write_branches(surface, material, shown, owners)
+        _write_branches(surface, material, shown, owners, settle)
     _keep_facts(material.lamina, shown)
     hand_over(material, settle)
     _arrange(material.lamina, node_with(material, branches_here(material.lamina.backend)[0]))
@@ -200,7 +200,7 @@ def _shown(material: bpy.types.Material, settle: bool, progress: Callable[[float
     return _Shown(make_lobe_set(wanted.stack, PROVISIONAL_METHOD), wanted.stack, follows=follows)
 
 
-def _write_branches(surface: Surface, material: bpy.types.Material, shown: _Shown, owners: dict[str, bpy.types.Node]) -> None:
+def _write_branches(surface: Surface, material: bpy.types.Material, shown: _Shown, owners: dict[str, bpy.types.Node], settle: bool) -> None:
     lamina, branches = material.lamina, branches_here(material.lamina.backend)
     if OSL in branches:
         shader = generate(shown.made)
@@ -210,7 +210,7 @@ def _write_branches(surface: Surface, material: bpy.types.Material, shown: _Show
         surface.keep(OSL)
     if NODES in branches:
         same = OSL not in branches or not shown.follows
-        tables = _make_stock(surface, material, owners, *((shown.made, shown.key) if same else (None, "")))
+        tables = _make_stock(surface, material, owners, *((shown.made, shown.key) if same else _stock_lobes(material, settle)))
         lamina.lobe_count = lamina.lobe_count if OSL in branches else closure_count(tables)
 
 
@@ -248,15 +248,17 @@ def refresh_stock(material: bpy.types.Material, settle: bool = False) -> None:
     Of tiers that compute first they are those of the tier analytic where nothing is computed yet, but for `settle`.
     """
     require_editable(material)
-    owners, lobe_set, key = _owners(material), None, ""
-    if holds_values(material.lamina.tier):
-        wanted = wanted_lobes(material)
-        if wanted.live == live_in_nodes(material, wanted.stack) and (settle or wanted.is_cached()):
-            lobe_set, key = wanted.make(), wanted.key
+    owners, lobes = _owners(material), _stock_lobes(material, settle)
     with replacing_branches(material) as surface:
         surface.keep(OSL)
-        _make_stock(surface, material, owners, lobe_set, key)
+        _make_stock(surface, material, owners, *lobes)
     keep_record(material)
+
+
+def _stock_lobes(material: bpy.types.Material, settle: bool) -> tuple[Made | None, str]:
+    """What the stock nodes beside a script are to hold, and its key; nothing where that is not computed, or not yet."""
+    wanted = wanted_stock(material) if holds_values(material.lamina.tier) else None
+    return (wanted.make(), wanted.key) if wanted is not None and (settle or wanted.is_cached()) else (None, "")
 
 
 def _owners(material) -> dict[str, bpy.types.Node]:

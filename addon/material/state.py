@@ -2,7 +2,7 @@
 """What each branch of a material was made for, and whether that still is what its sockets say."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 
@@ -60,6 +60,16 @@ def wanted_lobes(material: bpy.types.Material) -> Wanted:
     return Wanted(stack, lamina.tier, live, 0.01 * lamina.tolerance)
 
 
+def wanted_stock(material: bpy.types.Material) -> Wanted | None:
+    """What the stock nodes beside a script stand for, of a tier that computes first: a bake that follows what they can.
+
+    None where they hold values that are live and follow none of these; then they are the tier analytic's. Raises LaminaError as `wanted_lobes`.
+    """
+    wanted = wanted_lobes(material)
+    followed = live_in_nodes(material, wanted.stack)
+    return replace(wanted, live=followed) if followed or not wanted.live else None
+
+
 def note_of(node: bpy.types.Node | None, name: str, material: bpy.types.Material) -> str:
     """HELD_VALUES or SETTLED of a branch's node. Files of schema 1 and 2 have them on the material."""
     if node is None:
@@ -107,7 +117,7 @@ def lags(material: bpy.types.Material) -> bool:
     """
     if lacks_branch(material):
         return True
-    script, stock = node_with(material, OSL), node_with(material, NODES)
+    stock = node_with(material, NODES)
     if stock is None or stock == shader_of(material):
         return False
     try:
@@ -116,6 +126,9 @@ def lags(material: bpy.types.Material) -> bool:
         now = content(stack, followed)
     except LaminaError:
         return False
-    held_values, settled = note_of(stock, HELD_VALUES, material), note_of(stock, SETTLED, material)
-    expected = note_of(script, SETTLED, material) if followed == live_values(material) else ""
-    return held_values != now or not is_in_working_space(stock) or (methods.holds_values(material.lamina.tier) and settled != expected)
+    if note_of(stock, HELD_VALUES, material) != now or not is_in_working_space(stock):
+        return True
+    if not methods.holds_values(material.lamina.tier):
+        return False
+    wanted = wanted_stock(material)
+    return note_of(stock, SETTLED, material) != ("" if wanted is None else wanted.key)

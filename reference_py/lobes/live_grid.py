@@ -17,7 +17,7 @@ from ..material.place import Place
 from ..material.stack import Stack
 from .closure import unit_energy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
-from .view_table import KNOTS, MIN_COS_O, DiffuseTable, GlossyTable, TableLobes, interpolate, knot_cosines
+from .view_table import BASE_COLOR, KNOTS, MIN_COS_O, BaseColorTable, DiffuseTable, GlossyTable, TableLobes, interpolate, knot_cosines
 
 # Less is nothing to Cycles.
 MIN_ENERGY = 1e-7
@@ -63,23 +63,34 @@ class LiveLobe:
 
 
 @dataclass(frozen=True)
+class LiveBase:
+    """What a Lambert base of a live color adds (`BaseColorTable`) on the grid: the logarithms of `through` and, at every view, `back`, both
+    (..., KNOTS, 3)."""
+
+    log_through: np.ndarray
+    log_back: np.ndarray
+
+
+@dataclass(frozen=True)
 class LiveLobes:
     """A stack's lobes for all values of its axes; `lobes` are those of the stack's own values.
 
-    `log_sum` (..., KNOTS, 3) is the logarithm of what the lobes with a `unit` have in energy together.
+    `log_sum` (..., KNOTS, 3) is the logarithm of what the lobes with a `unit` have in energy together. Where there is a `base`, that is
+    over black, and the base's light is in the Lambert lobe.
     """
 
     stack: Stack
     axes: tuple[Axis, ...]
     grid: tuple[LiveLobe, ...]
     log_sum: np.ndarray
+    base: LiveBase | None = None
 
     name = "baked"
 
     @property
     def followed(self) -> tuple[Place, ...]:
         """The live values that the tables follow."""
-        return tuple(axis.parameter for axis in self.axes)
+        return (*(axis.parameter for axis in self.axes), *([BASE_COLOR] if self.base is not None else []))
 
     def with_values_of(self, stack: Stack) -> "LiveLobes":
         """The same for a stack's own live values."""
@@ -110,6 +121,9 @@ class LiveLobes:
         for lobe, energy in zip(self.grid, energies):
             weight = energy if lobe.unit is None else energy * scale / seen(lobe.unit, bounded)
             shape = None
+            if lobe.shape is None and self.base is not None:
+                color = np.clip(self.stack.base["color"], 0.0, 1.0)
+                weight = weight + np.exp(seen(self.base.log_through, bounded)) * color / (1.0 - np.exp(seen(self.base.log_back, bounded)) * color)
             if lobe.shape is not None:
                 shape = np.concatenate([seen(lobe.shape[..., :2], places), seen(lobe.shape[..., 2:], bounded)], axis=-1)
             result.append((weight, shape))
@@ -127,8 +141,10 @@ def _lobe(lobe: LiveLobe, weight, shape, cos_theta_o):
     return GlossyLobe(lobe.distribution, weight, alpha_x, alpha_y, tilt, lobe.fresnel)
 
 
-def grid_of(stack: Stack, axes: tuple[Axis, ...], nodes: dict[tuple[int, ...], TableLobes]) -> LiveLobes:
-    """A grid of the lobe sets at its nodes, which must have the same lobes. Raises LaminaError when they have not."""
+def grid_of(
+    stack: Stack, axes: tuple[Axis, ...], nodes: dict[tuple[int, ...], TableLobes], bases: dict[tuple[int, ...], BaseColorTable] | None = None
+) -> LiveLobes:
+    """A grid of the lobe sets at its nodes, which must have the same lobes, and of what the base adds. Raises LaminaError when they have not."""
     size = tuple(len(axis.knots) for axis in axes)
     if len({len(lobe_set.tables) for lobe_set in nodes.values()}) != 1 or len(nodes) != np.prod(size):
         raise LaminaError("the lobe sets of a grid differ in their lobes")
@@ -148,7 +164,13 @@ def grid_of(stack: Stack, axes: tuple[Axis, ...], nodes: dict[tuple[int, ...], T
         unit = None if fixed else gathered(number, _unit)
         lobes.append(LiveLobe(weight if fixed else weight * unit, first.distribution, shape, first.fresnel, unit))
     summed = sum(lobe.energy for lobe in lobes if lobe.unit is not None)
-    return LiveLobes(stack, axes, tuple(lobes), np.log(np.maximum(summed, MIN_ENERGY)))
+    base = None
+    if bases:
+        through, back = (
+            np.stack([np.broadcast_to(getattr(bases[i], name), (KNOTS, 3)) for i in np.ndindex(size)]).reshape(*size, KNOTS, 3) for name in ("through", "back")
+        )
+        base = LiveBase(*(np.log(np.maximum(values, MIN_ENERGY)) for values in (through, back)))
+    return LiveLobes(stack, axes, tuple(lobes), np.log(np.maximum(summed, MIN_ENERGY)), base)
 
 
 def _unit(table: GlossyTable) -> np.ndarray:

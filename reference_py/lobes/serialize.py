@@ -5,7 +5,7 @@ import numpy as np
 
 from ..material.place import Place
 from ..material.stack import Stack
-from .live_grid import Axis, LiveLobe, LiveLobes
+from .live_grid import Axis, LiveBase, LiveLobe, LiveLobes
 from .lobe import DielectricCurve
 from .view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
 
@@ -53,7 +53,8 @@ def pack_grid(lobe_set: LiveLobes) -> dict:
         for lobe in lobe_set.grid
     ]
     axes = [[*axis.parameter.pair(), list(axis.knots)] for axis in lobe_set.axes]
-    return {"axes": axes, "lobes": lobes, "log_sum": lobe_set.log_sum.tolist()}
+    base = lobe_set.base and {"log_through": lobe_set.base.log_through.tolist(), "log_back": lobe_set.base.log_back.tolist()}
+    return {"axes": axes, "lobes": lobes, "log_sum": lobe_set.log_sum.tolist(), "base": base}
 
 
 def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
@@ -74,7 +75,8 @@ def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
         )
         for lobe in data["lobes"]
     ]
-    return LiveLobes(stack, axes, tuple(lobes), grid(data["log_sum"]))
+    base = data["base"] and LiveBase(grid(data["base"]["log_through"]), grid(data["base"]["log_back"]))
+    return LiveLobes(stack, axes, tuple(lobes), grid(data["log_sum"]), base)
 
 
 def _array(values, shape: tuple[int, ...] = (KNOTS, 3)) -> np.ndarray:

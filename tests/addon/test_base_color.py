@@ -97,11 +97,31 @@ def test_colors_that_no_surface_has_are_bounded(blender, tmp_path):
     assert np.array(bounded[0]) == pytest.approx(np.array(bounded[1]), rel=1e-6)
 
 
-def test_what_else_is_textured_is_named(blender, tmp_path):
-    """With a textured roughness the bake over color alone is none: stock nodes say so, and the script follows both."""
-    owner, _ = textured("varnish", "baked")
-    value = owner.node_tree.nodes.new("ShaderNodeValue")
-    value.outputs[0].default_value = 0.4
-    owner.node_tree.links.new(value.outputs[0], node_of(owner.lamina.layers[0]).inputs["Roughness"])
+def give(owner, element, label: str, value: float) -> bpy.types.NodeSocket:
+    """Link an element's value to another node's; that node's socket."""
+    node = owner.node_tree.nodes.new("ShaderNodeValue")
+    node.outputs[0].default_value = value
+    owner.node_tree.links.new(node.outputs[0], node_of(element).inputs[label])
+    return node.outputs[0]
+
+
+def test_with_a_roughness_and_a_thickness(blender, tmp_path):
+    """The wooden table: the script follows all three, stock nodes the color, over the values that the others' sockets have."""
+    owner, color = textured("varnish", "baked")
+    layer = owner.lamina.layers[0]
+    sockets = give(owner, layer, "Roughness", 0.5), give(owner, layer, "Thickness", 0.4)
     materials.refresh(owner, settle=True)
-    assert [f.code for f in check.find(owner, bpy.context.scene, bpy.context.preferences)].count("texture_ignored") == 2
+    in_white_world(owner, tmp_path)
+    assert is_settled(owner) and not is_stale(owner) and not lags(owner)
+    codes = [f.code for f in check.find(owner, bpy.context.scene, bpy.context.preferences)]
+    assert codes.count("texture_ignored") == 2
+    for rgb, roughness, thickness in (((0.05, 0.3, 0.8), 0.5, 0.4), ((0.7, 0.5, 0.3), 0.2, 1.5)):
+        color.default_value = (*rgb, 1.0)
+        sockets[0].default_value, sockets[1].default_value = roughness, thickness
+        on, off = picture(tmp_path, True), picture(tmp_path, False)
+        for seen, layers in ((on, [{**SATIN, "roughness": roughness, "thickness": thickness}]), (off, [SATIN])):
+            plain = bpy.data.materials.new("plain")
+            materials.apply_stack(plain, Stack.from_dict({"layers": layers, "base": {"kind": "lambert", "color": list(rgb)}}), "baked")
+            bpy.data.objects["ball"].data.materials[0] = plain
+            assert seen == pytest.approx(picture(tmp_path, True), rel=0.015)
+        bpy.data.objects["ball"].data.materials[0] = owner

@@ -9,6 +9,7 @@ from ....reference_py.lobes.view_table import KNOTS
 from ....reference_py.material.schema import SCHEMA
 from ..inputs import BASE
 from .block import Block, Closure, numbers
+from .emit_tables import CLAMPED_COLOR
 from .surface import FRAME, FRAME_FUNCTIONS, table_view
 
 NOTE = "Tables hold the values that the stack had, but for those with a socket."
@@ -81,6 +82,9 @@ class _Writer:
                 weight = self._value(f"Weight{i}", lobe.energy)
             else:
                 weight = f"{self._name(f'energy{i}')} * {self._name('scale')} / {self._value(f'Unit{i}', lobe.unit)}"
+            if lobe.shape is None and lobe_set.base is not None:
+                through, back = self._value("LogThrough", lobe_set.base.log_through), self._value("LogBack", lobe_set.base.log_back)
+                weight = f"({weight} + exp({through}) * {CLAMPED_COLOR} / (color(1.0) - exp({back}) * {CLAMPED_COLOR}))"
             self.closures.append(Closure(weight, self._closure(i, lobe), is_local=True))
 
     def _closure(self, i: int, lobe: LiveLobe) -> str:

@@ -16,6 +16,10 @@ from .surface import FRAME, FRAME_FUNCTIONS, table_view
 NOTE = "Tables hold the values that the stack had."
 
 
+# The color of a base that tables follow.
+CLAMPED_COLOR = f"clamp({BASE_COLOR_INPUT.osl_name}, color(0.0), color(1.0))"
+
+
 def table_block(lobe_set: TableLobes, prefix: str = "") -> Block:
     """The block of a lobe set; its array parameters begin with `prefix`."""
     arrays: list[str] = []
@@ -50,8 +54,7 @@ def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable
 
 
 def _base_weight(arrays: list[str], name: str, table: BaseColorTable) -> str:
-    color = f"clamp({BASE_COLOR_INPUT.osl_name}, color(0.0), color(1.0))"
-    weight = f"{_value(arrays, f'Through{name}', table.through)} * {color} / (color(1.0) - color({numbers(table.back)}) * {color})"
+    weight = f"{_value(arrays, f'Through{name}', table.through)} * {CLAMPED_COLOR} / (color(1.0) - color({numbers(table.back)}) * {CLAMPED_COLOR})"
     return f"({_value(arrays, f'Own{name}', table.own)} + {weight})" if np.any(table.own) else weight
 
 

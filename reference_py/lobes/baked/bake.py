@@ -19,8 +19,8 @@ from ..live_grid import LiveLobes
 from ..lobe import DielectricCurve, GlossyLobe
 from ..samples import truth_at
 from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
-from ..view_table import BASE_COLOR, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
-from .live import axes_of, bake_live
+from ..view_table import BASE_COLOR, KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
+from .live import bake_live, base_of, over_black
 from .plan import Branches, Path, Plan, best_path, continued_path
 
 DEFAULT_GLOSSY, MAX_GLOSSY = 2, 4
@@ -162,19 +162,16 @@ def baked(stack: Stack, live: tuple[Place, ...], glossy: int, progress: Callable
         return Baker(stack, truth_of(stack), progress).bake(glossy).lobe_set
     if live == (BASE_COLOR,):
         return _over_base_color(stack, glossy, progress)
-    return bake_live(stack, axes_of(stack, live), glossy, Baker, progress or (lambda share: None))
+    return bake_live(stack, live, glossy, Baker, progress or (lambda share: None))
 
 
 def _over_base_color(stack: Stack, glossy: int, progress) -> TableLobes:
-    """The layers over black, and what a base of any color adds: light that meets a Lambert base has lost its direction."""
-    black = BASE_COLOR.with_value(stack, (0.0, 0.0, 0.0))
+    """The layers over black, and what a base of any color adds."""
+    black = over_black(stack)
     truth = truth_of(black)
-    layers = truth.layer_energies()
-    back, escapes = layers.diffuse_below
     tables = Baker(black, truth, progress).bake(glossy).lobe_set.tables
     own = sum((table.weight for table in tables if isinstance(table, DiffuseTable)), np.zeros((KNOTS, 3)))
-    base = BaseColorTable(own, layers.above(knot_cosines())[1] * escapes, back, np.array(stack.base["color"]))
-    return TableLobes((*(table for table in tables if not isinstance(table, DiffuseTable)), base))
+    return TableLobes((*(table for table in tables if not isinstance(table, DiffuseTable)), replace(base_of(truth, stack), own=own)))
 
 
 def pack_lobes(lobe_set: TableLobes | LiveLobes) -> dict:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes that follow live values: one or two parameters, at whose knots the truth is fitted, each fit from its neighbour's, or the
-color of a Lambert base, which needs no knots."""
+color of a Lambert base, which needs no knots, or both."""
 
 from collections.abc import Callable
 
@@ -12,23 +12,41 @@ from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
 from ..cache import truth_of
 from ..live_grid import Axis, LiveLobes, grid_of
-from ..view_table import BASE_COLOR
+from ..view_table import BASE_COLOR, KNOTS, BaseColorTable, knot_cosines
 
 MOST_AXES = 2
 # Knots of a live roughness; below the first the widths go on, see `grid`. Two axes share out fewer.
-_ROUGHNESSES = {1: (0.2, 0.3, 0.4, 0.5, 0.62, 0.76, 0.9, 1.0), 2: (0.2, 0.35, 0.5, 0.7, 1.0)}
+_ROUGHNESSES = {1: (0.2, 0.3, 0.4, 0.5, 0.62, 0.76, 0.9, 1.0), 2: (0.15, 0.25, 0.37, 0.52, 0.72, 1.0)}
 # Knots of a live thickness, as optical depths of its mean color, and without end.
-_DEPTHS = {1: (0.0, 0.15, 0.4, 0.8, 1.4, 2.2, 3.5, 6.0), 2: (0.0, 0.3, 0.9, 2.0, 5.0)}
+_DEPTHS = {1: (0.0, 0.15, 0.4, 0.8, 1.4, 2.2, 3.5, 6.0), 2: (0.0, 0.25, 0.6, 1.2, 2.4, 5.0)}
 
 
 def follows(stack: Stack, live: tuple[Place, ...]) -> bool:
     """Whether a bake follows these live values."""
-    return not live or axes_of(stack, live) is not None or (live == (BASE_COLOR,) and _is_lambert(stack))
+    rest = _without_color(stack, live)
+    return not rest or axes_of(stack, rest) is not None
+
+
+def _without_color(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
+    """The live values that need knots: all but the color of a Lambert base."""
+    return tuple(place for place in live if place != BASE_COLOR) if _is_lambert(stack) else live
+
+
+def over_black(stack: Stack) -> Stack:
+    """The stack over a black base."""
+    return BASE_COLOR.with_value(stack, (0.0, 0.0, 0.0))
+
+
+def base_of(truth, stack: Stack) -> BaseColorTable:
+    """What a Lambert base of any color adds to layers whose truth is known: light that meets such a base has lost its direction."""
+    layers = truth.layer_energies()
+    back, escapes = layers.diffuse_below
+    return BaseColorTable(np.zeros((KNOTS, 3)), layers.above(knot_cosines())[1] * escapes, back, np.array(stack.base["color"]))
 
 
 def in_tables(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
-    """The live values that tables over the view alone follow, as stock nodes have them: all of them or none."""
-    return live if live == (BASE_COLOR,) and follows(stack, live) else ()
+    """Those of the live values that tables over the view alone follow, as stock nodes have them."""
+    return (BASE_COLOR,) if BASE_COLOR in live and _is_lambert(stack) else ()
 
 
 def _is_lambert(stack: Stack) -> bool:
@@ -52,22 +70,31 @@ def _knots(stack: Stack, place: Place, count: int) -> tuple[float, ...]:
     return tuple(depths / mean) if mean > 0.0 else (0.0, 1.0)
 
 
-def bake_live(stack: Stack, axes: tuple[Axis, ...], glossy: int, make_baker: Callable, report: Callable[[float], None]) -> LiveLobes:
-    """The grid of a stack. `make_baker` is `Baker`; `report` gets the share done and may raise to cancel."""
+def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Callable, report: Callable[[float], None]) -> LiveLobes:
+    """The grid of a stack over live values of which at least one needs knots.
+
+    `make_baker` is `Baker`; `report` gets the share done and may raise to cancel.
+    """
+    axes = axes_of(stack, _without_color(stack, live))
+    assert axes is not None, "see follows"
+    over_color = BASE_COLOR in live
     size = tuple(len(axis.knots) for axis in axes)
     center = tuple(n // 2 for n in size)
     order = sorted(np.ndindex(size), key=lambda node: sum(abs(a - b) for a, b in zip(node, center)))
-    found, nodes = {}, {}
+    found, nodes, bases = {}, {}, {}
     for done, node in enumerate(order):
-        here = stack
+        here = over_black(stack) if over_color else stack
         for axis, i in zip(axes, node):
             here = axis.parameter.with_value(here, axis.knots[i])
-        baker = make_baker(here, truth_of(here))
+        truth = truth_of(here)
+        baker = make_baker(here, truth)
         if not found:
             found[node] = baker.path(glossy)
         else:
             near = min(found, key=lambda other: sum(abs(a - b) for a, b in zip(node, other)))
             found[node] = baker.continued(found[near])
         nodes[node] = baker.lobe_set(found[node], keep=True)
+        if over_color:
+            bases[node] = base_of(truth, stack)
         report((done + 1) / len(order))
-    return grid_of(stack, axes, nodes)
+    return grid_of(stack, axes, nodes, bases)

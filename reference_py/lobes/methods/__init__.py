@@ -84,7 +84,7 @@ def key_of(stack: Stack, method: str, **options) -> str:
 
 
 def followed_by_nodes(stack: Stack, method: str, live: tuple[Place, ...]) -> tuple[Place, ...]:
-    """The live values that a method's stock nodes follow: all of them or none."""
+    """Those of the live values that a method's stock nodes follow."""
     return in_tables(stack, live) if holds_values(method) and not not_bakeable(stack) else ()
 
 

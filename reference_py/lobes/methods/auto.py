@@ -55,7 +55,7 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
     elif can_bake:
         over = (f"baked over {in_words(live)}", lambda: baked(stack, live, min(DEFAULT_GLOSSY, glossy), lambda share: report(0.4 + 0.6 * share)))
         # stock nodes follow a color that is baked over, and no live method
-        makers = [over] if live == (BASE_COLOR,) else [*makers, over]
+        makers = [over] if BASE_COLOR in live else [*makers, over]
     tried: list[tuple[Candidate, object]] = []
     for done, (label, make) in enumerate(makers):
         lobe_set = make()
