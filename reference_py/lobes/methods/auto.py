@@ -47,7 +47,6 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
         raise LaminaError(f"tolerance {100.0 * tolerance:g} percent: choose more than 0 and at most 100")
     report = options.report
     estimator = ErrorEstimator(stack, truth, ball_cosines() if cosines is None else cosines, light_deg)
-    report(0.2)
     can_bake = follows(stack, live)
     makers: Iterable = [(method, lambda lobe_set=lobe_set: lobe_set(stack)) for method, lobe_set in _LIVE.items()]
     if not live:
@@ -58,11 +57,12 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
         makers = [over] if BASE_COLOR in live else [*makers, over]
     tried: list[tuple[Candidate, object]] = []
     for done, (label, make) in enumerate(makers):
+        report(0.2 + 0.8 * done / (glossy + len(_LIVE)))
         lobe_set = make()
         tried.append((_candidate(label, lobe_set, estimator.errors(lobe_set), bool(live)), lobe_set))
-        report(0.2 + 0.8 * (done + 1) / (glossy + len(_LIVE)))
         if label not in _LIVE and tried[-1][0].visible <= tolerance:
             break  # more lobes cost more
+    report(1.0)
     (chosen, lobe_set), reason = _best(tried, tolerance)
     if not can_bake:
         reason += f"; a bake cannot follow {in_words(live)}"
