@@ -157,6 +157,11 @@ def patina_brighter() -> str:
     return span([100.0 * (float(without[c]) / float(with_osl[c]) - 1.0) for c in "rgb"], 1) + " %"
 
 
+def shape_over_own() -> np.ndarray:
+    """Of bakes that follow a color, the error of shape over that of bakes of each color alone."""
+    return column(rows("base_color"), "shape_median") / column(rows("base_color"), "own_shape_median")
+
+
 def start_ms() -> np.ndarray:
     found = where("branches", osl="on")
     return column(found, "start_ms") - column(found, "alone_start_ms")
@@ -304,6 +309,11 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "copper over principled": lambda: plain(per_material(ONE_STACK, "render_s", "1000") / per_material(OSL, "render_s", "1000"), 2),
     "start stock nodes": lambda: plain(1000.0 * per_material("materials, one stack as stock nodes", "render_s", "1000"), 0) + " ms",
     "make one more": making_one_more,
+    "bake seconds": lambda: span(column(rows("bakes"), "now_s"), 1) + " s",
+    "bake ratio": lambda: span(column(rows("bakes"), "ratio"), 0),
+    "base color energy": lambda: percent(max(column(rows("base_color"), "albedo_worst")), 1),
+    "base color shape": lambda: plain(np.median(shape_over_own()), 1),
+    "base color shape worst": lambda: plain(max(shape_over_own()), 1),
     "bake": lambda: plain(per_material("materials, distinct, baked", "make_s", "100"), 1) + " s",
     "baked before": lambda: plain(1000.0 * per_material("materials, distinct, baked before", "make_s", "100"), 0) + " ms",
     "render of layers": render_of_layers,
