@@ -42,8 +42,8 @@ _GAUSS = 24
 def lossless_reflectance(cos_theta: np.ndarray, alpha: float, eta: float, kind: str) -> np.ndarray:
     """Directional reflectance (n,) of a rough interface for light at cosines (n,); alpha > 0, eta != 1."""
     grid = Grid(tuple(sorted((1.0, eta))), _GRID_NODES)
-    once, more, _ = dielectric_rows(1.0, eta, cos_theta, alpha, kind, MULTIPLE, grid, _RESOLUTION)
-    return (once + more)[0].sum(axis=1)
+    single, multi, _ = dielectric_rows(1.0, eta, cos_theta, alpha, kind, MULTIPLE, grid, _RESOLUTION)
+    return (single + multi)[0].sum(axis=1)
 
 
 def _tables_of(kind: str) -> dict[str, list[int]]:

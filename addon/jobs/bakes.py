@@ -12,7 +12,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.lobes.cache import content
+from ...reference_py.lobes.cache import stack_key
 from ...reference_py.lobes.methods import bake_process, holds_values
 from ...reference_py.material.schema import SCHEMA_VERSION
 from ..blender.user_folders import cache_folder
@@ -126,7 +126,7 @@ def _follow(material: bpy.types.Material) -> bool:
 
 def _follow_with_stock(material: bpy.types.Material) -> bool:
     """Let the stock nodes beside a script that reads its values follow: when these rest, or at once where no script shows."""
-    key = content(stack_of(material))
+    key = stack_key(stack_of(material))
     is_debounced = _state.debounced.get(material.name_full) == key
     if is_debounced or state.lacks_branch(material) or not any(shows_osl(w.scene) for w in bpy.context.window_manager.windows):
         _state.debounced.pop(material.name_full, None)

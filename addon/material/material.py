@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import bpy
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.lobes.cache import content
+from ...reference_py.lobes.cache import stack_key
 from ...reference_py.lobes.made import Made
 from ...reference_py.lobes.methods import DEFAULT_METHOD, MAX_CLOSURES, PROVISIONAL_METHOD, holds_values, make_lobe_set, method_of
 from ...reference_py.lobes.methods.summary import estimated_cost, estimated_error, has_tables, live_methods
@@ -204,7 +204,7 @@ def _write_branches(surface: Surface, material: bpy.types.Material, shown: _Show
     lamina, branches = material.lamina, branches_here(material.lamina.backend)
     if OSL in branches:
         shader = generate(shown.made)
-        _note(surface.script(shader, owners), content(shown.stack, live_values(material)) if has_tables(shown.made) else "", shown.key)
+        _note(surface.script(shader, owners), stack_key(shown.stack, live_values(material)) if has_tables(shown.made) else "", shown.key)
         lamina.lobe_count = shader.lobe_count
     elif lamina.backend == AUTO and _script_serves(material, shown.made):
         surface.keep(OSL)
@@ -288,7 +288,7 @@ def _make_stock(surface: Surface, material, owners, lobe_set, key: str):
         tier = material.lamina.tier
         lobe_set = make_lobe_set(stack, PROVISIONAL_METHOD if holds_values(tier) else tier)
     tables = stock_tables(lobe_set)
-    _note(surface.stock(tables, owners), content(stack, live_in_nodes(material, stack)), key)
+    _note(surface.stock(tables, owners), stack_key(stack, live_in_nodes(material, stack)), key)
     return tables
 
 
@@ -303,7 +303,7 @@ def _script_serves(material, lobe_set) -> bool:
     if script is None or script.script is None:
         return False
     if held_values := note_of(script, HELD_VALUES, material):
-        return held_values == content(stack_of(material), live_values(material))
+        return held_values == stack_key(stack_of(material), live_values(material))
     return script.script.as_string() == generate(lobe_set).text
 
 

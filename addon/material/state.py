@@ -8,7 +8,7 @@ import bpy
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.lobes import methods
-from ...reference_py.lobes.cache import content
+from ...reference_py.lobes.cache import stack_key
 from ...reference_py.lobes.made import DEFAULT_TOLERANCE, Made
 from ...reference_py.material.place import Place
 from ...reference_py.material.stack import Stack
@@ -86,7 +86,7 @@ def is_stale(material: bpy.types.Material) -> bool:
     if not held_values:
         return False
     stack = stack_of(material)
-    return held_values != content(stack, live_values(material) if node == node_with(material, OSL) else live_in_nodes(material, stack))
+    return held_values != stack_key(stack, live_values(material) if node == node_with(material, OSL) else live_in_nodes(material, stack))
 
 
 def is_in_working_space(node: bpy.types.Node) -> bool:
@@ -123,7 +123,7 @@ def lags(material: bpy.types.Material) -> bool:
     try:
         stack = stack_of(material)
         followed = live_in_nodes(material, stack)
-        now = content(stack, followed)
+        now = stack_key(stack, followed)
     except LaminaError:
         return False
     if note_of(stock, HELD_VALUES, material) != now or not is_in_working_space(stock):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..lobes.cache import cached, content, get
+from ..lobes.cache import cached, get, stack_key
 from ..material.schema import COVERAGE
 from ..material.stack import Stack
 from .matching import ColorMap
@@ -43,7 +43,7 @@ def unpacked(data: dict) -> HandOver:
 def key_of(stack: Stack, textured: bool) -> str:
     """Names the hand-over of a stack by content."""
     shares = [f"{layer[COVERAGE.parameters[0].name]:.5g}" if layer.has(COVERAGE) else "" for layer in stack.layers]
-    return f"{NAME} {textured:d} {content(stack)} {' '.join(shares)}"
+    return f"{NAME} {textured:d} {stack_key(stack)} {' '.join(shares)}"
 
 
 def provisional(stack: Stack) -> HandOver:

@@ -5,8 +5,8 @@ import numpy as np
 
 from ..material.stack import Stack
 from ..models.adding.direct import direct_f
+from ..models.adding.effective_stack import EffectiveStack
 from ..models.adding.facets import MULTIPLE
-from ..models.adding.recipe import Recipe
 from ..optics.frame import spherical
 from ..optics.optical_stack import OpticalStack
 from ..registry import make_model
@@ -26,23 +26,23 @@ def evaluate_all(model: str, stack: Stack, wo: np.ndarray, wi: np.ndarray) -> np
     if len(wo) <= _FEW or model != "adding":
         exact = make_model(model, stack)
         return np.concatenate([exact.f(wo[i : i + _CHUNK], wi[i : i + _CHUNK]) for i in range(0, len(wo), _CHUNK)])
-    recipe, table = Recipe.of(OpticalStack.of(stack)), _rest(stack)
+    effective, table = EffectiveStack.of(OpticalStack.of(stack)), _remainder(stack)
     parts = []
     for i in range(0, len(wo), _CHUNK):
         o, n = wo[i : i + _CHUNK], wi[i : i + _CHUNK]
-        parts.append(np.maximum(direct_f(recipe, MULTIPLE, o, n) + _interpolated(table, o, n), 0.0))
+        parts.append(np.maximum(direct_f(effective, MULTIPLE, o, n) + _interpolated(table, o, n), 0.0))
     return np.concatenate(parts)
 
 
-def _rest(stack: Stack) -> np.ndarray:
+def _remainder(stack: Stack) -> np.ndarray:
     """(theta_o, theta_i, phi, 3): f less its part in closed form."""
     theta = np.linspace(0.0, 0.5 * np.pi, _THETAS)
     theta[-1] -= 1e-4
     phi = np.linspace(0.0, np.pi, _PHIS)
     to, ti, p = (a.ravel() for a in np.meshgrid(theta, theta, phi, indexing="ij"))
     wo, wi = spherical(to, 0.0), spherical(ti, p)
-    recipe, model = Recipe.of(OpticalStack.of(stack)), make_model("adding", stack)
-    f = model.f(wo, wi) - direct_f(recipe, MULTIPLE, wo, wi)
+    effective, model = EffectiveStack.of(OpticalStack.of(stack)), make_model("adding", stack)
+    f = model.f(wo, wi) - direct_f(effective, MULTIPLE, wo, wi)
     return f.reshape(_THETAS, _THETAS, _PHIS, 3)
 
 

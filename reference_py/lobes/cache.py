@@ -99,7 +99,7 @@ def _code() -> str:
     return digest.hexdigest()
 
 
-def content(stack: Stack, live: tuple[Place, ...] = ()) -> str:
+def stack_key(stack: Stack, live: tuple[Place, ...] = ()) -> str:
     """A hash of what a stack is made of. Of values that are live, and of what every shader reads live, only that they are there."""
     elements = [
         [e.kind, *((name, None if name in ALWAYS_LIVE or Place(i, name) in live else _rounded(value)) for name, value in sorted(e.values.items()))]

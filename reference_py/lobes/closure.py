@@ -28,8 +28,8 @@ ENERGY_RULE, _SHARE_RULE = (192, 32), (64, 16)
 def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
     """f (..., 3) of one lobe for directions above the surface, as Cycles' closure gives it; 0 for a mirror-like one."""
     # a closure that has a color counts it as its weight
-    told = lobe.weight if isinstance(lobe, GlossyLobe) or lobe.color is None else lobe.weight * np.asarray(lobe.color)
-    weight = np.where(np.mean(told, axis=-1, keepdims=True) < WEIGHT_CUTOFF, 0.0, lobe.weight)
+    weighted = lobe.weight if isinstance(lobe, GlossyLobe) or lobe.color is None else lobe.weight * np.asarray(lobe.color)
+    weight = np.where(np.mean(weighted, axis=-1, keepdims=True) < WEIGHT_CUTOFF, 0.0, lobe.weight)
     if isinstance(lobe, DiffuseLobe):
         if lobe.color is None:
             return weight / np.pi * np.ones(wi.shape)
@@ -59,27 +59,27 @@ def fresnel(lobe: GlossyLobe, cos_h: np.ndarray) -> np.ndarray:
     return np.ones(np.shape(cos_h) + (1,))
 
 
-def unit_glossy(kind: str, alpha_x, alpha_y, tilt, wo: np.ndarray, wi: np.ndarray, frame: float | None = None) -> tuple[np.ndarray, np.ndarray]:
+def unit_glossy(distribution: str, alpha_x, alpha_y, tilt, wo: np.ndarray, wi: np.ndarray, frame: float | None = None) -> tuple[np.ndarray, np.ndarray]:
     """f (...) of a glossy lobe of weight 1 without its Fresnel curve, and cos(wi, half vector)."""
-    (ix, iy, iz), (ox, oy, oz) = _in_lobe_frame(tilt, wo, wi) if frame is None else (_turned(wi, frame), _turned(wo, frame))
+    (ix, iy, iz), (ox, oy, oz) = _in_lobe_frame(tilt, wo, wi) if frame is None else (_rotated(wi, frame), _rotated(wo, frame))
     hx, hy, hz = ix + ox, iy + oy, iz + oz
     length = np.sqrt(hx * hx + hy * hy + hz * hz)
     # both on the horizon, opposite: the half vector is the normal (`frame.half_vector`)
     safe, level = np.where(length > 1e-12, length, 1.0), length <= 1e-12
-    d = anisotropic_distribution(kind, alpha_x, alpha_y, hx / safe, hy / safe, np.where(level, 1.0, hz / safe))
-    lambda_i = _lambda(np.square(alpha_x * ix) + np.square(alpha_y * iy), iz, kind)
-    lambda_o = _lambda(np.square(alpha_x * ox) + np.square(alpha_y * oy), oz, kind)
+    d = anisotropic_distribution(distribution, alpha_x, alpha_y, hx / safe, hy / safe, np.where(level, 1.0, hz / safe))
+    lambda_i = _lambda(np.square(alpha_x * ix) + np.square(alpha_y * iy), iz, distribution)
+    lambda_o = _lambda(np.square(alpha_x * ox) + np.square(alpha_y * oy), oz, distribution)
     # Cycles returns f times the cosine to the lobe's own normal; f refers to the surface's
     value = d / (4.0 * np.maximum(oz, 1e-20) * (1.0 + lambda_o + lambda_i) * np.maximum(wi[..., 2], 1e-20))
     return np.where((oz > 0.0) & (iz > 0.0), value, 0.0), 0.5 * length
 
 
-def glossy_rates(kind: str, alpha_x, alpha_y, tilt, wo: tuple, wi: tuple) -> np.ndarray:
+def glossy_rates(distribution: str, alpha_x, alpha_y, tilt, wo: tuple, wi: tuple) -> np.ndarray:
     """(4, ...): f as `unit_glossy` has it, and its derivatives by log alpha_x, log alpha_y and the tilt.
 
     `wo` is (x, z) in the plane of incidence, `wi` (x, y, z), each (...).
     """
-    law, cos_t, sin_t = distribution_of(kind), np.cos(tilt), np.sin(tilt)
+    law, cos_t, sin_t = distribution_of(distribution), np.cos(tilt), np.sin(tilt)
     x, iy, z = wi
     ix, iz = cos_t * x - sin_t * z, cos_t * z + sin_t * x
     ox, oz = cos_t * wo[0] - sin_t * wo[1], cos_t * wo[1] + sin_t * wo[0]
@@ -125,15 +125,15 @@ def _in_lobe_frame(tilt, wo, wi):
     return (cos_t * x - sin_t * z, y, cos_t * z + sin_t * x), (cos_t * sin_o - sin_t * cos_o, 0.0, cos_t * cos_o + sin_t * sin_o)
 
 
-def _turned(w, angle: float):
+def _rotated(w, angle: float):
     """Components of w in a frame whose x is `angle` from the tangent."""
     c, s = np.cos(angle), np.sin(angle)
     return c * w[..., 0] + s * w[..., 1], c * w[..., 1] - s * w[..., 0], w[..., 2]
 
 
-def _lambda(stretched2, cos, kind):
+def _lambda(stretched2, cos, distribution):
     """Smith's Lambda where `stretched2` is (alpha_x x)^2 + (alpha_y y)^2."""
-    return smith_lambda_stretched(stretched2 / np.maximum(np.square(cos), 1e-30), kind)
+    return smith_lambda_stretched(stretched2 / np.maximum(np.square(cos), 1e-30), distribution)
 
 
 def unit_energy(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, rule: tuple[int, int] = ENERGY_RULE) -> np.ndarray:
@@ -149,7 +149,7 @@ def unit_energy(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, rul
     shapes, views, result = _shapes(lobe, cos_o), _views(lobe, cos_o, phi), np.empty(cos_o.shape + (3,))
     u1, u2, weights = _rings(*rule)
     for i in range(len(cos_o)):  # all at once would not fit into a processor's cache
-        energy, cos_ih = _carried(lobe.distribution, *shapes[:, i : i + 1], views[i : i + 1], u1, u2)
+        energy, cos_ih = _throughput(lobe.distribution, *shapes[:, i : i + 1], views[i : i + 1], u1, u2)
         result[i] = (energy[0] * weights) @ fresnel(lobe, cos_ih[0]) / np.sum(weights)
     return result
 
@@ -168,13 +168,13 @@ def fresnel_share(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -
     if is_specular_lobe(lobe):
         return at_view
     alpha_x, alpha_y, tilt = _shapes(lobe, cos_o)
-    mirror = is_specular(np.sqrt(alpha_x * alpha_y))
+    specular = is_specular(np.sqrt(alpha_x * alpha_y))
     u1, u2, weights = _rings(*_SHARE_RULE)
-    alphas = np.where(mirror, 1.0, alpha_x), np.where(mirror, 1.0, alpha_y)
-    energy, cos_ih = _carried(lobe.distribution, *alphas, tilt, _views(lobe, cos_o, phi), u1, u2)
+    alphas = np.where(specular, 1.0, alpha_x), np.where(specular, 1.0, alpha_y)
+    energy, cos_ih = _throughput(lobe.distribution, *alphas, tilt, _views(lobe, cos_o, phi), u1, u2)
     energy *= weights
     share = (energy[:, None] @ fresnel(lobe, cos_ih))[:, 0] / np.sum(energy, axis=1)[:, None]
-    return np.where(mirror[:, None], at_view, share)
+    return np.where(specular[:, None], at_view, share)
 
 
 @cache
@@ -200,7 +200,7 @@ def _views(lobe: GlossyLobe, cos_o: np.ndarray, phi) -> np.ndarray:
     return np.stack([sin_o * np.cos(turn), sin_o * np.sin(turn), cos_o], axis=-1)
 
 
-def _carried(kind: str, alpha_x, alpha_y, tilt, wo: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _throughput(distribution: str, alpha_x, alpha_y, tilt, wo: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """What light carries of a lobe's energy that GGX visible normals for u1, u2 (m,) mirror to views (n, 3), and its cosine to
     these normals, both (n, m). The lobe has weight 1 and no curve; its shape is (n,)."""
     cos_t, sin_t = np.cos(tilt), np.sin(tilt)
@@ -212,12 +212,12 @@ def _carried(kind: str, alpha_x, alpha_y, tilt, wo: np.ndarray, u1: np.ndarray, 
     ix, iy, iz = 2.0 * cos_om * mx - ox, 2.0 * cos_om * my - oy, 2.0 * cos_om * mz - oz
     stretched_o, stretched_i = (np.square(alpha_x * x) + np.square(alpha_y * y) for x, y in ((ox, oy), (ix, iy)))
     lambda_o, lambda_i = _lambda(stretched_o, oz, GGX), _lambda(stretched_i, iz, GGX)
-    carried = (1.0 + lambda_o) / (1.0 + lambda_o + lambda_i)
-    if kind != GGX:
-        ratio = anisotropic_distribution(kind, alpha_x, alpha_y, mx, my, mz) / anisotropic_distribution(GGX, alpha_x, alpha_y, mx, my, mz)
-        carried = ratio * (1.0 + lambda_o) / (1.0 + _lambda(stretched_o, oz, kind) + _lambda(stretched_i, iz, kind))
+    throughput = (1.0 + lambda_o) / (1.0 + lambda_o + lambda_i)
+    if distribution != GGX:
+        ratio = anisotropic_distribution(distribution, alpha_x, alpha_y, mx, my, mz) / anisotropic_distribution(GGX, alpha_x, alpha_y, mx, my, mz)
+        throughput = ratio * (1.0 + lambda_o) / (1.0 + _lambda(stretched_o, oz, distribution) + _lambda(stretched_i, iz, distribution))
     seen = (oz > 0.0) & (iz > 0.0) & (cos_t * iz > sin_t * ix)
-    return np.where(seen, carried, 0.0).reshape(len(wo), -1), cos_om.reshape(len(wo), -1)
+    return np.where(seen, throughput, 0.0).reshape(len(wo), -1), cos_om.reshape(len(wo), -1)
 
 
 def lobe_energy(lobe: GlossyLobe | DiffuseLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -> np.ndarray:

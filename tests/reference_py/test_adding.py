@@ -11,8 +11,8 @@ from lamina.reference_py.models.adding import Adding, facets, operators
 from lamina.reference_py.models.adding.assembly import Layers, add
 from lamina.reference_py.models.adding.bounces import Microsurface, detail_of
 from lamina.reference_py.models.adding.direction_grid import Grid
+from lamina.reference_py.models.adding.effective_stack import EffectiveStack
 from lamina.reference_py.models.adding.operators import Resolution, interface_operators
-from lamina.reference_py.models.adding.recipe import Recipe
 from lamina.reference_py.models.position_free import PositionFree
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.fresnel import cos_theta_t, fresnel_dielectric
@@ -193,7 +193,7 @@ def test_a_dropped_n_squared_is_noticed(monkeypatch):
     """A deliberate fault: a Lambert base that forgets the index of the medium above it."""
     real = operators.lambert_rows
     monkeypatch.setattr(
-        "lamina.reference_py.models.adding.recipe.lambert_rows",
+        "lamina.reference_py.models.adding.effective_stack.lambert_rows",
         lambda color, n, count, grid, modes: real(color, n, count, grid, modes) * n * n,
     )
     wrong = Adding(stack(lambert(0.5), coat(1.5))).albedo(VIEWS)[:, 0]
@@ -303,13 +303,13 @@ def test_the_shape_of_further_events_changes_no_energy(alpha, eta):
 
 def test_f_takes_more_nodes_where_a_narrow_lobe_lies_below_a_rough_surface():
     """Refraction at a slope of alpha turns s by half of it, twice; the mirror below adds nothing."""
-    narrow = Recipe.of(OpticalStack.of(suite_stack("titanium_coat_0_1_metal_0"))).narrowest_lobe()
+    narrow = EffectiveStack.of(OpticalStack.of(suite_stack("titanium_coat_0_1_metal_0"))).narrowest_lobe()
     assert narrow == pytest.approx(np.sqrt(2.0) * 0.5 * 0.1, rel=1e-4)
-    wide = Recipe.of(OpticalStack.of(stack({**METAL, "roughness": 0.2**0.5}, coat(1.5, 0.1)))).narrowest_lobe()
+    wide = EffectiveStack.of(OpticalStack.of(stack({**METAL, "roughness": 0.2**0.5}, coat(1.5, 0.1)))).narrowest_lobe()
     assert wide == pytest.approx(np.hypot(narrow, 2.0 * 1.5 * 0.2), rel=1e-4)
-    assert Recipe.of(OpticalStack.of(stack(lambert(0.5), coat(1.5, 0.01)))).narrowest_lobe() == np.inf
+    assert EffectiveStack.of(OpticalStack.of(stack(lambert(0.5), coat(1.5, 0.01)))).narrowest_lobe() == np.inf
     # f of a smooth coat over a narrow metal is a formula
-    assert Recipe.of(OpticalStack.of(stack({**METAL, "roughness": 0.02**0.5}, coat(1.5)))).narrowest_lobe() == np.inf
+    assert EffectiveStack.of(OpticalStack.of(stack({**METAL, "roughness": 0.02**0.5}, coat(1.5)))).narrowest_lobe() == np.inf
 
 
 def test_the_suite_is_large_and_valid():

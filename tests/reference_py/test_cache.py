@@ -13,7 +13,7 @@ from support.stacks import coat, conductor, lambert, stack
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.lobes import cache
 from lamina.reference_py.lobes.analytic import AnalyticLobes
-from lamina.reference_py.lobes.cache import cached, content, get, truth_of
+from lamina.reference_py.lobes.cache import cached, get, stack_key, truth_of
 from lamina.reference_py.lobes.methods import auto, is_cached, key_of, make_lobe_set, packed, put
 from lamina.reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes
 from lamina.reference_py.material.place import Place
@@ -118,7 +118,7 @@ def with_layer(values, which=0):
     with_layer({"tint": (0.9 + 1e-8, 0.5, 0.2)}),
 ], ids=["name", "unknown key", "float32", "float32 color"])  # fmt: skip
 def test_what_does_not_change_the_light_is_the_same_content(same):
-    assert content(same) == content(COATED)
+    assert stack_key(same) == stack_key(COATED)
 
 
 @pytest.mark.parametrize("other", [
@@ -133,17 +133,17 @@ def test_what_does_not_change_the_light_is_the_same_content(same):
     replace(COATED, base=stack(base={"kind": "oren_nayar", "color": [0.5] * 3, "sigma_deg": 0.0}).base),
 ], ids=["ior", "one channel", "thickness", "distribution", "second layer", "order", "count", "base", "kind of base"])  # fmt: skip
 def test_what_changes_the_light_is_another_content(other):
-    assert content(other) != content(COATED)
+    assert stack_key(other) != stack_key(COATED)
 
 
 def test_of_live_values_only_that_they_are_live_counts():
     live = (Place(0, "thickness"),)
-    assert content(with_layer({"thickness": 3.0}), live) == content(COATED, live) != content(COATED)
-    assert content(COATED, (Place(1, "thickness"),)) != content(COATED, live)
-    assert content(with_layer({"ior": 1.7}), live) != content(COATED, live)
+    assert stack_key(with_layer({"thickness": 3.0}), live) == stack_key(COATED, live) != stack_key(COATED)
+    assert stack_key(COATED, (Place(1, "thickness"),)) != stack_key(COATED, live)
+    assert stack_key(with_layer({"ior": 1.7}), live) != stack_key(COATED, live)
     # what every shader reads live needs no name
     half, most = (stack(coat(0.3, coverage=share), base=lambert(0.5)) for share in (0.5, 0.9))
-    assert content(half) == content(most) != content(stack(coat(0.3), base=lambert(0.5)))
+    assert stack_key(half) == stack_key(most) != stack_key(stack(coat(0.3), base=lambert(0.5)))
 
 
 def a_choice(made):

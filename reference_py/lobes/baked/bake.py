@@ -61,7 +61,7 @@ class Baker:
         self._report = progress or (lambda share: None)
         cosines, surfaces = knot_cosines(), rough_surfaces(stack)
         widths = [alpha for _, alpha in surfaces]
-        self._mirror = truth.specular_albedo(cosines)
+        self._specular = truth.specular_albedo(cosines)
         views = truth_at(truth, np.concatenate([cosines, middle_cosines()]), widths, _POINTS)
         self._albedo = truth.albedo(views.wo[:KNOTS])
         top = _top_lobe(stack)
@@ -96,7 +96,7 @@ class Baker:
 
     def _best_plan(self, glossy: int) -> tuple[int, Branches]:
         """The number of the plan that does best with at most so many glossy lobes, and its branches."""
-        spare = glossy - bool(np.any(self._mirror > 0.0))
+        spare = glossy - bool(np.any(self._specular > 0.0))
         free = [spare - (plan.known is not None) for plan in self._plans]
         trials = [(number, plan.branches(count)) for number, (plan, count) in enumerate(zip(self._plans, free)) if count >= 0]
         return min(trials, key=lambda trial: trial[1].error) if trials else (0, self._plans[0].branches(0))
@@ -107,20 +107,20 @@ class Baker:
 
     def lobe_set(self, found: Found, keep: bool = False) -> TableLobes:
         """The tables of fits. Lobes that carry next to nothing are left out unless `keep`."""
-        known, kinds, mixtures = self._plans[found.plan].known, found.path.kinds, found.path.mixtures
+        known, distributions, mixtures = self._plans[found.plan].known, found.path.distributions, found.path.mixtures
         cosines = knot_cosines()
-        tables, spent = [], self._mirror
+        tables, spent = [], self._specular
         ones = np.ones((len(cosines), 3))
-        if np.any(self._mirror > 0.0):
-            tables.append(GlossyTable(GGX, self._mirror, np.zeros((len(cosines), 3))))
+        if np.any(self._specular > 0.0):
+            tables.append(GlossyTable(GGX, self._specular, np.zeros((len(cosines), 3))))
         if known is not None:
             shape = np.array([known.alpha_x, known.alpha_y, 0.0]) * ones
             tables.append(GlossyTable(known.distribution, ones, shape, known.fresnel))
             spent = spent + unit_energy(known, cosines)
         fitted = []
-        for i, kind in enumerate(kinds):
+        for i, distribution in enumerate(distributions):
             shape, weight = mixtures.shape[:, i], mixtures.weight[:, :, i]
-            table = GlossyTable(kind, weight, np.concatenate([np.exp(shape[:, :2]), shape[:, 2:]], axis=1))
+            table = GlossyTable(distribution, weight, np.concatenate([np.exp(shape[:, :2]), shape[:, 2:]], axis=1))
             fitted.append((table, weight * unit_energy(table.lobe(cosines), cosines)))
         diffuse = mixtures.weight[:, :, -1]
         fitted.append((DiffuseTable(diffuse), diffuse))

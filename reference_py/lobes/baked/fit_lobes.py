@@ -18,7 +18,7 @@ from ..samples import Views
 _ALPHA_RANGE = (1e-3, 1.0)
 _MAX_TILT = 1.5
 # Cycles bends a normal back from which the view would be mirrored below this.
-_LOWEST_MIRROR = np.radians(88.0)
+_LOWEST_REFLECTION = np.radians(88.0)
 # Residuals below this share of f, and of the albedo, count alike.
 _FLOOR_OF_F, _FLOOR_OF_ALBEDO = 0.02, 0.001
 _HIGH = np.array([np.log(_ALPHA_RANGE[1])] * 2 + [_MAX_TILT])
@@ -74,7 +74,7 @@ class ViewFits:
         goal = truth
         if known is not None:
             goal = truth - np.swapaxes(lobe_f(known, np.broadcast_to(wo, views.wi.shape), views.wi), 1, 2)
-        away = np.tan(0.5 * np.maximum(_LOWEST_MIRROR - np.arccos(views.cos_theta_o), 0.0)) / np.maximum(sin_o, 1e-6)
+        away = np.tan(0.5 * np.maximum(_LOWEST_REFLECTION - np.arccos(views.cos_theta_o), 0.0)) / np.maximum(sin_o, 1e-6)
         narrowest = np.full(len(away), np.log(_ALPHA_RANGE[0]))
         low = np.stack([narrowest, narrowest, -np.minimum(away, _MAX_TILT)], axis=-1)[:, None]
         return cls(
@@ -97,27 +97,27 @@ class ViewFits:
         some = {name: getattr(self, name)[..., ::step] for name in ("x", "y", "z", "truth", "goal", "share", "floor")}
         return replace(self, **{name: np.ascontiguousarray(values) for name, values in some.items()})
 
-    def columns(self, kinds: tuple[str, ...], shape: np.ndarray) -> np.ndarray:
+    def columns(self, distributions: tuple[str, ...], shape: np.ndarray) -> np.ndarray:
         """f (V, k + 1, Q) of lobes of these shapes (V, k, 3) and weight 1, and of the Lambert lobe."""
         wi = np.stack([self.x, self.y, self.z], axis=-1)
-        lobes = [unit_glossy(kind, *self._parameters(shape[:, i]), self.wo, wi)[0] for i, kind in enumerate(kinds)]
+        lobes = [unit_glossy(distribution, *self._parameters(shape[:, i]), self.wo, wi)[0] for i, distribution in enumerate(distributions)]
         return np.stack([*lobes, np.full(self.x.shape, 1.0 / np.pi)], axis=1)
 
-    def fit(self, kinds: tuple[str, ...], start: np.ndarray, iterations: int) -> Mixtures:
+    def fit(self, distributions: tuple[str, ...], start: np.ndarray, iterations: int) -> Mixtures:
         """The best mixtures that are found from `start` (V, k, 3)."""
-        slopes = 3 * len(kinds)
+        slopes = 3 * len(distributions)
         shape = np.clip(start, self.low, _HIGH)
-        rows = self._rows(kinds, shape)
+        rows = self._rows(distributions, shape)
         weight = non_negative(*self._moments(rows[:, slopes:], self._point_weights(0.1 * self.truth)))
         best, distances = self._mixtures(shape, rows[:, slopes:], weight)
         damping = np.full(len(shape), _FIRST_DAMPING)
-        for _ in range(iterations if kinds else 0):
+        for _ in range(iterations if distributions else 0):
             weights = self._point_weights(distances)
             gram, moments = self._moments(rows, weights)
             weight = non_negative(gram[:, :, slopes:, slopes:], moments[:, :, slopes:])
             step = _gauss_newton_step(gram, moments, weight, damping)
             trial = np.clip(shape + np.clip(step, -_LONGEST_STEP, _LONGEST_STEP), self.low, _HIGH)
-            trial_rows = self._rows(kinds, trial)
+            trial_rows = self._rows(distributions, trial)
             trial_gram, trial_moments = self._moments(trial_rows[:, slopes:], weights)
             trial_weight = non_negative(trial_gram, trial_moments)
             before = _squares(gram[:, :, slopes:, slopes:], moments[:, :, slopes:], weight)
@@ -126,7 +126,7 @@ class ViewFits:
             shape[better], rows[better], weight[better] = trial[better], trial_rows[better], trial_weight[better]
             found, distances = self._mixtures(shape, rows[:, slopes:], weight)
             best = found.where(found.error < best.error, best)
-        return self._with_energy(kinds, best)
+        return self._with_energy(distributions, best)
 
     def errors(self, columns: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Cosine-weighted L1 and energy error (V,) of weights (V, 3, k + 1), over the truth's albedo, worst channel."""
@@ -137,22 +137,22 @@ class ViewFits:
         """alpha_x, alpha_y and tilt, each (V, 1), of one lobe's shape (V, 3)."""
         return np.exp(shape[:, :1]), np.exp(shape[:, 1:2]), np.arctan(shape[:, 2] * self.sin_o)[:, None]
 
-    def _rows(self, kinds, shape) -> np.ndarray:
+    def _rows(self, distributions, shape) -> np.ndarray:
         """(V, 4 k + 1, Q): the derivatives of the lobes by their shapes, and their columns."""
         wo, wi = (self.wo[:, :, 0], self.wo[:, :, 2]), (self.x, self.y, self.z)
-        result = np.empty((len(shape), 4 * len(kinds) + 1, self.x.shape[1]))
-        for i, kind in enumerate(kinds):
-            value, *rates = glossy_rates(kind, *self._parameters(shape[:, i]), wo, wi)
-            result[:, 3 * len(kinds) + i] = value
+        result = np.empty((len(shape), 4 * len(distributions) + 1, self.x.shape[1]))
+        for i, distribution in enumerate(distributions):
+            value, *rates = glossy_rates(distribution, *self._parameters(shape[:, i]), wo, wi)
+            result[:, 3 * len(distributions) + i] = value
             rates[2] *= (self.sin_o / (1.0 + np.square(shape[:, i, 2] * self.sin_o)))[:, None]
             for j, rate in enumerate(rates):
                 result[:, 3 * i + j] = rate
         result[:, -1] = 1.0 / np.pi
         return result
 
-    def _with_energy(self, kinds, found: Mixtures) -> Mixtures:
+    def _with_energy(self, distributions, found: Mixtures) -> Mixtures:
         """With weights scaled to the energy of the goal, as tables are."""
-        columns = self.columns(kinds, found.shape)
+        columns = self.columns(distributions, found.shape)
         energy, wanted = (np.sum(self.share * f, axis=2) for f in (found.weight @ columns, self.goal))
         scale = np.where(energy > 1e-6, np.maximum(wanted, 0.0) / np.maximum(energy, 1e-6), 1.0)
         weight = found.weight * scale[..., None]

@@ -32,7 +32,7 @@ _ENERGY_COUNTS, _ENERGY_HURTS, _SHAPE_HURTS = 3.0, 0.0015, 0.15
 class Branches:
     """Mixtures of lobes of `kinds` at the coarse knots, the best branch first, and their mean error where each is the best."""
 
-    kinds: tuple[str, ...]
+    distributions: tuple[str, ...]
     mixtures: tuple[Mixtures, ...]
 
     @property
@@ -46,7 +46,7 @@ class Plan:
 
     def __init__(self, known: GlossyLobe | None, surfaces: list[tuple[str, float]], views: Views, middles: Views):
         self.known = known
-        self._kinds = sorted({kind for kind, _ in surfaces})
+        self._distributions = sorted({distribution for distribution, _ in surfaces})
         self._alphas = _widths(surfaces)
         self.fits, self.middles = ViewFits.at(views, known), ViewFits.at(middles, known)
         self._coarse = self.fits.of(COARSE).thinned(_STRIDE)
@@ -58,30 +58,30 @@ class Plan:
         A wide lobe for how a smooth coat shapes the light of paint was tried: its mean error fell from 5.5 to 4.7 %, its
         worst view's did not, and a picture of it came out no closer.
         """
-        free = free if self._kinds else 0
+        free = free if self._distributions else 0
         if free not in self._found:
             fewer = self.branches(free - 1) if free else None
-            kinds = [(*fewer.kinds, kind) for kind in self._kinds] if fewer else [()]
-            trials = [(k, self._trials(k, fewer)) for k in kinds]
+            distributions = [(*fewer.distributions, distribution) for distribution in self._distributions] if fewer else [()]
+            trials = [(k, self._trials(k, fewer)) for k in distributions]
             self._found[free] = self._continued(*min(trials, key=lambda trial: float(np.mean(trial[1][0].error))))
         return self._found[free]
 
-    def _trials(self, kinds: tuple[str, ...], fewer: Branches | None) -> list[Mixtures]:
+    def _trials(self, distributions: tuple[str, ...], fewer: Branches | None) -> list[Mixtures]:
         """A few steps from all starts at the coarse knots; the better half of them."""
         starts = self._starts(fewer) if fewer else [np.zeros((len(COARSE), 0, 3))]
-        return _best(self._fitted(kinds, starts, _TRIAL), max((len(starts) + 1) // 3, _BRANCHES))
+        return _best(self._fitted(distributions, starts, _TRIAL), max((len(starts) + 1) // 3, _BRANCHES))
 
-    def _continued(self, kinds: tuple[str, ...], trials: list[Mixtures]) -> Branches:
+    def _continued(self, distributions: tuple[str, ...], trials: list[Mixtures]) -> Branches:
         """The branches that trials lead to; then each knot begins at what its neighbours found."""
-        if kinds:
-            trials = _best(self._fitted(kinds, [trial.shape for trial in trials], _MORE), _BRANCHES)
+        if distributions:
+            trials = _best(self._fitted(distributions, [trial.shape for trial in trials], _MORE), _BRANCHES)
             for _ in range(_PASSES):
                 best = trials[0].shape
-                trials = _best(trials + self._fitted(kinds, [best[_BEFORE], best[_AFTER]], _MORE), _BRANCHES)
-        return Branches(kinds, tuple(_in_order(kinds, trials)))
+                trials = _best(trials + self._fitted(distributions, [best[_BEFORE], best[_AFTER]], _MORE), _BRANCHES)
+        return Branches(distributions, tuple(_in_order(distributions, trials)))
 
-    def _fitted(self, kinds, starts: list[np.ndarray], iterations: int) -> list[Mixtures]:
-        found = self._coarse.of(np.tile(np.arange(len(COARSE)), len(starts))).fit(kinds, np.concatenate(starts), iterations)
+    def _fitted(self, distributions, starts: list[np.ndarray], iterations: int) -> list[Mixtures]:
+        found = self._coarse.of(np.tile(np.arange(len(COARSE)), len(starts))).fit(distributions, np.concatenate(starts), iterations)
         return [found.of(slice(i, i + len(COARSE))) for i in range(0, len(COARSE) * len(starts), len(COARSE))]
 
     def _starts(self, fewer: Branches) -> list[np.ndarray]:
@@ -89,7 +89,7 @@ class Plan:
         lobes = [np.array([[np.log(a), np.log(a), 0.0]]) for a in self._alphas]
         every = (len(COARSE), 1, 1)
         starts = [np.concatenate([branch.shape, np.tile(lobe, every)], axis=1) for branch in fewer.mixtures[:1] for lobe in lobes]
-        if len(fewer.kinds) == 1:
+        if len(fewer.distributions) == 1:
             starts += [np.tile(np.concatenate([a, b]), every) for i, a in enumerate(lobes) for b in lobes[i:]]
         return starts
 
@@ -103,19 +103,19 @@ def _best(trials: list[Mixtures], count: int) -> list[Mixtures]:
     return [mixed, *order[: count - 1]] if len(order) > 1 else order
 
 
-def _in_order(kinds: tuple[str, ...], branches: list[Mixtures]) -> list[Mixtures]:
+def _in_order(distributions: tuple[str, ...], branches: list[Mixtures]) -> list[Mixtures]:
     """The branches with their lobes in an order that tables may interpolate: along the first from the normal on, and at each knot as there."""
     first = branches[0]
     parts = [first.of(slice(-1, None))]
     for k in reversed(range(len(first.error) - 1)):
-        parts.append(_in_order_of(kinds, parts[-1], first.of(slice(k, k + 1))))
+        parts.append(_in_order_of(distributions, parts[-1], first.of(slice(k, k + 1))))
     first = Mixtures(*(np.concatenate(values) for values in zip(*((m.shape, m.weight, m.error) for m in reversed(parts)))))
-    return [first, *(_in_order_of(kinds, first, branch) for branch in branches[1:])]
+    return [first, *(_in_order_of(distributions, first, branch) for branch in branches[1:])]
 
 
-def _in_order_of(kinds: tuple[str, ...], other: Mixtures, mixtures: Mixtures) -> Mixtures:
+def _in_order_of(distributions: tuple[str, ...], other: Mixtures, mixtures: Mixtures) -> Mixtures:
     """Mixtures with their lobes in whichever order is nearest to the other ones at each view, lobes of little weight last."""
-    orders = [order for order in permutations(range(len(kinds))) if all(kinds[i] == kinds[j] for i, j in enumerate(order))]
+    orders = [order for order in permutations(range(len(distributions))) if all(distributions[i] == distributions[j] for i, j in enumerate(order))]
     weight, other_weight = mixtures.weight.mean(axis=1), other.weight.mean(axis=1)
 
     def distance(order) -> np.ndarray:
@@ -125,7 +125,7 @@ def _in_order_of(kinds: tuple[str, ...], other: Mixtures, mixtures: Mixtures) ->
 
     best = np.array(orders, dtype=int)[np.argmin([distance(np.array(order, dtype=int)) for order in orders], axis=0)]
     views = np.arange(len(best))[:, None]
-    shares = np.concatenate([best, np.full((len(best), 1), len(kinds))], axis=1)
+    shares = np.concatenate([best, np.full((len(best), 1), len(distributions))], axis=1)
     return Mixtures(mixtures.shape[views, best], mixtures.weight[views[..., None], np.arange(3)[:, None], shares[:, None]], mixtures.error)
 
 
@@ -141,7 +141,7 @@ def _widths(surfaces: list[tuple[str, float]]) -> list[float]:
 class Path:
     """One mixture per knot and its errors at the knots, and, as a table interpolates it, between them."""
 
-    kinds: tuple[str, ...]
+    distributions: tuple[str, ...]
     mixtures: Mixtures
     cost: float
 
@@ -150,21 +150,21 @@ def best_path(plan: Plan, found: Branches) -> Path:
     """Mixtures of whichever branch, or of fits that begin between their neighbours on the best path: least sum of errors."""
     starts = np.concatenate([branch.shape[_NEAREST] for branch in found.mixtures])
     knots = np.tile(np.arange(KNOTS), len(found.mixtures))
-    every = plan.fits.of(knots).fit(found.kinds, starts, _FILL)
+    every = plan.fits.of(knots).fit(found.distributions, starts, _FILL)
     branches = [every.of(slice(i, i + KNOTS)) for i in range(0, len(knots), KNOTS)]
-    path = _joined(plan, found.kinds, branches)
-    if found.kinds:
+    path = _joined(plan, found.distributions, branches)
+    if found.distributions:
         ends = np.concatenate([path.mixtures.shape[1:2], path.mixtures.shape, path.mixtures.shape[-2:-1]])
-        between = plan.fits.fit(found.kinds, 0.5 * (ends[:-2] + ends[2:]), _FILL)
-        path = _joined(plan, found.kinds, [path.mixtures, between])
+        between = plan.fits.fit(found.distributions, 0.5 * (ends[:-2] + ends[2:]), _FILL)
+        path = _joined(plan, found.distributions, [path.mixtures, between])
     return path
 
 
-def _joined(plan: Plan, kinds: tuple[str, ...], branches: list[Mixtures]) -> Path:
+def _joined(plan: Plan, distributions: tuple[str, ...], branches: list[Mixtures]) -> Path:
     """The path over the branches of least sum of the errors at the knots and between them."""
-    branches = [_symmetric_at_normal(plan, kinds, branch) for branch in branches]
+    branches = [_symmetric_at_normal(plan, distributions, branch) for branch in branches]
     errors = np.array([_felt(branch.error) for branch in branches])
-    between = np.array([[_half_way(plan.middles, kinds, a.of(slice(0, -1)), b.of(slice(1, None))) for b in branches] for a in branches])
+    between = np.array([[_half_way(plan.middles, distributions, a.of(slice(0, -1)), b.of(slice(1, None))) for b in branches] for a in branches])
     cost, came_from = errors[:, 0], []
     for k in range(KNOTS - 1):
         through = cost[:, None] + between[:, :, k]
@@ -177,16 +177,16 @@ def _joined(plan: Plan, kinds: tuple[str, ...], branches: list[Mixtures]) -> Pat
         path.append(at)
     chosen = np.array(path[::-1]) * KNOTS + np.arange(KNOTS)
     joined = Mixtures(*(np.concatenate([getattr(branch, name) for branch in branches]) for name in ("shape", "weight", "error")))
-    return Path(kinds, joined.of(chosen), float(np.min(cost)))
+    return Path(distributions, joined.of(chosen), float(np.min(cost)))
 
 
 def continued_path(plan: Plan, path: Path) -> Path:
     """The path to another truth that is much like the one it was found for: every fit begins where the other ended."""
-    mixtures = _symmetric_at_normal(plan, path.kinds, plan.fits.fit(path.kinds, path.mixtures.shape, _CONTINUED))
-    return Path(path.kinds, mixtures, float(np.sum(mixtures.error)))
+    mixtures = _symmetric_at_normal(plan, path.distributions, plan.fits.fit(path.distributions, path.mixtures.shape, _CONTINUED))
+    return Path(path.distributions, mixtures, float(np.sum(mixtures.error)))
 
 
-def _symmetric_at_normal(plan: Plan, kinds: tuple[str, ...], mixtures: Mixtures) -> Mixtures:
+def _symmetric_at_normal(plan: Plan, distributions: tuple[str, ...], mixtures: Mixtures) -> Mixtures:
     """With the last mixture made symmetric, from its own shape or its neighbour's, whichever suits both.
 
     At the normal no direction is along the plane of incidence, and a tilt has no effect there: the neighbour's stays.
@@ -194,9 +194,9 @@ def _symmetric_at_normal(plan: Plan, kinds: tuple[str, ...], mixtures: Mixtures)
     last = mixtures.shape[-2:]
     alpha = np.mean(last[:, :, :2], axis=2, keepdims=True)
     shape = np.concatenate([alpha, alpha, np.broadcast_to(last[:1, :, 2:], alpha.shape)], axis=2)
-    tried = plan.fits.of(np.array([KNOTS - 1] * 2)).fit(kinds, shape, 0)
+    tried = plan.fits.of(np.array([KNOTS - 1] * 2)).fit(distributions, shape, 0)
     neighbours = mixtures.of(np.array([KNOTS - 2] * 2))
-    cost = tried.error + _half_way(plan.middles.of(np.array([KNOTS - 2] * 2)), kinds, neighbours, tried)
+    cost = tried.error + _half_way(plan.middles.of(np.array([KNOTS - 2] * 2)), distributions, neighbours, tried)
     best = tried.of(int(np.argmin(cost)))
     return Mixtures(
         np.concatenate([mixtures.shape[:-1], best.shape[None]]),
@@ -205,11 +205,11 @@ def _symmetric_at_normal(plan: Plan, kinds: tuple[str, ...], mixtures: Mixtures)
     )
 
 
-def _half_way(middles: ViewFits, kinds: tuple[str, ...], left: Mixtures, right: Mixtures) -> np.ndarray:
+def _half_way(middles: ViewFits, distributions: tuple[str, ...], left: Mixtures, right: Mixtures) -> np.ndarray:
     """Errors (V,) of what a table makes of neighbouring mixtures between them, where a wrong energy counts more than a wrong shape."""
     widths = np.log(0.5 * (np.exp(left.shape[..., :2]) + np.exp(right.shape[..., :2])))
     shape = np.concatenate([widths, 0.5 * (left.shape[..., 2:] + right.shape[..., 2:])], axis=2)
-    distance, energy = middles.errors(middles.columns(kinds, shape), 0.5 * (left.weight + right.weight))
+    distance, energy = middles.errors(middles.columns(distributions, shape), 0.5 * (left.weight + right.weight))
     return _felt(distance) + _ENERGY_COUNTS * energy * (1.0 + energy / _ENERGY_HURTS)
 
 

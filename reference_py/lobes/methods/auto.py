@@ -14,7 +14,7 @@ from ...models.position_free import PositionFree
 from ...optics.frame import spherical
 from ..analytic import AnalyticLobes
 from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, baked, follows, pack_lobes, unpack_lobes
-from ..cache import content, truth_of
+from ..cache import stack_key, truth_of
 from ..closure import lobe_energy
 from ..error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosines
 from ..live_grid import LiveLobes
@@ -143,7 +143,7 @@ def _unpack(data: dict, stack: Stack) -> Choice:
 
 COMPUTED = Computed(
     compute=lambda stack, options: choose(stack, truth_of(stack), options),
-    key=lambda stack, options: f"auto {content(stack, options.live)} {options.tolerance:g} {options.glossy or MAX_GLOSSY}",
+    key=lambda stack, options: f"auto {stack_key(stack, options.live)} {options.tolerance:g} {options.glossy or MAX_GLOSSY}",
     pack=_pack,
     unpack=_unpack,
     most_glossy=MAX_GLOSSY,

@@ -10,7 +10,7 @@ from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
 from ..analytic import AnalyticLobes
 from ..baked import DEFAULT_GLOSSY, baked, follows, pack_lobes, unpack_lobes
-from ..cache import content
+from ..cache import stack_key
 from ..made import Made, Options
 from .method import Computed, Method
 
@@ -40,7 +40,7 @@ def _make(stack: Stack, options: Options) -> Made:
 
 COMPUTED = Computed(
     compute=lambda stack, options: baked(stack, options.live, _glossy(options), options.progress),
-    key=lambda stack, options: f"baked {content(stack, options.live)} {_glossy(options)}",
+    key=lambda stack, options: f"baked {stack_key(stack, options.live)} {_glossy(options)}",
     pack=pack_lobes,
     unpack=unpack_lobes,
     is_instant=lambda stack, options: is_bare_oren_nayar(stack) or not _follows(stack, options.live),

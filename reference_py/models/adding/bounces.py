@@ -104,8 +104,8 @@ def _solution(surface: Microsurface, detail: Detail) -> np.ndarray:
     cosines = _node_cosines(surface.alpha, directions)
     walk = _path(_node_heights(heights), cosines, surface)
     scatters = [_Scatter(surface, side, -cosines, detail) for side in range(sides)]
-    once = np.stack([s.once(sides) for s in scatters])
-    source = np.einsum("jhk,smjkr->msjhr", walk, once)
+    single = np.stack([s.single(sides) for s in scatters])
+    source = np.einsum("jhk,smjkr->msjhr", walk, single)
     size = sides * directions * heights
     result = []
     for m in range(detail.azimuths):
@@ -153,7 +153,7 @@ class _Scatter:
         moments = [turns @ np.moveaxis(weights * part * basis, 0, -1) for part in (~down, down)]
         return np.swapaxes(np.concatenate(moments @ _to_nodes(half), axis=-1), 0, 1)
 
-    def once(self, sides: int) -> np.ndarray:
+    def single(self, sides: int) -> np.ndarray:
         """(azimuths, I, heights, sides * moments): what leaves directly after this event, at the heights' nodes."""
         heights = _node_heights(self.detail.heights)
         result = np.zeros((self.detail.azimuths, len(self.weights), len(heights), sides, self.detail.moments))

@@ -36,11 +36,11 @@ from ...optics.microfacet import is_specular
 from ...optics.optical_stack import OpticalStack, supports
 from .assembly import TRAPPED_LOSS, Layers, add, empty, round_trips
 from .bounces import NARROW_ALPHA
-from .direct import direct_f, mirror_reflectance
+from .direct import direct_f, specular_reflectance
 from .direction_grid import Grid, chebyshev
+from .effective_stack import EffectiveStack, base_rows
 from .facets import MULTIPLE, SURFACES
 from .operators import Resolution, dielectric_rows, interface_operators, transmittance
-from .recipe import Recipe, base_rows
 
 # Facets per direction: energies need fewer than azimuthal modes do.
 _ENERGY = Resolution(modes=1, across=16, along=36)
@@ -106,8 +106,8 @@ class Adding:
         self.stack, self.surface = stack, surface
         if _whole("draft", draft, 0, 1) and not nodes is modes is None:
             raise LaminaError("model adding: draft=1 chooses nodes and modes itself; leave them out")
-        self._recipe = Recipe.of(OpticalStack.of(stack, self))
-        self._width, self._unresolved = self._recipe.narrowest_lobe(), nodes is modes is None
+        self._effective = EffectiveStack.of(OpticalStack.of(stack, self))
+        self._width, self._unresolved = self._effective.narrowest_lobe(), nodes is modes is None
         fine = _NODES_PER_WIDTH / max(self._width, _NODES_PER_WIDTH / _MOST_NODES)
         if draft:
             nodes, shape_nodes, self._shape = _NODES, *self._draft(fine)
@@ -116,13 +116,13 @@ class Adding:
             shape_nodes = max(_NODES, ceil(fine)) if nodes is None else _whole("nodes", nodes, 8, 512)
             nodes = _NODES if nodes is None else shape_nodes
             self._shape = Resolution(modes, across=max(24, modes // 2), along=48)
-        self._grid, self._shape_grid = self._recipe.grid(nodes), self._recipe.grid(shape_nodes)
+        self._grid, self._shape_grid = self._effective.grid(nodes), self._effective.grid(shape_nodes)
 
     def _draft(self, fine: float) -> tuple[int, Resolution]:
         """Nodes and resolution of a draft for lobes that want `fine` nodes."""
         if fine > _DRAFT_NODES:
             return ceil(fine), Resolution(_MODES, across=16, along=32, draft=True)
-        is_narrow = any(alpha < NARROW_ALPHA for alpha in self._recipe.rough_alphas())
+        is_narrow = any(alpha < NARROW_ALPHA for alpha in self._effective.rough_alphas())
         return _DRAFT_NODES, Resolution(_DRAFT_MODES[is_narrow], across=16, along=28, draft=True)
 
     @property
@@ -146,59 +146,59 @@ class Adding:
         if len(visible):
             cos_o = np.minimum(cos_theta[visible], 1.0)
             reflected, crossed = self._rows_from_above(cos_o)
-            for channel, members in self._recipe.channels():
+            for channel, members in self._effective.channels():
                 inside = reflected(channel) if crossed is None else reflected(channel) + crossed @ self._escape[channel]
-                inside = inside * np.exp(-self._recipe.tau_above[channel] / cos_o)
+                inside = inside * np.exp(-self._effective.tau_above[channel] / cos_o)
                 result[np.ix_(visible, members)] = inside[:, None]
         return result[inverse].reshape(wo.shape[:-1] + (3,))
 
     def _rows_from_above(self, cos_o):
         """Energy that the first surface turns out per channel, and what it lets cross on the grid below it."""
-        recipe, grid = self._recipe, self._grid
-        outside = {c: transmittance(grid, 1.0, recipe.tau_above[c]) for c in range(3)}
-        if not recipe.interfaces:
-            return lambda c: sum(base_rows(recipe.base, c, cos_o, self.surface, grid, _ENERGY))[0] @ outside[c], None
-        top = recipe.interfaces[0]
-        once, more, crossed = dielectric_rows(top.n_above, top.n_below, cos_o, top.alpha, top.distribution, self.surface, grid, _ENERGY)
-        return lambda c: (once + more)[0] @ outside[c], crossed[0]
+        effective, grid = self._effective, self._grid
+        outside = {c: transmittance(grid, 1.0, effective.tau_above[c]) for c in range(3)}
+        if not effective.interfaces:
+            return lambda c: sum(base_rows(effective.base, c, cos_o, self.surface, grid, _ENERGY))[0] @ outside[c], None
+        top = effective.interfaces[0]
+        single, multi, crossed = dielectric_rows(top.n_above, top.n_below, cos_o, top.alpha, top.distribution, self.surface, grid, _ENERGY)
+        return lambda c: (single + multi)[0] @ outside[c], crossed[0]
 
     @cached_property
     def _escape(self) -> dict[int, np.ndarray]:
         """By channel: what light going down just below the first interface gives outside, at the grid's directions."""
         escape = {}
-        for channel, _ in self._recipe.channels():
+        for channel, _ in self._effective.channels():
             below = self._below(0, channel, _ENERGY)
             top = self._operators(0, _ENERGY)
-            outside = top.t_up[0] @ transmittance(self._grid, 1.0, self._recipe.tau_above[channel])
+            outside = top.t_up[0] @ transmittance(self._grid, 1.0, self._effective.tau_above[channel])
             escape[channel] = round_trips(below[0], top.r_down[0], below[0] @ outside)
         return escape
 
     def specular_albedo(self, cos_theta: np.ndarray) -> np.ndarray:
         """The part (..., 3) of the albedo that is mirror-like and has no f, for view cosines (...)."""
         cos_theta = np.asarray(cos_theta, float)
-        return mirror_reflectance(self._recipe, cos_theta.ravel()).reshape(cos_theta.shape + (3,))
+        return specular_reflectance(self._effective, cos_theta.ravel()).reshape(cos_theta.shape + (3,))
 
     def layer_energies(self) -> LayerEnergies:
         """Energies of all layers without the base."""
-        recipe, grid = self._recipe, self._grid
-        n_below = recipe.base.n_above
+        effective, grid = self._effective, self._grid
+        n_below = effective.base.n_above
         nodal = {key: np.zeros((grid.count(n), 3)) for key, n in (("r_up", 1.0), ("t_down", 1.0), ("r_down", n_below), ("t_up", n_below))}
-        for channel, members in recipe.channels():
+        for channel, members in effective.channels():
             whole = self._layers(channel)
             for key, values in nodal.items():
                 values[:, members] = getattr(whole, key)[0].sum(axis=-1)[:, None]
         return LayerEnergies(n_below, grid, nodal)
 
     def _layers(self, channel: int) -> Layers:
-        recipe, grid = self._recipe, self._grid
-        whole = empty(grid.count(1.0), 1).over_medium(transmittance(grid, 1.0, recipe.tau_above[channel]))
-        for k, interface in enumerate(recipe.interfaces):
-            share = transmittance(grid, interface.n_below, recipe.taus[k][channel])
+        effective, grid = self._effective, self._grid
+        whole = empty(grid.count(1.0), 1).over_medium(transmittance(grid, 1.0, effective.tau_above[channel]))
+        for k, interface in enumerate(effective.interfaces):
+            share = transmittance(grid, interface.n_below, effective.taus[k][channel])
             whole = add(whole, self._operators(k, _ENERGY).over_medium(share))
         return whole
 
     def _operators(self, k: int, resolution: Resolution):
-        i = self._recipe.interfaces[k]
+        i = self._effective.interfaces[k]
         grid = self._grid_for(resolution)
         return interface_operators(i.n_above, i.n_below, i.alpha, i.distribution, self.surface, grid, resolution)
 
@@ -214,26 +214,26 @@ class Adding:
 
         `direct` is the part that `direct_f` knows in closed form.
         """
-        recipe, grid = self._recipe, self._grid_for(resolution)
-        if k == len(recipe.interfaces):
-            n, base = recipe.base.n_above, recipe.base
-            once, more = base_rows(base, channel, grid.cosines(n), self.surface, grid, resolution)
-            whole, direct = once + more, once
-            mirror = np.diagonal(more[0]) if base.is_specular else np.zeros(len(once[0]))
+        effective, grid = self._effective, self._grid_for(resolution)
+        if k == len(effective.interfaces):
+            n, base = effective.base.n_above, effective.base
+            single, multi = base_rows(base, channel, grid.cosines(n), self.surface, grid, resolution)
+            whole, direct = single + multi, single
+            specular = np.diagonal(multi[0]) if base.is_specular else np.zeros(len(single[0]))
         else:
-            n, top = recipe.interfaces[k].n_above, self._operators(k, resolution)
-            below, mirror_below, direct_below = self._reflection(k + 1, channel, resolution)
+            n, top = effective.interfaces[k].n_above, self._operators(k, resolution)
+            below, specular_below, direct_below = self._reflection(k + 1, channel, resolution)
             whole = top.r_up + top.t_down @ round_trips(below, top.r_down, below @ self._exit(k, top, resolution))
-            if is_specular(recipe.interfaces[k].alpha):
-                trips = 1.0 / (1.0 - (1.0 - TRAPPED_LOSS) * mirror_below * np.diagonal(top.r_down[0]))
-                mirror = np.diagonal(top.r_up[0] + top.t_down[0] * (trips * mirror_below) @ top.t_up[0])
+            if is_specular(effective.interfaces[k].alpha):
+                trips = 1.0 / (1.0 - (1.0 - TRAPPED_LOSS) * specular_below * np.diagonal(top.r_down[0]))
+                specular = np.diagonal(top.r_up[0] + top.t_down[0] * (trips * specular_below) @ top.t_up[0])
                 direct = (top.t_down * trips) @ direct_below @ (trips[:, None] * top.t_up)
             else:
-                mirror, direct = np.zeros(len(whole[0])), top.once
-        tau = recipe.tau_above if k == 0 else recipe.taus[k - 1]
+                specular, direct = np.zeros(len(whole[0])), top.single
+        tau = effective.tau_above if k == 0 else effective.taus[k - 1]
         share = transmittance(grid, n, tau[channel])
         pair = share[:, None] * share
-        return whole * pair, mirror * share * share, direct * pair
+        return whole * pair, specular * share * share, direct * pair
 
     def _exit(self, k: int, top, resolution: Resolution) -> np.ndarray:
         """Crossing of interface k from below: exact sums for energies; for f by reciprocity, as rows average noise."""
@@ -253,7 +253,7 @@ class Adding:
         result = np.zeros(wo.shape)
         wo, wi = wo[visible], wi[visible]
         if len(wo):
-            value = direct_f(self._recipe, self.surface, wo, wi) + self._interpolated(wo, wi)
+            value = direct_f(self._effective, self.surface, wo, wi) + self._interpolated(wo, wi)
             result[visible] = np.maximum(value, 0.0)  # a cut Fourier series may undershoot
         return result.reshape(shape)
 
@@ -269,8 +269,8 @@ class Adding:
         # along the normal there is no azimuth: its mean alone counts
         harmonics[1:] *= np.where(sines > 1e-6, 2.0, 0.0)
         result = np.zeros((len(wo), 3))
-        for channel, members in self._recipe.channels():
-            density = self._rest[channel]
+        for channel, members in self._effective.channels():
+            density = self._remainder[channel]
             value = np.zeros(len(wo))
             # one product per view: rows of all modes at once
             for view in range(len(cos_o)):
@@ -281,14 +281,14 @@ class Adding:
         return result
 
     @cached_property
-    def _rest(self) -> dict[int, np.ndarray]:
+    def _remainder(self) -> dict[int, np.ndarray]:
         """By channel: modes of f (modes, N, N) at the grid's directions, without mirror-like and direct parts."""
-        rest = {}
-        for channel, _ in self._recipe.channels():
-            whole, mirror, direct = self._reflection(0, channel, self._shape)
-            density = (whole - np.diag(mirror) - direct) / self._shape_grid.weights[: len(mirror)]
-            rest[channel] = 0.5 * (density + np.swapaxes(density, -1, -2))
-        return rest
+        remainder = {}
+        for channel, _ in self._effective.channels():
+            whole, specular, direct = self._reflection(0, channel, self._shape)
+            density = (whole - np.diag(specular) - direct) / self._shape_grid.weights[: len(specular)]
+            remainder[channel] = 0.5 * (density + np.swapaxes(density, -1, -2))
+        return remainder
 
 
 def _whole(name: str, value, low: int, high: int) -> int:

@@ -43,23 +43,23 @@ class Resolution:
 
 @dataclass(frozen=True)
 class InterfaceOperators(Layers):
-    """Operators of one interface; `once` is the part of r_up that meets exactly one facet."""
+    """Operators of one interface; `single` is the part of r_up that meets exactly one facet."""
 
-    once: np.ndarray
+    single: np.ndarray
 
 
 @lru_cache(maxsize=24)
 def interface_operators(n_above, n_below, alpha, kind, surface, grid: Grid, resolution: Resolution) -> InterfaceOperators:
     """Operators of a dielectric interface; n_above and n_below are among grid.breaks."""
     if is_specular(alpha):
-        return _mirror_operators(n_above, n_below, grid, resolution.modes)
+        return _specular_operators(n_above, n_below, grid, resolution.modes)
     setup = (alpha, kind, surface, grid, resolution)
-    once, more, t_down = dielectric_rows(n_above, n_below, grid.cosines(n_above), *setup)
-    once_down, more_down, t_up = dielectric_rows(n_below, n_above, grid.cosines(n_below), *setup)
-    return InterfaceOperators(once + more, t_down, once_down + more_down, t_up, once)
+    single, multi, t_down = dielectric_rows(n_above, n_below, grid.cosines(n_above), *setup)
+    single_down, multi_down, t_up = dielectric_rows(n_below, n_above, grid.cosines(n_below), *setup)
+    return InterfaceOperators(single + multi, t_down, single_down + multi_down, t_up, single)
 
 
-def _mirror_operators(n_above, n_below, grid, modes) -> InterfaceOperators:
+def _specular_operators(n_above, n_below, grid, modes) -> InterfaceOperators:
     """Exactly diagonal, so that light which is trapped below a critical angle never leaks."""
     above, below = grid.count(n_above), grid.count(n_below)
     f_above = fresnel_dielectric(grid.cosines(n_above), n_below / n_above)
@@ -83,28 +83,28 @@ def _dielectric_chunk(n_own, n_other, cos_theta, alpha, kind, surface, grid, res
     eta, modes = n_other / n_own, resolution.modes
     if is_specular(alpha):
         reflectance = fresnel_dielectric(cos_theta, eta)[:, None]
-        mirrored = reflectance * grid.interpolation(n_own, cos_theta)
+        specular = reflectance * grid.interpolation(n_own, cos_theta)
         refracted = (1.0 - reflectance) * grid.interpolation(n_other, cos_theta_t(cos_theta, eta))
         every = np.ones((modes, 1, 1))
-        return 0.0 * every * mirrored, every * mirrored, every * refracted
+        return 0.0 * every * specular, every * specular, every * refracted
     facets = visible_facets(cos_theta, alpha, kind, surface, resolution.across, resolution.along, eta)
     (wi, w_reflected), (wt, w_refracted) = dielectric_events(facets, eta)
     if _is_resolved(alpha, grid):
-        once = _resolved_lobes([lambda cos: fresnel_dielectric(cos, eta)], cos_theta, n_own, alpha, kind, surface, grid, modes)[0]
+        single = _resolved_lobes([lambda cos: fresnel_dielectric(cos, eta)], cos_theta, n_own, alpha, kind, surface, grid, modes)[0]
     else:
-        once = grid.project(n_own, wi, modes)(w_reflected)
-    more = np.zeros_like(once)
+        single = grid.project(n_own, wi, modes)(w_reflected)
+    multi = np.zeros_like(single)
     transmitted = grid.project(n_other, wt, modes)(w_refracted)
-    if _meets_more(surface, alpha, modes):
-        left = 1.0 - once[0].sum(axis=1) - transmitted[0].sum(axis=1)
+    if _scatters_more_than_once(surface, alpha, modes):
+        left = 1.0 - single[0].sum(axis=1) - transmitted[0].sum(axis=1)
         detail = detail_of(alpha, modes, resolution.draft)
         moments = Microsurface(alpha, kind, etas=(eta, n_own / n_other)).shares(cos_theta, detail) * left[:, None]
-        more[: moments.shape[1]] = _spread(moments[0], grid, n_own)
+        multi[: moments.shape[1]] = _spread(moments[0], grid, n_own)
         transmitted[: moments.shape[1]] += _spread(moments[1], grid, n_other)
-    return once, more, transmitted
+    return single, multi, transmitted
 
 
-def _meets_more(surface: str, alpha: float, modes: int) -> bool:
+def _scatters_more_than_once(surface: str, alpha: float, modes: int) -> bool:
     """Whether light that meets several facets counts. Always for energies; in the shape of a narrow surface it is a
     spike at grazing directions, of less than 1e-3 of the energy below 85 degrees, which interpolation would spread.
     """
@@ -160,23 +160,23 @@ def _conductor_chunk(index, n, cos_theta, alpha, kind, surface, grid, resolution
     modes = resolution.modes
     if is_specular(alpha):
         every = np.ones((modes, 1, 1))
-        mirrored = [fresnel_conductor(cos_theta, *pair)[:, None] * grid.interpolation(n, cos_theta) for pair in index]
-        return [(0.0 * every * rows, every * rows) for rows in mirrored]
+        specular = [fresnel_conductor(cos_theta, *pair)[:, None] * grid.interpolation(n, cos_theta) for pair in index]
+        return [(0.0 * every * rows, every * rows) for rows in specular]
     curves = [lambda cos, pair=pair: fresnel_conductor(cos, *pair) for pair in index]
     if _is_resolved(alpha, grid):
         lobe = (cos_theta, n, alpha, kind, surface, grid)
-        once, white = _resolved_lobes(curves, *lobe, modes), _resolved_lobes([np.ones_like], *lobe, 1)[0][0].sum(axis=1)
+        single, white = _resolved_lobes(curves, *lobe, modes), _resolved_lobes([np.ones_like], *lobe, 1)[0][0].sum(axis=1)
     else:
         facets = visible_facets(cos_theta, alpha, kind, surface, 2 * resolution.across, 2 * resolution.along)
         wi, weights = facets.reflected()
         projected, cos_om = grid.project(n, wi, modes), facets.cos_om
-        once, white = [projected(weights * curve(cos_om)) for curve in curves], weights.sum(axis=1)
-    more = [np.zeros_like(rows) for rows in once]
-    if _meets_more(surface, alpha, modes):
+        single, white = [projected(weights * curve(cos_om)) for curve in curves], weights.sum(axis=1)
+    multi = [np.zeros_like(rows) for rows in single]
+    if _scatters_more_than_once(surface, alpha, modes):
         left = np.maximum(1.0 - white, 0.0)[:, None]
-        for rows, moments in zip(more, _conductor_shares(index, alpha, kind, cos_theta, resolution)):
+        for rows, moments in zip(multi, _conductor_shares(index, alpha, kind, cos_theta, resolution)):
             rows[: len(moments)] = _spread(moments * left, grid, n)
-    return list(zip(once, more))
+    return list(zip(single, multi))
 
 
 def _conductor_shares(index, alpha, kind, cos_theta, resolution) -> list[np.ndarray]:
@@ -203,8 +203,8 @@ def _resolved_lobes(curves: Sequence[Callable], cos_theta, n: float, alpha, kind
     cos_o, cos_i = cos_theta[:, None, None], grid.cosines(n)[:, None]
     # turn = 2 atan(width tan(u / 2)) is dense about the mirror direction; u crowds towards pi for the lobe's far tail
     x, gauss = gauss_legendre(_LOBE_AZIMUTHS + 2 * modes)
-    rest = 0.5 * (1.0 - x)
-    u, step = np.pi * (1.0 - rest**4), 2.0 * gauss * rest**3
+    remainder = 0.5 * (1.0 - x)
+    u, step = np.pi * (1.0 - remainder**4), 2.0 * gauss * remainder**3
     width = np.minimum(1.0, alpha * (cos_o + cos_i))
     tangent2 = np.square(width * np.tan(0.5 * u))
     measure = step * width / (np.square(np.cos(0.5 * u)) * (1.0 + tangent2))

@@ -14,7 +14,7 @@ from .operators import Resolution, conductor_rows, lambert_rows, oren_nayar_rows
 
 
 @dataclass(frozen=True)
-class Recipe:
+class EffectiveStack:
     """`tau_above` (3,) is absorption above the first interface; `tau` of an interface is that of the medium below it.
 
     Interfaces between equal indices are left out: they do not exist, whatever their roughness.
@@ -26,7 +26,7 @@ class Recipe:
     base: DiffuseBase | ConductorBase
 
     @classmethod
-    def of(cls, optics: OpticalStack) -> "Recipe":
+    def of(cls, optics: OpticalStack) -> "EffectiveStack":
         """That of a resolved stack."""
         tau_above, kept, taus = np.zeros(3), [], []
         for interface in optics.interfaces:
