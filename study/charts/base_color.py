@@ -10,7 +10,7 @@ from ...reference_py.lobes.baked import follows
 from ...reference_py.lobes.cache import truth_of
 from ...reference_py.lobes.error_estimate import ErrorEstimator, Errors
 from ...reference_py.lobes.methods import make_lobe_set
-from ...reference_py.lobes.view_table import BASE_COLOR
+from ...reference_py.lobes.view_table import BASE_COLOR, TableLobes
 from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
 from ..suite import suite
@@ -49,6 +49,7 @@ def chart(folder: Path, report: Report) -> None:
 
 def _row(stack: Stack) -> list[str]:
     followed = make_lobe_set(stack, "baked", live=(BASE_COLOR,)).lobe_set
+    assert isinstance(followed, TableLobes), "stacks are those that are followed"
     rng = np.random.default_rng(_SEED)
     found: list[tuple[Errors, Errors]] = []
     for _ in range(COLORS):
