@@ -89,6 +89,10 @@ def is_specular_somewhere(stack: Stack) -> bool:
     return optics.base.is_specular or any(s.facets.is_specular for s in optics.interfaces)
 
 
+# Points of each strategy at a view.
+_POINTS = 300
+
+
 @dataclass(frozen=True)
 class Errors:
     """Relative error of the albedo, worst channel and view; L1 of f over the albedo, worst view and mean of the views."""
@@ -103,15 +107,16 @@ class Reference:
 
     def __init__(self, stack: Stack, truth):
         self._cosines = np.cos(np.radians(THETA_DEG))
-        self._views = truth_at(truth, self._cosines, [alpha for _, alpha in rough_surfaces(stack)])
+        self._views = truth_at(truth, self._cosines, [alpha for _, alpha in rough_surfaces(stack)], _POINTS)
         exact = TruthReflectance(truth)
         self._albedo, self._specular_albedo = np.maximum(exact.albedo(self._cosines), 1e-9), exact.specular_albedo(self._cosines)
 
     def errors(self, reflectance: Reflectance) -> Errors:
         albedo = np.abs(reflectance.albedo(self._cosines) / self._albedo - 1.0)
+        views = self._views
         gaps = np.abs(reflectance.specular_albedo(self._cosines) - self._specular_albedo)
-        for gap, view in zip(gaps, self._views):
-            gap += view.share @ np.abs(reflectance.f(np.broadcast_to(view.wo, view.wi.shape), view.wi) - view.f)
+        for gap, wo, wi, share, f in zip(gaps, views.wo, views.wi, views.share, views.f):
+            gap += share @ np.abs(reflectance.f(np.broadcast_to(wo, wi.shape), wi) - f)
         shape = np.max(gaps / self._albedo, axis=-1)
         return Errors(float(np.max(albedo)), float(np.max(shape)), float(np.mean(shape)))
 
