@@ -7,7 +7,9 @@ import pytest
 from lamina.reference_py.lobes import cache
 from lamina.reference_py.lobes.baked import Baker
 from lamina.reference_py.lobes.baked.fit_lobes import non_negative
+from lamina.reference_py.lobes.cache import truth_of
 from lamina.reference_py.lobes.closure import lobe_energy
+from lamina.reference_py.lobes.error_estimate import ErrorEstimator
 from lamina.reference_py.lobes.lobe import DiffuseLobe
 from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material import presets
@@ -71,6 +73,17 @@ def test_more_lobes_come_closer():
     baker = Baker(STACKS["frosted_paint"], Adding(STACKS["frosted_paint"]))
     few, more = (baker.bake(k).shape_error.mean() for k in (1, 2))
     assert more < few
+
+
+@pytest.mark.parametrize("glossy", [2, 3])
+def test_tables_have_no_jumps(glossy):
+    """Alike lobes could change places from one knot to the next; between these a table would then mix them (13 % at 75 degrees)."""
+    gold = Stack.from_dict({"layers": [], "base": {"kind": "conductor", "metal": "gold", "roughness": 0.3**0.5}})
+    truth = truth_of(gold)
+    bake = Baker(gold, truth).bake(glossy)
+    between = ErrorEstimator(gold, truth, np.linspace(0.1, 0.99, 25)).errors(bake.lobe_set)
+    print(f"at knots {np.max(bake.shape_error):.4f}, between {np.max(between.shape):.4f}, albedo {np.max(between.albedo):.4f}")
+    assert np.max(between.shape) < 1.5 * np.max(bake.shape_error[4:]) + 0.01 and np.max(between.albedo) < 0.01
 
 
 def test_weights_are_never_negative_and_alphas_stay_in_range():
