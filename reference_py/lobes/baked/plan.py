@@ -21,7 +21,7 @@ _BEFORE, _AFTER, _PASSES = np.maximum(np.arange(len(COARSE)) - 1, 0), np.minimum
 # Steps of a trial, of the better half of the trials, of a branch at every knot, and of fits to a truth much like the one before.
 _TRIAL, _MORE, _FILL, _CONTINUED = 5, 8, 5, 5
 # Branches that a path may take.
-_BRANCHES = 2
+_BRANCHES = 3
 # Widths that starts are chosen from.
 _WIDTHS = 5
 # A wrong energy between knots weighs so much more than a wrong shape. Errors of these sizes count twice, as eyes see the worst view.
