@@ -16,9 +16,9 @@ from ..view_table import BASE_COLOR, KNOTS, BaseColorTable, knot_cosines
 
 MOST_AXES = 2
 # Knots of a live roughness; below the first the widths go on, see `grid`. Two axes share out fewer.
-_ROUGHNESSES = {1: (0.2, 0.3, 0.4, 0.5, 0.62, 0.76, 0.9, 1.0), 2: (0.15, 0.25, 0.37, 0.52, 0.72, 1.0)}
+_ROUGHNESSES = {1: (0.2, 0.3, 0.4, 0.5, 0.62, 0.76, 0.9, 1.0), 2: (0.15, 0.27, 0.42, 0.65, 1.0)}
 # Knots of a live thickness, as optical depths of its mean color, and without end.
-_DEPTHS = {1: (0.0, 0.15, 0.4, 0.8, 1.4, 2.2, 3.5, 6.0), 2: (0.0, 0.25, 0.6, 1.2, 2.4, 5.0)}
+_DEPTHS = {1: (0.0, 0.15, 0.4, 0.8, 1.4, 2.2, 3.5, 6.0), 2: (0.0, 0.3, 0.8, 1.8, 5.0)}
 
 
 def follows(stack: Stack, live: tuple[Place, ...]) -> bool:
