@@ -65,7 +65,7 @@ class _Writer:
         color = rows.shape[1] == 3
         if np.all(rows == rows[0]):
             return f"color({numbers(rows[0])})" if color else f"{rows[0, 0]:.6g}"
-        entries = [f"color({row[0]:.5g}, {row[1]:.5g}, {row[2]:.5g})" if color else f"{row[0]:.5g}" for row in rows]
+        entries = [f"color({', '.join(map(_entry, row))})" if color else _entry(row[0]) for row in rows]
         self._array("color" if color else "float", name, entries)
         return f"grid({self._name(name)}, {self._free if extends else self._bounded})"
 
@@ -101,3 +101,9 @@ class _Writer:
             return f"interface_bsdf(N, tangent, {alphas[0]}, break_isotropy({alphas[0]}), {curve})"
         slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
         return f'microfacet("{lobe.distribution}", normalize(bent_normal + {slope} * side), along, {", ".join(alphas)}, 1.0, 0)'
+
+
+def _entry(value: float) -> str:
+    """A number of a table; there are thousands, so no zero stands before its point."""
+    text = f"{value:.5g}"
+    return text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
