@@ -9,6 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from ..reference_py.errors import LaminaError
+from ..reference_py.material import presets
 from ..reference_py.material.stack import Stack
 
 _FILE = Path(__file__).parent / "data" / "suite.json"
@@ -19,6 +20,11 @@ def suite() -> dict[str, Stack]:
     """The stacks by name, in the file's order."""
     stacks = json.loads(_FILE.read_text(encoding="utf-8"))["stacks"]
     return {data["name"]: Stack.from_dict(data, f"{_FILE.name}: {data['name']}") for data in stacks}
+
+
+def charted() -> dict[str, Stack]:
+    """The presets of the paper and the suite, which the charts of errors go through."""
+    return {name: presets.load(name) for name in presets.PAPER} | {f"suite/{name}": stack for name, stack in suite().items()}
 
 
 def suite_stack(name: str) -> Stack:

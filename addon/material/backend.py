@@ -43,5 +43,7 @@ def notice(wanted: str, translated: Callable[[str], str] = str) -> str:
     """One line for the user where `wanted` leaves the choice and it fell on stock nodes; empty when it did not."""
     if wanted != AUTO or OSL in branches_here(wanted):
         return ""
-    sentence = translated("made of stock nodes, because {reason}; of all textures and animation of layers only a coverage's has an effect")
+    sentence = translated(
+        "made of stock nodes, because {reason}; of all textures and animation of layers only a coverage's and a Lambert base's color have an effect"
+    )
     return sentence.format(reason=translated(environment.osl_available()[1]))

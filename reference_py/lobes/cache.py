@@ -109,7 +109,7 @@ def stack_key(stack: Stack, live: tuple[Place, ...] = ()) -> str:
 
 
 def truth_of(stack: Stack):
-    """The deterministic truth of a stack; it has no normals. Raises LaminaError for coverage and other features."""
+    """The deterministic truth of a stack, its f a draft (`Adding`); it has no normals. Raises LaminaError for coverage and other features."""
     if covered_layers(stack):
         raise LaminaError("a stack with coverage has one truth for each of its patches; judge them one by one")
     for where, element in [*((f"layer {i}", e) for i, e in enumerate(stack.layers)), ("the base", stack.base)]:

@@ -11,9 +11,8 @@ from ...reference_py.lobes.cache import truth_of
 from ...reference_py.lobes.error_estimate import ErrorEstimator, Errors
 from ...reference_py.lobes.methods import make_lobe_set
 from ...reference_py.lobes.view_table import BASE_COLOR, TableLobes
-from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
-from ..suite import suite
+from ..suite import charted
 from ..tables import Report, write_table
 from .tiers import THETA_DEG
 
@@ -32,9 +31,7 @@ def chart(folder: Path, report: Report) -> None:
     """Write base_color.csv for the stacks of the paper and the suite that have a Lambert base and layers."""
     table = folder / "base_color.csv"
     require_writable(table)
-    stacks = {name: presets.load(name) for name in presets.PAPER}
-    stacks |= {f"suite/{name}": stack for name, stack in suite().items()}
-    stacks = {name: stack for name, stack in stacks.items() if stack.layers and follows(stack, (BASE_COLOR,))}
+    stacks = {name: stack for name, stack in charted().items() if stack.layers and follows(stack, (BASE_COLOR,))}
     rows = []
     for i, (name, stack) in enumerate(stacks.items()):
         report(f"{100 * i // len(stacks):3} % {name}")

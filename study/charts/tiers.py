@@ -10,10 +10,9 @@ from ...reference_py.lobes.baked import Baker
 from ...reference_py.lobes.error_estimate import ErrorEstimator, Errors
 from ...reference_py.lobes.methods import METHODS, AnalyticLobes, holds_values, make_lobe_set
 from ...reference_py.lobes.methods.baking import is_bare_oren_nayar
-from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.adding.model import Adding
-from ..suite import suite
+from ..suite import charted
 from ..tables import Report, write_table
 from .output import print_table
 
@@ -33,8 +32,7 @@ def chart(folder: Path, report: Report) -> None:
     """Write tier_errors.csv and print, for each tier, the medians and worst over all stacks."""
     table = folder / "tier_errors.csv"
     require_writable(table)
-    stacks = {name: presets.load(name) for name in presets.PAPER}
-    stacks |= {f"suite/{name}": stack for name, stack in suite().items()}
+    stacks = charted()
     rows = []
     for i, (name, stack) in enumerate(stacks.items()):
         report(f"{100 * i // len(stacks):3} % {name}")

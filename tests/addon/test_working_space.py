@@ -108,17 +108,28 @@ def test_a_material_of_a_file_of_another_space(blender, tmp_path, there, link):
     assert "shader_stale" not in [f.code for f in check.find(owner, bpy.context.scene, bpy.context.preferences)]
 
 
-def test_a_texture_is_in_the_working_space(blender):
-    """An RGB node stands for it: its color is the same light in both spaces."""
-    colors = []
-    for space in (REC709, "ACEScg"):
+def textured(tier: str, backend: str) -> bpy.types.Material:
+    """The glaze over a color that an RGB node gives, which stands for a texture."""
+    owner = made("glaze", tier, backend)
+    node = owner.node_tree.nodes.new("ShaderNodeRGB")
+    node.outputs[0].default_value = (*into_working((0.2, 0.7, 0.1)), 1.0)
+    owner.node_tree.links.new(node.outputs[0], node_of(owner.lamina.base).inputs["Color"])
+    materials.refresh(owner, settle=True)
+    return owner
+
+
+@pytest.mark.parametrize("tier, backend", [("analytic", "osl"), ("baked", "osl"), ("baked", "nodes")])
+def test_a_texture_is_in_the_working_space(blender, tmp_path, tier, backend):
+    """Its color is the same light in every space, also once Blender has converted the file."""
+    expected = seen(textured(tier, backend))
+    for space in SPACES:
         set_space(space)
-        owner = made("glaze", "analytic", "osl")
-        node = owner.node_tree.nodes.new("ShaderNodeRGB")
-        node.outputs[0].default_value = (*into_working((0.2, 0.7, 0.1)), 1.0)
-        owner.node_tree.links.new(node.outputs[0], node_of(owner.lamina.base).inputs["Color"])
-        colors.append(seen(owner))
-    assert colors[1] == pytest.approx(colors[0], rel=TOLERANCE)
+        assert seen(textured(tier, backend)) == pytest.approx(expected, rel=TOLERANCE), space
+    set_space(REC709)
+    owner = textured(tier, backend)
+    set_space("ACEScg")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "file.blend"))
+    assert not is_stale(owner) and seen(owner) == pytest.approx(expected, rel=TOLERANCE)
 
 
 def test_what_exporters_find_is_in_the_working_space(blender):

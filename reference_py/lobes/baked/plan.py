@@ -18,7 +18,7 @@ _NEAREST = np.argmin(np.abs(np.arange(KNOTS)[:, None] - COARSE), axis=1)
 _STRIDE = 2
 # Of each coarse knot its neighbours, and how often fits begin at what these found.
 _BEFORE, _AFTER, _PASSES = np.maximum(np.arange(len(COARSE)) - 1, 0), np.minimum(np.arange(len(COARSE)) + 1, len(COARSE) - 1), 2
-# Steps of a trial, of the better half of the trials, of a branch at every knot, and of fits to a truth much like the one before.
+# Steps of a trial, of the best third of the trials, of a branch at every knot, and of fits to a truth much like the one before.
 _TRIAL, _MORE, _FILL, _CONTINUED = 5, 8, 5, 5
 # Branches that a path may take.
 _BRANCHES = 3
@@ -30,7 +30,7 @@ _ENERGY_COUNTS, _ENERGY_HURTS, _SHAPE_HURTS = 3.0, 0.0015, 0.15
 
 @dataclass(frozen=True)
 class Branches:
-    """Mixtures of lobes of `kinds` at the coarse knots, the best branch first, and their mean error where each is the best."""
+    """Mixtures of lobes of `distributions` at the coarse knots, the best branch first, and their mean error where each is the best."""
 
     distributions: tuple[str, ...]
     mixtures: tuple[Mixtures, ...]
@@ -67,7 +67,7 @@ class Plan:
         return self._found[free]
 
     def _trials(self, distributions: tuple[str, ...], fewer: Branches | None) -> list[Mixtures]:
-        """A few steps from all starts at the coarse knots; the better half of them."""
+        """A few steps from all starts at the coarse knots; the best third of them."""
         starts = self._starts(fewer) if fewer else [np.zeros((len(COARSE), 0, 3))]
         return _best(self._fitted(distributions, starts, _TRIAL), max((len(starts) + 1) // 3, _BRANCHES))
 
