@@ -283,6 +283,7 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "patina brighter": patina_brighter,
     "branches render": lambda: span(column(where("branches", osl="on"), "render"), 3),
     "branches start": lambda: span(100.0 * (column(where("branches", osl="on"), "start") - 1.0), 0) + " %",
+    "branches start least": lambda: span(100.0 * (column(where("branches", osl="on"), "start_least") - 1.0), 0) + " %",
     "branches start ms": lambda: span(start_ms(), 0) + " ms",
     "branches make": lambda: span(column(where("branches", osl="on"), "make"), 1),
     "eevee materials": lambda: word(len(eevee("eevee_delta_e", True))),
