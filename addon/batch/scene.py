@@ -110,14 +110,32 @@ def open_scene(item: Item):
         raise SceneError(f"{item.scene.blend}: the scene {scene.name} has no camera")
     if scene.render.engine != "CYCLES":
         raise SceneError(f"{item.scene.blend}: the scene {scene.name} renders with {scene.render.engine}; choose Cycles in it")
-    return scene, target
+    return scene, own_object(scene, target)
+
+
+def own_object(scene: bpy.types.Scene, target: bpy.types.Object) -> bpy.types.Object:
+    """The object as one of the open file's, if it is a library's: then nothing of it can be changed. The file on the disk stays as it is."""
+    if target.library is None:
+        return target
+    for collection in scene.collection.children_recursive:
+        if collection.library is not None and target.name in collection.all_objects:
+            collection.make_local()
+    return target.make_local()
 
 
 def put_on(target: bpy.types.Object, material: bpy.types.Material) -> int:
-    """Give an object the material in its active slot, the first if it has none. Returns the slot's index."""
+    """Give an object the material in its active slot, the first if it has none. Returns the slot's index.
+
+    A mesh of a library's keeps its materials: the object alone shows the new one.
+    """
     if not target.material_slots:
+        if not target.data.is_editable:
+            target.data = target.data.copy()
         target.data.materials.append(material)
         return 0
     index = target.active_material_index
-    target.material_slots[index].material = material
+    slot = target.material_slots[index]
+    if not target.data.is_editable:
+        slot.link = "OBJECT"
+    slot.material = material
     return index

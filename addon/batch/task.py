@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders items of a batch from scenes that are ready, each to a whole EXR with its origin in the header, or to none.
 
-Also a script for farms, where Lamina is not installed: a copy of this file and of `oiio.py` beside it run as
+Also a script for farms, where Lamina is not installed: a copy of this file, with `oiio.py` and `dependencies.py` beside it, runs as
 
     blender -b SCENE.blend --python render_items.py -- --items items.json --range 0-9 --output FOLDER
 """
@@ -24,11 +24,16 @@ WITH_CAMERA = "lamina_with_camera"
 OTHER_INPUTS = "is of other inputs"
 
 if __package__:
-    from ..blender import oiio
+    from ..blender import dependencies, oiio
 else:
-    _spec = importlib.util.spec_from_file_location("oiio", Path(__file__).with_name("oiio.py"))
-    oiio = importlib.util.module_from_spec(_spec)
-    _spec.loader.exec_module(oiio)
+
+    def _beside(name: str):
+        spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return module
+
+    dependencies, oiio = _beside("dependencies"), _beside("oiio")
 
 
 def render_item(scene: bpy.types.Scene, target: bpy.types.Object, item: dict, texts: dict[str, str], folder: Path) -> None:
@@ -182,7 +187,7 @@ def _farm(arguments: list[str]) -> int:
                 raise RuntimeError(f"{item['file']} is there already and {what}; choose another folder, or delete it")
             else:
                 with _within(listed["time_limit"], item["id"]):
-                    scene, target = _shown(item, options.items.parent)
+                    scene, target = _shown(item, options.items.parent, listed["allow_missing"])
                     render_item(scene, target, item, item["texts"], options.output)
         except Exception as error:  # one picture must not cost the others
             failed.append(item["id"])
@@ -211,11 +216,15 @@ def _within(limit: float | None, name: str):
         watch.cancel()
 
 
-def _shown(item: dict, folder: Path):
-    """The item's scene and its object, with its material."""
+def _shown(item: dict, folder: Path, allow_missing: bool):
+    """The item's scene and its object, with its material. Raises RuntimeError when the scene asks for what is not there."""
     path = folder / item["blend"]
     if not bpy.data.filepath or not os.path.samefile(bpy.data.filepath, path):
         bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
+    if lost := dependencies.missing():
+        if not allow_missing:
+            raise RuntimeError(f"{dependencies.named(lost)}; `lamina farm --allow-missing` makes a bundle that goes on without")
+        print(f"lamina: goes on without what is missing: {dependencies.named(lost)}", flush=True)
     scene = bpy.data.scenes[item["scene"]]
     target = scene.objects[item["object"]]
     slot, wanted = target.material_slots[item["slot"]], item["material_file"]

@@ -2,7 +2,8 @@
 """A process that renders items for a batch, and the batch's end of it.
 
 Lines of JSON go both ways: in come items as `Item.to_dict` gives them, out goes {"ready": true} and then, for each
-item, {"id": ...} with "error" if it failed, and with "scene" if so will all items of its scene. At the end of the input it leaves at once.
+item, {"id": ...} with "error" if it failed, and with "scene" if so will all items of its scene. {"reads": BLEND} asks for the
+"files" that the file reads and what is "missing", or why it cannot be opened, "error". At the end of the input it leaves at once.
 """
 
 import json
@@ -66,15 +67,10 @@ class Worker:
         watch = threading.Timer(limit or 0.0, self._process.kill)
         watch.daemon = True
         started = time.monotonic()
+        if limit:
+            watch.start()
         try:
-            if limit:
-                watch.start()
-            self._process.stdin.write(json.dumps(item.to_dict()) + "\n")
-            self._process.stdin.flush()
-        except OSError:
-            pass  # it ended; the answer says why
-        try:
-            answer = self._await("ended")
+            answer = self.ask(item.to_dict())
             return answer.get("error", ""), "scene" in answer
         except LaminaError:
             if limit and time.monotonic() - started >= limit:
@@ -82,6 +78,15 @@ class Worker:
             raise
         finally:
             watch.cancel()
+
+    def ask(self, question: dict) -> dict:
+        """The answer to a question. Raises LaminaError when the process ends instead."""
+        try:
+            self._process.stdin.write(json.dumps(question) + "\n")
+            self._process.stdin.flush()
+        except OSError:
+            pass  # it ended; the answer says why
+        return self._await("ended")
 
     def _await(self, what: str) -> dict:
         for line in self._process.stdout:
@@ -123,7 +128,11 @@ def serve(folder: Path, threads: int) -> None:
         threading.Thread(target=receive, daemon=True).start()
         answer({"ready": True})
         while True:
-            item = Item.from_dict(json.loads(items.get()))
+            question = json.loads(items.get())
+            if blend := question.get("reads"):
+                answer(_reads(blend))
+                continue
+            item = Item.from_dict(question)
             try:
                 stage.render(item, folder)
                 answer({"id": item.id})
@@ -131,3 +140,14 @@ def serve(folder: Path, threads: int) -> None:
                 answer({"id": item.id, "error": " ".join(str(error).split())} | ({"scene": True} if isinstance(error, SceneError) else {}))
             except MemoryError:
                 answer({"id": item.id, "error": "out of memory"})
+
+
+def _reads(blend: str) -> dict:
+    from ..blender.blend_files import open_file
+    from ..blender.dependencies import files_read, missing
+
+    try:
+        open_file(blend)
+    except LaminaError as error:
+        return {"error": str(error)}
+    return {"files": files_read(), "missing": missing()}

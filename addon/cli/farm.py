@@ -19,6 +19,7 @@ from ..farm.flamenco import job_type
 from ..farm.openjd import template
 from ..material.backend import branches_here
 from ..session import blender, say
+from .batch import knowing_files
 
 
 def farm(options) -> None:
@@ -31,7 +32,8 @@ def farm(options) -> None:
         from ..farm.bundle import write_files
 
         branches_here(job.backend)
-        write_files(items, job.time_limit, made / FILES, report)
+        items = knowing_files(items, options.allow_missing, report)
+        write_files(items, job.time_limit, options.allow_missing, made / FILES, report)
         write_text(made / "lamina_flamenco.js", job_type(job.name, len(items), options.chunk))
         write_text(made / "template.json", json.dumps(template(job.name, len(items), options.chunk), indent=2) + "\n")
     report(f"wrote {len(items)} pictures to render into {folder}")

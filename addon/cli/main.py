@@ -145,6 +145,10 @@ def build_parser() -> argparse.ArgumentParser:
     farm.add_argument("job", metavar="JOB.json", help="what to render (see `lamina batch --keys`)")
     farm.add_argument("-o", "--output", metavar="FOLDER", required=True, help="new folder for the template, its scenes and scripts")
     farm.add_argument("--chunk", type=_between(1, 10_000), default=10, metavar="N", help="pictures per task (default: %(default)s)")
+    for command in (apply, batch, farm):
+        command.add_argument(
+            "--allow-missing", action="store_true", help="go on without files that the scene asks for and that are not there (default: refuse)"
+        )
     for command in (presets, schema, models, albedo, evaluate, render, explain, fit):
         command.add_argument("--json", action="store_true", help="print JSON")
     if study := _study():

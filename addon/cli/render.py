@@ -131,13 +131,15 @@ def apply(options) -> None:
     with blender(report):
         import bpy
 
-        from ..blender.blend_files import open_file, save_copy
+        from ..blender.blend_files import open_file, refuse_missing, save_copy
+        from ..blender.dependencies import missing
         from ..check.check import find
         from ..material.holders import can_hold_material
         from ..material.material import make_renderable
 
         branches_here(options.backend)
         open_file(source)
+        refuse_missing(source.name, missing(), options.allow_missing, report)
         target = bpy.data.objects.get(options.object)
         if not can_hold_material(target):
             choices = sorted(o.name for o in bpy.data.objects if can_hold_material(o))

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scene with libraries, sequences, tiles and shared meshes through batch, farm and apply: nothing is wrong in silence."""
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import production_scene, wheel_blender
+from support.commands import lamina
+
+pytest.importorskip("bpy")
+
+pytestmark = pytest.mark.blender
+
+JOB = {"stacks": ["clean_copper"], "qualities": ["weidlich_wilkie"], "size": 16, "samples": 1}
+READ = {  # what a changed one of these makes of a picture: another one, or the same
+    production_scene.LIBRARY: True, production_scene.PARTS: True, "tex/lid.png": True, production_scene.PICTURE: True,
+    "tex/tiles.1002.png": True, "tex/dirt_0002.png": True, production_scene.FONT: True, production_scene.SOUND: False,
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory, registered_lamina) -> Path:
+    folder = tmp_path_factory.mktemp("production") / "Größe & Lack, 漆"
+    production_scene.build(folder, backend="nodes")
+    return folder
+
+
+@pytest.fixture
+def scene(built, tmp_path) -> Path:
+    """A copy of the scene's folder, with a job file."""
+    home = tmp_path / "Küche 漆"
+    shutil.copytree(built, home)
+    write_job(home)
+    return home
+
+
+def write_job(home: Path, target: str = production_scene.CUP, **keys) -> Path:
+    (home / "job.json").write_text(json.dumps(JOB | {"scenes": [{"blend": production_scene.SCENE, "object": target}]} | keys))
+    return home / "job.json"
+
+
+def test_the_scene_is_what_it_says(built, blender):
+    blender.ops.wm.open_mainfile(filepath=str(built / production_scene.SCENE))
+    materials = [m for m in blender.data.materials if m.lamina.is_layered]
+    assert len(blender.context.scene.objects) == production_scene.OBJECTS and len(blender.data.materials) == production_scene.MATERIALS
+    assert len(materials) == production_scene.LAMINA
+    assert sum(any(n.bl_idname == "ShaderNodeTexImage" for n in m.node_tree.nodes) for m in materials) == production_scene.TEXTURED
+    assert sum(f.stat().st_size for f in built.rglob("*") if f.suffix != ".blend1") < 2e6
+
+
+def test_a_picture_depends_on_every_file_that_a_render_reads(scene, registered_lamina):
+    from lamina.addon.batch import reads
+    from lamina.addon.batch.items import expand
+    from lamina.addon.batch.job import Job
+
+    items = expand(Job.load(scene / "job.json"))
+    found = reads.reads_of(items)
+    (read,) = found.values()
+    assert {Path(f).relative_to(scene).as_posix() for f in read.files} == {name for name, is_read in READ.items() if is_read} | {
+        "tex/tiles.1001.png", production_scene.SEQUENCE}  # fmt: skip
+    assert not read.missing
+
+    def inputs():
+        return reads.with_reads(items, found, pytest.fail)[0].inputs
+
+    before = inputs()
+    for name, is_read in READ.items():
+        path = scene / name
+        content = path.read_bytes()
+        path.write_bytes(content[:-1] + b"\1")
+        assert (inputs() != before) == is_read, name
+        path.write_bytes(content)
+        assert inputs() == before
+
+
+def test_large_files_count_by_size_and_time_and_are_named(tmp_path, registered_lamina, monkeypatch):
+    from lamina.addon.batch import reads
+    from lamina.addon.batch.items import expand
+    from lamina.addon.batch.job import Job
+
+    (tmp_path / "s.blend").write_bytes(b"")
+    large = tmp_path / "Wolke 雲.vdb"
+    large.write_bytes(b"0" * 2000)
+    (tmp_path / "job.json").write_text(json.dumps(JOB | {"scenes": [{"blend": "s.blend", "object": "Cup"}]}))
+    items, said = expand(Job.load(tmp_path / "job.json")), []
+    found = {items[0].blend: reads.Reads((str(large),), ())}
+    small = reads.with_reads(items, found, said.append)[0].inputs
+    monkeypatch.setattr(reads, "LARGE", 1000)
+    by_time = reads.with_reads(items, found, said.append)[0].inputs
+    assert small != by_time and len(said) == 1 and "1 of 1 files" in said[0] and "count by size and time: Wolke 雲.vdb" in said[0]
+    import os
+
+    about = large.stat()
+    large.write_bytes(b"1" * 2000)
+    os.utime(large, ns=(about.st_atime_ns, about.st_mtime_ns))
+    assert reads.with_reads(items, found, said.append)[0].inputs == by_time
+    os.utime(large, ns=(about.st_atime_ns, about.st_mtime_ns + 1))
+    assert reads.with_reads(items, found, said.append)[0].inputs != by_time
+
+
+def test_what_else_a_render_reads(blender, tmp_path):
+    """Caches, volumes, an external OSL script; not texts, nor what is packed; a sequence of volumes with its frames."""
+    from lamina.addon.blender.dependencies import files_read
+
+    bpy = blender
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "s.blend"))
+    for name in ("v_0001.vdb", "v_0002.vdb", "v_no.vdb", "own.osl", "t.py", "blendcache_s/a/1.bphys", "fluid/data/1.vdb", "baked/1/2.json", "cache.abc"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_bytes(b"x")
+    volume = bpy.data.volumes.new("v")
+    volume.filepath, volume.is_sequence = "//v_0001.vdb", True
+    item = bpy.data.objects.new("o", bpy.data.meshes.new("m"))
+    bpy.context.scene.collection.objects.link(item)
+    fluid = item.modifiers.new("f", "FLUID")
+    fluid.fluid_type = "DOMAIN"
+    fluid.domain_settings.cache_directory = "//fluid"
+    item.modifiers.new("n", "NODES").bake_directory = "//baked"
+    material = bpy.data.materials.new("m")
+    from lamina.addon.blender.versions import node_tree
+
+    script = node_tree(material).nodes.new("ShaderNodeScript")
+    script.mode, script.filepath = "EXTERNAL", "//own.osl"
+    bpy.data.texts.new("t").filepath = "//t.py"
+    packed = bpy.data.images.new("packed", 4, 4)
+    packed.pack()
+    packed.filepath = "//packed.png"
+    assert [Path(f).relative_to(tmp_path).as_posix() for f in files_read()] == sorted(
+        ["v_0001.vdb", "v_0002.vdb", "own.osl", "blendcache_s/a/1.bphys", "fluid/data/1.vdb", "baked/1/2.json"])  # fmt: skip
+
+
+def test_changed_files_are_noticed_and_missing_ones_refused(scene):
+    """The whole way: a batch, a changed library; then one that is gone; then a loop of libraries and a folder in place of a file."""
+    arguments = ("batch", scene / "job.json", "-o", scene / "out", "--no-sheet")
+    lamina(*arguments)
+    _, said = lamina(*arguments)
+    assert "1 of them are there and whole" in said
+    picture = scene / production_scene.PICTURE
+    picture.write_bytes(picture.read_bytes() + b"\0")
+    _, said = lamina(*arguments, code=2)
+    assert "1 pictures of other inputs" in said.splitlines()[-1]
+    picture.unlink()
+    picture.mkdir()
+    (scene / production_scene.LIBRARY).unlink()
+    before = {f.name: f.read_bytes() for f in (scene / "out").iterdir()}
+    _, said = lamina(*arguments, code=2)
+    assert len(said.splitlines()) == 1 and "lib/set.blend is not there; " in said and "wood 漆.png is a folder and no file; put it there" in said
+    assert {f.name: f.read_bytes() for f in (scene / "out").iterdir()} == before
+    for command in ("apply", "farm"):
+        given = (
+            (scene / production_scene.SCENE, "--stack", "clean_copper", "--object", "Cup", "--tier", "weidlich_wilkie")
+            if command == "apply"
+            else (scene / "job.json",)
+        )
+        _, said = lamina(command, *given, "-o", scene / "new.blend", code=2)
+        assert "lib/set.blend is not there" in said.splitlines()[-1] and not (scene / "new.blend").exists()
+    _, said = lamina(*arguments, "--allow-missing", "--replace")
+    assert "goes on without what is missing" in said and "1 of 1 pictures are done" in said
+
+
+def task(blender_program: str, bundle: Path, out: Path) -> subprocess.CompletedProcess:
+    files = bundle / "files"
+    command = [blender_program, "-b", "--python", files / "render_items.py", "--", "--items", files / "items.json", "--range", "0", "--output", out]
+    return subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=300)
+
+
+def test_a_bundle_has_all_that_its_scene_reads_along(scene, tmp_path):
+    """Copied elsewhere, with the scene gone: the same pixels as the batch's own; without one of its files its task fails and says so."""
+    program = wheel_blender.blender_program(tmp_path)
+    _, said = lamina("farm", scene / "job.json", "-o", scene / "bundle")
+    assert "copied 9 files that the scenes read, 0." in said
+    lamina("batch", scene / "job.json", "-o", tmp_path / "here", "--no-sheet")
+    shutil.copytree(scene / "bundle", tmp_path / "elsewhere 漆")
+    scene.rename(tmp_path / "gone")
+    ran = task(program, tmp_path / "elsewhere 漆", tmp_path / "farmed")
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    (tmp_path / "gone").rename(scene)
+    _, said = lamina("batch", scene / "job.json", "-o", tmp_path / "farmed", "--no-sheet")
+    assert "1 of them are there and whole" in said
+    assert _pixels(tmp_path / "farmed") == _pixels(tmp_path / "here")
+    next((tmp_path / "elsewhere 漆").rglob("lid.png")).unlink()
+    scene.rename(tmp_path / "gone")
+    ran = task(program, tmp_path / "elsewhere 漆", tmp_path / "again")
+    assert ran.returncode == 1 and "lid.png is not there" in ran.stdout and not list((tmp_path / "again").iterdir())
+
+
+def _pixels(folder: Path) -> bytes:
+    from lamina.addon.blender import oiio
+
+    (picture,) = folder.glob("*.exr")
+    channels, _ = oiio.read(picture)
+    return np.stack([channels[c] for c in "RGB"]).tobytes()
+
+
+@pytest.mark.parametrize("target", [production_scene.LINKED, production_scene.HALF])
+def test_batch_and_farm_take_linked_objects_as_they_are(scene, tmp_path, target):
+    job = write_job(scene, target)
+    before = {f: f.read_bytes() for f in scene.rglob("*.blend")}
+    lamina("farm", job, "-o", tmp_path / "bundle")
+    lamina("batch", job, "-o", tmp_path / "here", "--no-sheet")
+    ran = task(wheel_blender.blender_program(tmp_path), tmp_path / "bundle", tmp_path / "farmed")
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    assert _pixels(tmp_path / "farmed") == _pixels(tmp_path / "here")
+    write_job(scene, production_scene.CUP)
+    lamina("batch", scene / "job.json", "-o", tmp_path / "other", "--no-sheet")
+    assert _pixels(tmp_path / "other") != _pixels(tmp_path / "here")
+    assert all(f.read_bytes() == content for f, content in before.items())
