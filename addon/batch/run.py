@@ -12,7 +12,7 @@ from pathlib import Path
 from ...reference_py.errors import LaminaError
 from .items import Item
 from .outputs import Output, verified
-from .worker import Worker
+from .worker import Answer, Worker
 
 WORK = ".work"
 _POLL_SECONDS = 0.2
@@ -102,24 +102,31 @@ def _render(waiting: Sequence[Item], outputs: dict, folder: Path, work: Path, pr
     left = _Left(waiting)
     hands = [_Hand(left, done, limit, (folder, work, threads)) for _ in range(processes)]
     total, started = len(waiting), time.monotonic()
+    said: set[str] = set()
     for hand in hands:
         hand.start()
     try:
         finished = 0
         while finished < total:
             try:
-                answered, error, is_scene = done.get(timeout=_POLL_SECONDS)
+                answered, (error, is_scene, notices) = done.get(timeout=_POLL_SECONDS)
             except queue.Empty:
                 if not any(hand.is_alive() for hand in hands):
                     raise LaminaError(f"no worker is left: {hands[0].problem}") from None
                 continue
             finished += len(answered)
+            for notice in notices:
+                if notice not in said:
+                    said.add(notice)
+                    report(notice)
             for item in answered:
                 outputs[item.id] = Output(item, error, {}, is_scene) if error else verified(item, folder)
             problem = outputs[answered[0].id].problem
             name = answered[0].id if len(answered) == 1 else f"{len(answered)} pictures of scene {answered[0].scene.name}"
             seconds = (time.monotonic() - started) / finished * (total - finished)
-            report(f"{finished}/{total}, {100 * finished // total} %, {_time_left(seconds)}: {name} {f'failed: {problem}' if problem else 'done'}")
+            # why a scene failed is said in the end, with all else that did
+            how = ("failed" if is_scene else f"failed: {problem}") if problem else "done"
+            report(f"{finished}/{total}, {100 * finished // total} %, {_time_left(seconds)}: {name} {how}")
     finally:
         left.clear()
         for hand in hands:
@@ -156,11 +163,11 @@ class _Hand(threading.Thread):
             if (item := self._left.take(item)) is None:
                 break
             try:
-                error, is_scene = self._worker.render(item, self._limit)
+                answer = self._worker.render(item, self._limit)
             except LaminaError as why:  # the process is gone
                 self._drop()
-                error, is_scene = str(why), False
-            self._done.put(([item, *(self._left.take_scene(item) if is_scene else ())], error, is_scene))
+                answer = Answer(str(why))
+            self._done.put(([item, *(self._left.take_scene(item) if answer.is_scene else ())], answer))
         self._drop()
 
     def _drop(self) -> None:

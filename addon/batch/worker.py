@@ -2,7 +2,7 @@
 """A process that renders items for a batch, and the batch's end of it.
 
 Lines of JSON go both ways: in come items as `Item.to_dict` gives them, out goes {"ready": true} and then, for each
-item, {"id": ...} with "error" if it failed, and with "scene" if so will all items of its scene. {"reads": BLEND} asks for the
+item, {"id": ...} with "error" if it failed, with "scene" if so will all items of its scene, and with "notices" of what its scene shows wrong. {"reads": BLEND} asks for the
 "files" that the file reads and what is "missing", or why it cannot be opened, "error". At the end of the input it leaves at once.
 """
 
@@ -14,6 +14,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 from ...reference_py.errors import LaminaError
 from .items import Item
@@ -43,6 +44,14 @@ def command(folder: Path, threads: int) -> list[str]:
     return [bpy.app.binary_path, "-b", "--command", "lamina", "batch", "--worker", *ours]
 
 
+class Answer(NamedTuple):
+    """Why an item failed, or an empty text; whether all items of its scene will; what its scene shows wrong, a sentence each."""
+
+    error: str
+    is_scene: bool = False
+    notices: tuple[str, ...] = ()
+
+
 class Worker:
     """A worker process as seen by the batch. It ends with `stop`, and when the batch is gone."""
 
@@ -59,8 +68,8 @@ class Worker:
         """Raises LaminaError when the process ends instead."""
         self._await("did not start")
 
-    def render(self, item: Item, limit: float | None) -> tuple[str, bool]:
-        """Render an item; returns why it failed, or an empty text, and whether all items of its scene will.
+    def render(self, item: Item, limit: float | None) -> Answer:
+        """Render an item.
 
         Raises LaminaError when the process ends instead, which it does when it has not answered after `limit` seconds.
         """
@@ -71,7 +80,7 @@ class Worker:
             watch.start()
         try:
             answer = self.ask(item.to_dict())
-            return answer.get("error", ""), "scene" in answer
+            return Answer(answer.get("error", ""), "scene" in answer, tuple(answer.get("notices", ())))
         except LaminaError:
             if limit and time.monotonic() - started >= limit:
                 raise LaminaError(f"took longer than the job's time_limit of {limit:g} s") from None
@@ -135,7 +144,7 @@ def serve(folder: Path, threads: int) -> None:
             item = Item.from_dict(question)
             try:
                 stage.render(item, folder)
-                answer({"id": item.id})
+                answer({"id": item.id, "notices": stage.notices})
             except LaminaError as error:
                 answer({"id": item.id, "error": " ".join(str(error).split())} | ({"scene": True} if isinstance(error, SceneError) else {}))
             except MemoryError:

@@ -41,6 +41,8 @@ def write_files(items: Sequence[Item], limit: float | None, allow_missing: bool,
         stage.show(item)
         if shown != (item.blend, item.scene.object):
             shown = (item.blend, item.scene.object)
+            for notice in stage.notices:
+                report(notice)
             scene_file = scenes.save(item.blend, json.dumps(shown))
         if material != stage.material:
             material = stage.material

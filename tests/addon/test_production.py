@@ -208,3 +208,62 @@ def test_batch_and_farm_take_linked_objects_as_they_are(scene, tmp_path, target)
     lamina("batch", scene / "job.json", "-o", tmp_path / "other", "--no-sheet")
     assert _pixels(tmp_path / "other") != _pixels(tmp_path / "here")
     assert all(f.read_bytes() == content for f, content in before.items())
+
+
+def apply(scene: Path, target: str, *options, code: int = 0) -> str:
+    given = ("--stack", "clean_copper", "--tier", "weidlich_wilkie", "--backend", "nodes", "--object", target, "-o", scene / "new.blend")
+    return lamina("apply", scene / production_scene.SCENE, *given, *options, code=code)[1]
+
+
+def slots_in(bpy, path: Path) -> dict[str, list[tuple[str, str]]]:
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    return {o.name: [(s.link, s.name) for s in o.material_slots] for o in bpy.data.objects if hasattr(o.data, "materials")}
+
+
+def test_apply_offers_only_what_it_can_change(scene, blender):
+    said = apply(scene, production_scene.LINKED, code=2)
+    assert "object Linked Cup is the library //../lib/set.blend's" in said and "make it local, or make a library override of the object and its mesh" in said
+    said = apply(scene, production_scene.HALF, code=2)
+    assert "the mesh Linked Cup of object Half Cup is the library //../lib/set.blend's" in said and "--object-level or --single-user" in said
+    assert not (scene / "new.blend").exists()
+    (before,) = slots_in(blender, scene / production_scene.SCENE)[production_scene.HALF]
+    apply(scene, production_scene.HALF, "--object-level")
+    (after,) = slots_in(blender, scene / "new.blend")[production_scene.HALF]
+    assert (before, after) == (("DATA", "Linked"), ("OBJECT", "Clean Copper"))
+    apply(scene, production_scene.HALF, "--single-user")
+    found = slots_in(blender, scene / "new.blend")
+    assert found[production_scene.HALF] == [("DATA", "Clean Copper")] and found[production_scene.LINKED] == [("DATA", "Linked")]
+
+
+def test_a_shared_mesh_is_told_and_can_be_left_alone(scene, blender):
+    said = apply(scene, production_scene.TWIN)
+    assert "Twin B share the mesh" in said and "--single-user or --object-level gives it to Twin A alone" in said
+    found = slots_in(blender, scene / "new.blend")
+    assert found["Twin A"] == found["Twin B"] == [("DATA", "Clean Copper")]
+    for option, link in (("--single-user", "DATA"), ("--object-level", "OBJECT")):
+        said = apply(scene, production_scene.TWIN, option)
+        found = slots_in(blender, scene / "new.blend")
+        assert "share the mesh" not in said and found["Twin A"] == [(link, "Clean Copper")] and found["Twin B"][0][1] != "Clean Copper"
+
+
+def test_a_slot_is_named_numbered_or_all(scene, blender):
+    blender.ops.wm.open_mainfile(filepath=str(scene / production_scene.SCENE))
+    mesh = blender.data.objects[production_scene.CUP].data
+    for name in ("Lid 漆", "1"):
+        mesh.materials.append(blender.data.materials.new(name))
+    blender.ops.wm.save_mainfile()
+    first = mesh.materials[0].name
+    for wanted, changed in ((None, [0]), ("Lid 漆", [1]), ("1", [2]), ("0", [0]), ("all", [0, 1, 2])):
+        apply(scene, production_scene.CUP, *(("--slot", wanted) if wanted else ()))
+        names = [name for _, name in slots_in(blender, scene / "new.blend")[production_scene.CUP]]
+        assert names == ["Clean Copper" if i in changed else name for i, name in enumerate((first, "Lid 漆", "1"))], wanted
+    said = apply(scene, production_scene.CUP, "--slot", "3", code=2)
+    assert f"object Cup has no slot '3'; choose all, or one of 0 ({first}), 1 (Lid 漆), 2 (1)" in said
+
+
+def test_a_wrong_name_gets_the_nearest_five_once(scene, tmp_path):
+    said = apply(scene, "prop 07", code=2)
+    told = said.strip().splitlines()[-1].partition("the nearest are ")[2].split(", ")
+    assert len(told) == 5 and all(name.startswith("Prop ") for name in told)
+    _, said = lamina("batch", write_job(scene, "Cub"), "-o", tmp_path / "out", code=2)
+    assert said.count("no object 'Cub'") == 1 and "the nearest are Cup, " in said
