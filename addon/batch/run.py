@@ -38,6 +38,7 @@ def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float 
     if not left:
         return list(outputs.values())
     clear_leftovers(folder)
+    _require_space(left, folder, report)
     work = folder / WORK
     work.mkdir(exist_ok=True)
     try:
@@ -47,6 +48,18 @@ def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float 
     if all(output.scene_failed for output in outputs.values()):
         raise LaminaError("; ".join(dict.fromkeys(output.problem for output in outputs.values())))
     return list(outputs.values())
+
+
+def _require_space(items: Sequence[Item], folder: Path, report: Callable[[str], None]) -> None:
+    """Raise LaminaError for a disk that cannot take one picture, report one that may not take all. Pictures pack by no more than can be told before."""
+    sizes = [16 * item.size[0] * item.size[1] for item in items if item.size]  # a scene's own size is told by its .blend alone
+    free = shutil.disk_usage(folder).free
+    if not sizes or free > sum(sizes):
+        return
+    sentence = f"{folder}: {len(sizes)} pictures take up to {sum(sizes) / 1e6:.1f} MB, {max(sizes) / 1e6:.2f} MB each, and {free / 1e6:.2f} MB are free"
+    if free < max(sizes):
+        raise LaminaError(f"{sentence}; choose another disk, or make room")
+    report(sentence)
 
 
 def clear_leftovers(folder: Path) -> None:

@@ -95,6 +95,9 @@ def own_texts(item: Item) -> dict[str, str]:
         "lamina:stack": json.dumps(item.stack.to_dict()),
         "lamina:tier": item.tier,
         "lamina:sweep": json.dumps(dict(item.values)),
+        "lamina:backend": item.backend,
+        "lamina:job": item.job,
+        "lamina:blend": f"{item.scene.blend} sha256 {item.digest}" if item.blend else "none, the studio's ball",
     }
 
 

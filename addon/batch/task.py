@@ -11,6 +11,7 @@ import hashlib
 import importlib.util
 import json
 import os
+import shutil
 import sys
 import tempfile
 import threading
@@ -45,24 +46,46 @@ def render_item(scene: bpy.types.Scene, target: bpy.types.Object, item: dict, te
     started = time.monotonic()
     _set_up(scene, item)
     _require_osl(scene)
+    oiio.module()  # whatever is missing is told before the render
     with _camera_around(scene, target, item["view"]), tempfile.TemporaryDirectory() as work:
         picture = Path(work, "picture.exr")
         scene.render.filepath = str(picture)
         bpy.ops.render.render(write_still=True, scene=scene.name)
         if not picture.is_file():  # render() says FINISHED even then
             raise RuntimeError("Blender wrote no picture")
-        channels, _ = oiio.read(picture)
+        channels, stamps = oiio.read(picture)
     channels = {name: channels[name] for name in "RGBA"}
-    texts = texts | {
-        "lamina:inputs": item["inputs"],
-        "lamina:pixels": pixel_hash(channels),
-        "lamina:blender": bpy.app.version_string,
-        "lamina:samples": str(scene.cycles.samples),
-        "lamina:seed": str(item["seed"]),
-        "lamina:seconds": f"{time.monotonic() - started:.2f}",
-        "lamina:view": json.dumps(view_of(scene)),
-    }
+    height, width = channels["R"].shape
+    texts = (
+        stamps
+        | texts
+        | {
+            "lamina:scene": scene.name,
+            "lamina:object": target.name,
+            "lamina:view_deg": f"{item['view']:g}",
+            "lamina:frame": str(item["frame"]),
+            "lamina:size": f"{width} x {height}",
+            "lamina:device": device_of(scene),
+            "lamina:inputs": item["inputs"],
+            "lamina:pixels": pixel_hash(channels),
+            "lamina:blender": bpy.app.version_string,
+            "lamina:samples": str(scene.cycles.samples),
+            "lamina:seed": str(item["seed"]),
+            "lamina:seconds": f"{time.monotonic() - started:.2f}",
+            "lamina:view": json.dumps(view_of(scene)),
+        }
+    )
     _write(folder / item["file"], channels, texts)
+
+
+def device_of(scene) -> str:
+    """What renders, and whether it reads OSL scripts."""
+    import _cycles
+
+    cycles = bpy.context.preferences.addons.get("cycles")
+    kind = cycles.preferences.compute_device_type if cycles else "NONE"
+    device = f"GPU {kind}" if scene.cycles.device == "GPU" and kind != "NONE" else "CPU"
+    return f"{device}, {'with' if _cycles.with_osl and scene.cycles.shading_system and device in ('CPU', 'GPU OPTIX') else 'without'} OSL"
 
 
 def view_of(scene) -> dict:
@@ -91,7 +114,7 @@ def _require_osl(scene) -> None:
 
     if _cycles.with_osl:
         return
-    for material in {slot.material for thing in scene.objects for slot in thing.material_slots}:
+    for material in {slot.material for thing in dependencies.shown_objects(scene) for slot in thing.material_slots}:
         nodes = material.node_tree.nodes if material is not None and material.node_tree else ()
         if any(node.bl_idname == "ShaderNodeScript" and {s.name for s in node.outputs if s.is_linked} == {"BSDF"} for node in nodes):
             raise RuntimeError(
@@ -151,6 +174,16 @@ def _camera_around(scene, target, degrees: float):
 
 
 def _write(path: Path, channels: dict, texts: dict[str, str]) -> None:
+    needed, free = sum(plane.nbytes for plane in channels.values()), shutil.disk_usage(path.parent).free
+    try:
+        _replace(path, channels, texts)
+    except OSError as error:
+        if free > needed:
+            raise
+        raise OSError(f"the disk is full: a picture takes up to {needed / 1e6:.2f} MB, and {free / 1e6:.2f} MB were free") from error
+
+
+def _replace(path: Path, channels: dict, texts: dict[str, str]) -> None:
     handle, name = tempfile.mkstemp(prefix=".", suffix=".exr", dir=path.parent)
     os.close(handle)
     try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The files that a render of the open .blend reads, and what is missing of them and of linked data.
+"""The files and objects that a render of the open .blend reads, and what is missing of them and of linked data.
 
 A farm's bundle has a copy of this file along. So it needs nothing else of Lamina.
 """
@@ -45,6 +45,18 @@ def missing() -> list[str]:
             if getattr(block, "is_missing", False) and block.library and (library := _library_path(block.library)) not in without:
                 lost.append(f"{block.id_type.lower()} {block.name} of {library} is not there")
     return lost
+
+
+def shown_objects(scene) -> set:
+    """The scene's objects, and those of the collections that they instance, to any depth."""
+    shown, waiting, seen = set(scene.objects), list(scene.objects), set()
+    while waiting:
+        collection = waiting.pop().instance_collection
+        if collection is not None and collection not in seen:
+            seen.add(collection)
+            shown.update(collection.all_objects)
+            waiting.extend(collection.all_objects)
+    return shown
 
 
 def named(phrases: Sequence[str]) -> str:

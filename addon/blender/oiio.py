@@ -44,9 +44,9 @@ def read(path: str | os.PathLike, kind: str = "float") -> tuple[dict[str, np.nda
 
     Raises OSError for what cannot be opened, ValueError for what is no whole picture.
     """
-    oiio = module()
     with open(path, "rb"):
         pass  # the system's own words for what is missing or forbidden
+    oiio = module()
     oiio.attribute("limits:imagesize_MB", _MOST_MEGABYTES)
     as_stored = oiio.ImageSpec()
     as_stored.attribute("oiio:UnassociatedAlpha", 1)

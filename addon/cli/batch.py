@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ...reference_py.atomic import output_folder
 from ...reference_py.errors import LaminaError
+from ...reference_py.lobes.cache import require_writable
 from ..batch.items import Item, expand
 from ..batch.job import KEYS, REQUIRED, Job
 from ..material.backend import branches_here
@@ -39,6 +40,7 @@ def batch(options) -> int | None:
 
         require_pictures()
         branches_here(job.backend)
+        require_writable(report)
         items = knowing_files(items, options.allow_missing, report)
         folder = output_folder(options.output or Path(options.job).with_suffix(""))
         with sole_owner(folder):

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from ...reference_py.atomic import output_folder, write_text
 from ...reference_py.errors import LaminaError
+from ...reference_py.lobes.cache import require_writable
 from ..batch.items import expand
 from ..batch.job import Job
 from ..farm.bundle_names import FILES
@@ -32,6 +33,7 @@ def farm(options) -> None:
         from ..farm.bundle import write_files
 
         branches_here(job.backend)
+        require_writable(report)
         items = knowing_files(items, options.allow_missing, report)
         write_files(items, job.time_limit, options.allow_missing, made / FILES, report)
         write_text(made / "lamina_flamenco.js", job_type(job.name, len(items), options.chunk))

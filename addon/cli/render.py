@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ...reference_py.atomic import replacing, require_writable
 from ...reference_py.errors import LaminaError
+from ...reference_py.lobes.cache import require_writable as require_writable_cache
 from ...reference_py.lobes.methods import DEFAULT_METHOD, method_of
 from ..material.backend import branches_here, notice
 from ..material.limits import require_shader
@@ -35,6 +36,7 @@ def render(options) -> None:
     report = say("render")
     report(f"{stack.name or options.stack} in scene {options.scene}")
     with blender(report):
+        require_writable_cache(report)
         material = _material(stack, tier, options.backend, report)
         (_sphere if options.scene == "sphere" else _ball)(material, output, options)
     report(f"wrote {output}")
@@ -138,6 +140,7 @@ def apply(options) -> None:
         from ..material.material import make_renderable
 
         branches_here(options.backend)
+        require_writable_cache(report)
         open_file(source)
         refuse_missing(source.name, missing(), options.allow_missing, report)
         try:

@@ -143,14 +143,15 @@ def alive(pid: int) -> bool:
         return False
 
 
-def test_ctrl_c_is_130_and_leaves_no_process(done, tmp_path):
+@pytest.mark.parametrize("number, code", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_leaves_no_process_and_nothing_half_done(done, tmp_path, number, code):
     process = subprocess.Popen([*RUN, "batch", str(done[0] / "job.json"), "-o", str(tmp_path / "out")], stderr=subprocess.PIPE, text=True)
     assert "0 of them" in process.stderr.readline()
     time.sleep(1.0)
     children = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True).stdout.split()
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     _, error = process.communicate(timeout=60)
-    assert process.returncode == 130 and error.strip().splitlines()[-1] == "lamina: cancelled" and "Traceback" not in error
+    assert process.returncode == code and error.strip().splitlines()[-1] == "lamina: cancelled" and "Traceback" not in error
     time.sleep(0.3)
     assert children and not any(alive(int(child)) for child in children)
     assert not list((tmp_path / "out").iterdir())
@@ -209,7 +210,7 @@ def test_what_fails_is_named_and_the_rest_is_done(tmp_path, blender):
         "good one_Ball": "done",
     }
     assert "broken.blend: Blender cannot open it" in rows["broken_Ball"]["problem"]
-    assert "no object 'Cup' that takes a surface material; the nearest are Ball, " in rows["good one_Cup"]["problem"]
+    assert "no object 'Cup' that takes a surface material; the nearest are Backdrop, Stand, Ball" in rows["good one_Cup"]["problem"]
     assert rows["huge_Ball"]["problem"]
     failed = [line for line in said.splitlines() if line.startswith("lamina batch: failed: ")]
     assert len(failed) == 3 and "1 of 4 pictures are done" in said

@@ -2,6 +2,7 @@
 """A scene with libraries, sequences, tiles and shared meshes through batch, farm and apply: nothing is wrong in silence."""
 
 import json
+import os
 import shutil
 import subprocess
 from pathlib import Path
@@ -92,8 +93,6 @@ def test_large_files_count_by_size_and_time_and_are_named(tmp_path, registered_l
     monkeypatch.setattr(reads, "LARGE", 1000)
     by_time = reads.with_reads(items, found, said.append)[0].inputs
     assert small != by_time and len(said) == 1 and "1 of 1 files" in said[0] and "count by size and time: Wolke 雲.vdb" in said[0]
-    import os
-
     about = large.stat()
     large.write_bytes(b"1" * 2000)
     os.utime(large, ns=(about.st_atime_ns, about.st_mtime_ns))
@@ -267,3 +266,130 @@ def test_a_wrong_name_gets_the_nearest_five_once(scene, tmp_path):
     assert len(told) == 5 and all(name.startswith("Prop ") for name in told)
     _, said = lamina("batch", write_job(scene, "Cub"), "-o", tmp_path / "out", code=2)
     assert said.count("no object 'Cub'") == 1 and "the nearest are Cup, " in said
+
+
+def test_a_header_says_where_its_picture_comes_from(scene, tmp_path):
+    """And `lamina info` prints it, and sees pixels that changed since."""
+    import hashlib
+
+    from lamina.addon.blender import oiio
+
+    lamina("batch", write_job(scene, name="Küche"), "-o", tmp_path / "out", "--no-sheet")
+    (picture,) = (tmp_path / "out").glob("*.exr")
+    said, _ = lamina("info", picture)
+    told = dict(line.split(": ", 1) for line in said.splitlines())
+    digest = hashlib.sha256((scene / production_scene.SCENE).read_bytes()).hexdigest()
+    expected = {
+        "object": "Cup", "scene": "Scene", "blend": f"{production_scene.SCENE} sha256 {digest}", "view_deg": "0", "frame": "1", "backend": "auto",
+        "size": "16 x 16", "job": "Küche, 1 picture",
+    }  # fmt: skip
+    assert {name: told[f"lamina:{name}"] for name in expected} == expected and told["lamina:device"].startswith("CPU, with")
+    assert told["Camera"] == "Camera" and told["RenderTime"] and told["pixels"] == "as they were written"
+    assert "Lamina" in told["Note"] and len(told["Note"]) <= 768
+    assert json.loads(lamina("info", picture, "--json")[0]) == told
+    channels, texts = oiio.read(picture)
+    channels["G"][0, 0] += 1.0
+    oiio.write(picture, channels, texts)
+    assert "pixels: NOT those that were written" in lamina("info", picture)[0]
+    for bad in (tmp_path, tmp_path / "none.exr", scene / production_scene.SCENE):
+        _, said = lamina("info", bad, code=2)
+        assert len(said.splitlines()) == 1 and bad.name in said
+
+
+def test_a_stamp_has_what_fits_and_the_scene_gets_its_own_back(blender, tmp_path):
+    from lamina.addon.blender.images import read_exr
+    from lamina.addon.jobs import stamp_note
+    from lamina.addon.material.material import apply_stack
+    from lamina.addon.rendering.settings import render_to
+    from lamina.addon.rendering.studio import build_ball_scene
+    from lamina.reference_py.material import presets
+
+    made = blender.data.materials.new("Kupfer 銅")
+    apply_stack(made, presets.load("clean_copper"), "weidlich_wilkie", "nodes")
+    studio = build_ball_scene(made, 8, 1)
+    render = studio.scene.render
+    render.image_settings.file_format = "OPEN_EXR"
+    for own in ((False, "former"), (True, "mine")):
+        render.use_stamp_note, render.stamp_note_text = own
+        render_to(studio.scene, tmp_path / "a.exr")
+        note = read_exr(tmp_path / "a.exr").metadata["Note"]
+        assert note.startswith("mine; Lamina " if own[0] else "Lamina ") and "Kupfer 銅: weidlich_wilkie, error " in note
+        assert (render.use_stamp_note, render.stamp_note_text) == own
+    many = [made] * 40
+    note = stamp_note.note_of(many)
+    assert len(note.encode()) <= stamp_note.LONGEST and note.endswith(" more") and note.count("Kupfer") + int(note.split()[-2]) == 40
+    made.lamina.base.node = ""
+    render.use_stamp_note = False
+    render_to(studio.scene, tmp_path / "a.exr")
+    assert "Note" not in read_exr(tmp_path / "a.exr").metadata
+    studio.remove()
+
+
+def test_osl_alone_in_an_instanced_collection_is_seen_by_a_worker_without_osl(blender, monkeypatch):
+    """And told before a missing OpenImageIO, which is told before the render."""
+    import sys
+
+    import _cycles
+
+    from lamina.addon.batch import task
+    from lamina.addon.material.material import apply_stack
+    from lamina.addon.rendering.studio import build_ball_scene
+    from lamina.reference_py.material import presets
+
+    studio = build_ball_scene(None, 8, 1)
+    made = blender.data.materials.new("Alone")
+    apply_stack(made, presets.load("clean_copper"), "analytic", "osl")
+    hidden = blender.data.objects.new("Hidden", blender.data.meshes.new("Hidden"))
+    hidden.data.materials.append(made)
+    inner, outer = (blender.data.collections.new(name) for name in ("inner", "outer"))
+    inner.objects.link(hidden)
+    for holder, shown in ((outer.objects, inner), (studio.scene.collection.objects, outer)):
+        empty = blender.data.objects.new("Empty", None)
+        empty.instance_type, empty.instance_collection = "COLLECTION", shown
+        holder.link(empty)
+    item = {"frame": 1, "seed": 1, "samples": 1, "size": [8, 8], "view": 0.0, "file": "a.exr", "inputs": "i"}
+    monkeypatch.setattr(_cycles, "with_osl", False)
+    monkeypatch.setitem(sys.modules, "OpenImageIO", None)
+    with pytest.raises(RuntimeError, match="the material Alone is an OSL script alone"):
+        task.render_item(studio.scene, studio.ball, item, {}, Path("none"))
+    monkeypatch.setattr(_cycles, "with_osl", True)
+    with pytest.raises(ImportError, match="cannot import OpenImageIO"):
+        task.render_item(studio.scene, studio.ball, item, {}, Path("none"))
+    assert task.problem(Path("none.exr"), "i")[0] == "is not there"
+    studio.remove()
+
+
+def test_a_full_disk_is_told_with_what_was_needed(tmp_path, monkeypatch, registered_lamina):
+    from collections import namedtuple
+
+    from lamina.addon.batch import run, task
+    from lamina.addon.batch.items import expand
+    from lamina.addon.batch.job import Job
+    from lamina.reference_py.errors import LaminaError
+
+    free = namedtuple("usage", "free")
+    (tmp_path / "job.json").write_text(json.dumps(JOB | {"size": 1000, "frames": "1-3"}))
+    items, said = expand(Job.load(tmp_path / "job.json")), []
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: free(2_000_000))
+    with pytest.raises(LaminaError, match="3 pictures take up to 48.0 MB, 16.00 MB each, and 2.00 MB are free"):
+        run.run_items(items, tmp_path, 1, None, said.append)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: free(20_000_000))
+    run._require_space(items, tmp_path, said.append)
+    assert "48.0 MB" in said[-1]
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: free(10))
+    monkeypatch.setattr(task.oiio, "write", lambda *_: (_ for _ in ()).throw(OSError("no words")))
+    with pytest.raises(OSError, match="the disk is full: a picture takes up to 0.00 MB"):
+        task._write(tmp_path / "a.exr", {"R": np.ones((4, 4), np.float32)}, {})
+    assert [f.name for f in tmp_path.iterdir()] == ["job.json"]
+
+
+def test_an_unwritable_cache_is_told_once(tmp_path):
+    (tmp_path / "file").write_text("")
+    environment = os.environ | {"LAMINA_CACHE": str(tmp_path / "file" / "bakes")}
+    (tmp_path / "job.json").write_text(json.dumps(JOB))
+    for arguments in (
+        ("batch", "job.json", "-o", "out", "--no-sheet"),
+        ("render", "clean_copper", "--scene", "sphere", "--size", 8, "--samples", 1, "-o", "a.exr"),
+    ):
+        _, said = lamina(*arguments, cwd=tmp_path, env=environment)
+        assert said.count("what is baked cannot be kept in") == 1
