@@ -16,6 +16,8 @@ from .worker import Answer, Worker
 
 WORK = ".work"
 _POLL_SECONDS = 0.2
+# Cycles with OSL and persistent data grows with every frame, for Lamina's materials and for others: at this a worker is started anew.
+GROWTH_MB = 512.0
 
 
 def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float | None, report: Callable[[str], None], replace: bool = False) -> list[Output]:
@@ -35,9 +37,9 @@ def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float 
             f"such as {others[0]}; choose another folder, or give --replace to render them anew"
         )
     report(f"{len(items)} pictures, {len(items) - len(left)} of them are there and whole")
+    clear_leftovers(folder)
     if not left:
         return list(outputs.values())
-    clear_leftovers(folder)
     _require_space(left, folder, report)
     work = folder / WORK
     work.mkdir(exist_ok=True)
@@ -160,6 +162,7 @@ class _Hand(threading.Thread):
         self._left, self._done, self._limit, self._where = left, done, limit, where
         self._worker: Worker | None = None
         self._stopped = False
+        self._grown: tuple[tuple, float, int] | None = None
         self.problem = ""
 
     def run(self) -> None:
@@ -180,8 +183,26 @@ class _Hand(threading.Thread):
             except LaminaError as why:  # the process is gone
                 self._drop()
                 answer = Answer(str(why))
+            answer = self._bounded(item, answer)
             self._done.put(([item, *(self._left.take_scene(item) if answer.is_scene else ())], answer))
         self._drop()
+
+    def _bounded(self, item: Item, answer: Answer) -> Answer:
+        """End a worker that grew too much since its first picture of a scene; the answer says so."""
+        scene = (item.blend, item.scene.object)
+        if self._worker is None or not answer.megabytes:
+            self._grown = None
+            return answer
+        if self._grown is None or self._grown[0] != scene:
+            self._grown = scene, answer.megabytes, 0
+        _, first, pictures = self._grown
+        self._grown = scene, first, pictures + 1
+        if answer.megabytes - first <= GROWTH_MB:
+            return answer
+        self._drop()
+        self._grown = None
+        sentence = f"a worker grew by {answer.megabytes - first:.0f} MB in {pictures} pictures, above {GROWTH_MB:g} MB, and is started anew"
+        return answer._replace(notices=(*answer.notices, sentence))
 
     def _drop(self) -> None:
         worker, self._worker = self._worker, None

@@ -2,7 +2,8 @@
 """A process that renders items for a batch, and the batch's end of it.
 
 Lines of JSON go both ways: in come items as `Item.to_dict` gives them, out goes {"ready": true} and then, for each
-item, {"id": ...} with "error" if it failed, with "scene" if so will all items of its scene, and with "notices" of what its scene shows wrong. {"reads": BLEND} asks for the
+item, {"id": ...} with "error" if it failed, with "scene" if so will all items of its scene, else with "notices" of what its scene shows
+wrong and its "megabytes". {"reads": BLEND} asks for the
 "files" that the file reads and what is "missing", or why it cannot be opened, "error". At the end of the input it leaves at once.
 """
 
@@ -45,11 +46,12 @@ def command(folder: Path, threads: int) -> list[str]:
 
 
 class Answer(NamedTuple):
-    """Why an item failed, or an empty text; whether all items of its scene will; what its scene shows wrong, a sentence each."""
+    """Why an item failed, or an empty text; whether all items of its scene will; what its scene shows wrong, a sentence each; the process's memory, 0 if unknown."""
 
     error: str
     is_scene: bool = False
     notices: tuple[str, ...] = ()
+    megabytes: float = 0.0
 
 
 class Worker:
@@ -80,7 +82,7 @@ class Worker:
             watch.start()
         try:
             answer = self.ask(item.to_dict())
-            return Answer(answer.get("error", ""), "scene" in answer, tuple(answer.get("notices", ())))
+            return Answer(answer.get("error", ""), "scene" in answer, tuple(answer.get("notices", ())), answer.get("megabytes", 0.0))
         except LaminaError:
             if limit and time.monotonic() - started >= limit:
                 raise LaminaError(f"took longer than the job's time_limit of {limit:g} s") from None
@@ -144,11 +146,25 @@ def serve(folder: Path, threads: int) -> None:
             item = Item.from_dict(question)
             try:
                 stage.render(item, folder)
-                answer({"id": item.id, "notices": stage.notices})
+                answer({"id": item.id, "notices": stage.notices, "megabytes": memory()})
             except LaminaError as error:
                 answer({"id": item.id, "error": " ".join(str(error).split())} | ({"scene": True} if isinstance(error, SceneError) else {}))
             except MemoryError:
                 answer({"id": item.id, "error": "out of memory"})
+
+
+def memory() -> float:
+    """What this process holds in memory, in MB; 0 where the system does not say."""
+    try:
+        with open("/proc/self/statm") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+    except OSError:
+        pass
+    try:
+        import resource
+    except ImportError:  # Windows
+        return 0.0
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6  # macOS, in bytes, and the most that it was
 
 
 def _reads(blend: str) -> dict:

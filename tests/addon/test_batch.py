@@ -245,6 +245,33 @@ def test_a_picture_that_hangs_is_ended_and_the_rest_is_done(tmp_path, monkeypatc
     assert any(f"{items[1].id} failed: took longer" in line for line in said)
 
 
+# Answers like a worker that grows by 300 MB with each picture.
+GROWS = """
+import json, sys
+open(sys.argv[1] + "/starts", "a").write(".")
+print('{"ready": true}', flush=True)
+for i, line in enumerate(sys.stdin):
+    item = json.loads(line)
+    open(sys.argv[1] + "/" + item["file"], "w").close()
+    print(json.dumps({"id": item["id"], "megabytes": 1000.0 + 300.0 * i, "notices": []}), flush=True)
+"""
+
+
+def test_a_worker_that_grows_is_started_anew_and_that_is_told(tmp_path, monkeypatch):
+    from lamina.addon.batch import run, worker
+    from lamina.addon.batch.items import expand
+    from lamina.addon.batch.job import Job
+    from lamina.addon.batch.outputs import Output
+
+    monkeypatch.setattr(worker, "command", lambda folder, threads: [sys.executable, "-c", GROWS, str(folder)])
+    monkeypatch.setattr(run, "verified", lambda item, folder: Output(item, "" if (folder / item.file).exists() else "is not there", {}))
+    items, said = expand(Job.load(write_job(tmp_path, frames="1-7"))), []
+    outputs = run.run_items(items, tmp_path, 1, None, said.append)
+    assert not any(o.problem for o in outputs) and (tmp_path / "starts").read_text() == "..."
+    assert sum("a worker grew by 600 MB in 2 pictures, above 512 MB, and is started anew" in line for line in said) == 1  # two, told once
+    assert 20.0 < worker.memory() < 20_000.0
+
+
 # Answers like a worker whose .blend lacks the object Cup.
 LACKS = """
 import json, sys
