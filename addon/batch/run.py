@@ -124,7 +124,7 @@ def _render(waiting: Sequence[Item], outputs: dict, folder: Path, work: Path, pr
         finished = 0
         while finished < total:
             try:
-                answered, (error, is_scene, notices) = done.get(timeout=_POLL_SECONDS)
+                answered, (error, is_scene, notices, _) = done.get(timeout=_POLL_SECONDS)
             except queue.Empty:
                 if not any(hand.is_alive() for hand in hands):
                     raise LaminaError(f"no worker is left: {hands[0].problem}") from None
