@@ -24,7 +24,7 @@ def open_file(path: str | os.PathLike) -> None:
 def refuse_missing(name: str, missing: Sequence[str], is_allowed: bool, report: Callable[[str], None]) -> None:
     """Raise LaminaError naming what a .blend asks for and that is not there (`dependencies.missing`); where that is allowed, report it."""
     if missing and not is_allowed:
-        raise LaminaError(f"{name}: {named(missing)}; put it there, or give --allow-missing to go on without")
+        raise LaminaError(f"{name}: {named(missing)}; mend that, or give --allow-missing to go on without")
     if missing:
         report(f"{name}: goes on without what is missing: {named(missing)}")
 

@@ -6,7 +6,7 @@ A farm's bundle has a copy of this file along. So it needs nothing else of Lamin
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import bpy
@@ -36,7 +36,7 @@ def files_read() -> list[str]:
 
 
 def missing() -> list[str]:
-    """One phrase for each file and each linked data-block that the open .blend asks for and that is not there."""
+    """One phrase for each file and each linked data-block that the open .blend asks for and that is not there, or of a later Blender than this one."""
     files = [(path, _why(path)) for path in files_read()]
     lost = [f"{path} {why}" for path, why in files if why]
     without = {path for path, why in files if why}
@@ -44,7 +44,15 @@ def missing() -> list[str]:
         for block in getattr(bpy.data, name):
             if getattr(block, "is_missing", False) and block.library and (library := _library_path(block.library)) not in without:
                 lost.append(f"{block.id_type.lower()} {block.name} of {library} is not there")
-    return lost
+    return [*_newer(), *lost]
+
+
+def _newer() -> Iterator[str]:
+    """Blender opens a file of a later version without what it does not know."""
+    here = bpy.app.version[:2]
+    for path, version in [(bpy.data.filepath, bpy.data.version), *((_library_path(library), library.version) for library in bpy.data.libraries)]:
+        if path and tuple(version[:2]) > here:
+            yield f"{path} was written by Blender {version[0]}.{version[1]}, later than this {here[0]}.{here[1]}"
 
 
 def shown_objects(scene) -> set:

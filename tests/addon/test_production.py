@@ -146,7 +146,7 @@ def test_changed_files_are_noticed_and_missing_ones_refused(scene):
     (scene / production_scene.LIBRARY).unlink()
     before = {f.name: f.read_bytes() for f in (scene / "out").iterdir()}
     _, said = lamina(*arguments, code=2)
-    assert len(said.splitlines()) == 1 and "lib/set.blend is not there; " in said and "wood 漆.png is a folder and no file; put it there" in said
+    assert len(said.splitlines()) == 1 and "lib/set.blend is not there; " in said and "wood 漆.png is a folder and no file; mend that" in said
     assert {f.name: f.read_bytes() for f in (scene / "out").iterdir()} == before
     for command in ("apply", "farm"):
         given = (
@@ -393,3 +393,54 @@ def test_an_unwritable_cache_is_told_once(tmp_path):
     ):
         _, said = lamina(*arguments, cwd=tmp_path, env=environment)
         assert said.count("what is baked cannot be kept in") == 1
+
+
+def later(path: Path) -> None:
+    """Make an uncompressed .blend one of a later Blender, by its header."""
+    import re
+
+    data = path.read_bytes()
+    path.write_bytes(re.sub(rb"^(BLENDER.{1,5}?v\d+)\d\d", rb"\g<1>09", data[:20], count=1) + data[20:])
+
+
+def test_a_blend_of_a_later_version_is_refused(blender, scene):
+    """The scene's own, and a library's."""
+    for name in (production_scene.SCENE, production_scene.LIBRARY):
+        path = scene / name
+        before = path.read_bytes()
+        blender.ops.wm.open_mainfile(filepath=str(path))
+        blender.ops.wm.save_mainfile(compress=False)
+        later(path)
+        said = apply(scene, production_scene.CUP, code=2).strip().splitlines()[-1]
+        assert f"{path.name} was written by Blender " in said and ", later than this " in said and not (scene / "new.blend").exists()
+        path.write_bytes(before)
+
+
+def test_a_loop_of_libraries_ends(blender, scene):
+    """Two that link to each other: Blender copes, and so does the list of what is read."""
+    from lamina.addon.blender.dependencies import files_read, missing
+
+    blender.ops.wm.open_mainfile(filepath=str(scene / production_scene.PARTS))
+    with blender.data.libraries.load(str(scene / production_scene.LIBRARY), link=True, relative=True) as (_, chosen):
+        chosen.objects = [production_scene.LINKED]
+    blender.context.scene.collection.objects.link(chosen.objects[0])
+    blender.data.objects["Lid"].parent = chosen.objects[0]
+    blender.ops.wm.save_mainfile()
+    blender.ops.wm.open_mainfile(filepath=str(scene / production_scene.SCENE))
+    assert len(files_read()) == 9 and not missing()
+
+
+def test_a_library_that_names_another_absolutely_cannot_be_bundled(blender, scene):
+    """In the bundle it would go on reading the file outside, which a farm may not have."""
+    blender.ops.wm.open_mainfile(filepath=str(scene / production_scene.LIBRARY))
+    blender.ops.file.make_paths_absolute()
+    blender.ops.wm.save_mainfile()
+    _, said = lamina("farm", scene / "job.json", "-o", scene / "bundle", code=2)
+    assert "by an absolute path cannot be taken along" in said and "lib/parts.blend" in said and "make the paths of that library relative" in said
+    assert not (scene / "bundle").exists() and not list(scene.glob(".lamina*"))
+
+
+def test_a_library_that_is_no_blend_is_told_once(scene, tmp_path):
+    (scene / production_scene.LIBRARY).write_bytes(b"no blend")
+    _, said = lamina("batch", scene / "job.json", "-o", tmp_path / "out", "--no-sheet", code=2)
+    assert said.count("set.blend") == 1 and not list(tmp_path.rglob("*.exr"))

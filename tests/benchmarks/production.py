@@ -20,6 +20,7 @@ from pathlib import Path
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 from support.wheel_blender import blender_program
 
+from lamina.addon.blender.environment import ensure_osl_query_on_path
 from lamina.study.stamp import ROOT, module_blender, stamp
 from lamina.study.tables import write_table
 
@@ -206,6 +207,7 @@ def rows(tree: Tree) -> dict[tuple, str]:
 
 
 def main() -> None:
+    ensure_osl_query_on_path()
     table, former = Path(sys.argv[1]) if len(sys.argv) > 1 else None, sys.argv[2] if len(sys.argv) > 2 else FORMER
     with tempfile.TemporaryDirectory() as folder:
         home = Path(folder)
