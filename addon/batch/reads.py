@@ -28,23 +28,25 @@ class Reads:
 def reads_of(items: Iterable[Item]) -> dict[str, Reads]:
     """By .blend; asked of a Blender of its own, as a file may take it down. What cannot be opened is left out: its pictures will say so."""
     blends, found = list(dict.fromkeys(item.blend for item in items if item.blend)), {}
+    worker = None
     with tempfile.TemporaryDirectory() as work:
-        worker = None
-        for blend in blends:
-            try:
-                if worker is None:
-                    worker = Worker(Path(work), Path(work), 1)
-                    worker.wait_until_ready()
-                answer = worker.ask({"reads": blend})
-            except LaminaError:
-                if worker is not None:
-                    worker.stop()
-                worker = None
-                continue
-            if "error" not in answer:
-                found[blend] = Reads(tuple(answer["files"]), tuple(answer["missing"]))
-        if worker is not None:
-            worker.stop()
+        try:
+            for blend in blends:
+                try:
+                    if worker is None:
+                        worker = Worker(Path(work), Path(work), 1)
+                        worker.wait_until_ready()
+                    answer = worker.ask({"reads": blend})
+                except LaminaError:  # it is gone
+                    if worker is not None:
+                        worker.stop()
+                    worker = None
+                    continue
+                if "error" not in answer:
+                    found[blend] = Reads(tuple(answer["files"]), tuple(answer["missing"]))
+        finally:
+            if worker is not None:
+                worker.stop()
     return found
 
 

@@ -292,7 +292,7 @@ def test_a_header_says_where_its_picture_comes_from(scene, tmp_path):
     }  # fmt: skip
     assert {name: told[f"lamina:{name}"] for name in expected} == expected and told["lamina:device"].startswith("CPU, with")
     assert told["Camera"] == "Camera" and told["RenderTime"] and told["pixels"] == "as they were written"
-    assert "Lamina" in told["Note"] and len(told["Note"]) <= 768
+    assert "Lamina" in told["Note"] and len(told["Note"].encode()) <= 511
     assert json.loads(lamina("info", picture, "--json")[0]) == told
     channels, texts = oiio.read(picture)
     channels["G"][0, 0] += 1.0
@@ -322,6 +322,12 @@ def test_a_stamp_has_what_fits_and_the_scene_gets_its_own_back(blender, tmp_path
         note = read_exr(tmp_path / "a.exr").metadata["Note"]
         assert note.startswith("mine; Lamina " if own[0] else "Lamina ") and "Kupfer 銅: weidlich_wilkie, error " in note
         assert (render.use_stamp_note, render.stamp_note_text) == own
+    render.use_stamp_note, render.stamp_note_text = True, "x" * 505
+    render_to(studio.scene, tmp_path / "a.exr")
+    assert read_exr(tmp_path / "a.exr").metadata["Note"] == "x" * 505
+    render.stamp_note_text = "é" * 383  # which 4.5 cuts within a character
+    render_to(studio.scene, tmp_path / "a.exr")
+    assert set("RGB") <= set(read_exr(tmp_path / "a.exr").channels)
     many = [made] * 40
     note = stamp_note.note_of(many)
     assert len(note.encode()) <= stamp_note.LONGEST and note.endswith(" more") and note.count("Kupfer") + int(note.split()[-2]) == 40
