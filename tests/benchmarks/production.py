@@ -26,6 +26,7 @@ from lamina.study.stamp import ROOT, module_blender, stamp
 from lamina.study.tables import write_table
 
 FORMER = "2f71ff0"
+PATIENCE = 90
 COLUMNS = ("item", "what", "before", "now")
 JOB = {"name": "Kitchen", "stacks": ["clean_copper"], "qualities": ["weidlich_wilkie"], "size": 32, "samples": 2}
 BLEND = "shots/Küche 厨房.blend"
@@ -71,7 +72,15 @@ class Tree:
 
     def run(self, *arguments, **variables) -> subprocess.CompletedProcess:
         command = [sys.executable, "-c", _RUN, *map(str, arguments)]
-        return subprocess.run(command, capture_output=True, text=True, env=self.environment | variables, timeout=500)
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment | variables)
+        try:
+            told = process.communicate(timeout=PATIENCE)
+        except subprocess.TimeoutExpired:
+            workers = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True).stdout.split()
+            for pid in (process.pid, *map(int, workers)):
+                os.kill(pid, signal.SIGKILL)
+            told = (process.communicate()[0], f"hangs, ended after {PATIENCE} s")
+        return subprocess.CompletedProcess(command, process.returncode, *told)
 
     def fresh(self, name: str, **keys) -> tuple[Path, Path]:
         """A copy of the scene with a job file; and the folder for its output."""
