@@ -14,7 +14,7 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 FIRST_HALF := $(shell cat tests/first_half.txt)
 QUICK := -q -m "not blender and not slow"
 
-.PHONY: fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field bakes branches surroundings numbers fuzz faults calibration matrix licences clean
+.PHONY: fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes branches surroundings numbers fuzz faults calibration matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -39,6 +39,8 @@ help:
 	@echo "make scale     measure time and memory as work grows, and draw them (ten minutes on a quiet machine)"
 	@echo "make killed-batch  kill a batch of 200 pictures five times at random and compare it with an undisturbed one"
 	@echo "make farm-tasks    measure what a farm's task costs beside its pictures"
+	@echo "make farm-race     kill two workers of a farm at random for ten minutes and compare their pictures with an undisturbed run's"
+	@echo "make production    put a scene as productions have them through batch, farm, apply and saves, beside a former commit (ten minutes)"
 	@echo "make field     try a material beside a Principled one through the rest of Blender, and write figures/field.csv (ten minutes)"
 	@echo "make bakes     measure what bakes cost beside those of a former commit, and how they follow a base's color (fifteen minutes)"
 	@echo "make branches  measure what both branches of a material cost beside one alone (five minutes on a quiet machine)"
@@ -151,6 +153,12 @@ killed-batch: $(READY)
 
 farm-tasks: $(READY)
 	$(RUN) tests/benchmarks/farm_tasks.py figures/farm_tasks.csv figures/openjd.txt
+
+farm-race: $(READY)
+	$(RUN) tests/benchmarks/farm_race.py figures/farm_race.csv
+
+production: $(READY)
+	$(RUN) tests/benchmarks/production.py figures/production.csv
 
 field: $(READY)
 	$(RUN) tests/field figures/field.csv

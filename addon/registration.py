@@ -5,11 +5,11 @@ import bpy
 
 from ..reference_py.lobes.cache import keep_in
 from .blender.user_folders import cache_folder
-from .jobs import bakes, fitting, staleness
+from .jobs import bakes, fitting, staleness, stamp_note
 from .library import asset_library, preset_icons
 from .material import properties
 from .operators import check_operators, exchange_operators, fit_operators, layer_operators, material_operators, preset_operators, texture_operator
-from .ui import panel, panel_layers, swatch_icons, translation
+from .ui import panel, panel_layers, preferences, swatch_icons, translation
 
 CLASSES = (
     *properties.CLASSES,
@@ -21,6 +21,7 @@ CLASSES = (
     *exchange_operators.CLASSES,
     *texture_operator.CLASSES,
     *panel.CLASSES,
+    preferences.LaminaPreferences,
 )
 
 
@@ -35,12 +36,12 @@ def register() -> None:
     preset_icons.register()
     asset_library.register()
     keep_in(cache_folder(), lambda message: print(f"Lamina: {message}"))
-    for handlers, handler in (*staleness.handlers(), *bakes.handlers()):
+    for handlers, handler in (*staleness.handlers(), *stamp_note.handlers(), *bakes.handlers()):
         handlers.append(handler)
 
 
 def unregister() -> None:
-    for handlers, handler in (*staleness.handlers(), *bakes.handlers()):
+    for handlers, handler in (*staleness.handlers(), *stamp_note.handlers(), *bakes.handlers()):
         handlers.remove(handler)
     bakes.stop()
     fitting.stop()

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 from ..reference_py.errors import LaminaError
 from .blender.environment import ensure_osl_query_on_path
-from .blender.interrupt import deferred
+from .blender.interrupt import SIGNALS, deferred
 
 REPORT_SECONDS = 2.0
 GRACE_SECONDS = 1.5
@@ -49,7 +49,7 @@ def blender(report: Callable[[str], None]) -> Iterator[None]:
 
 @contextmanager
 def _leaving_promptly() -> Iterator[None]:
-    """Ends the process soon after Ctrl-C, whatever Blender is doing.
+    """Ends the process soon after Ctrl-C or SIGTERM, whatever Blender is doing.
 
     Python handles a signal only when Blender next calls back, which may take minutes. So a thread waits for it, gives
     the orderly way `GRACE_SECONDS`, and then leaves. Unfinished pictures are in a temporary folder, which goes too.
@@ -63,12 +63,12 @@ def _leaving_promptly() -> Iterator[None]:
     stderr = os.dup(2)
 
     def wait() -> None:
-        while os.read(source, 1) != bytes([signal.SIGINT]):
+        while (number := os.read(source, 1)[0]) not in SIGNALS:
             pass
         time.sleep(GRACE_SECONDS)
         os.write(stderr, b"lamina: cancelled\n")
         shutil.rmtree(folder, ignore_errors=True)
-        os._exit(130)
+        os._exit(128 + number)
 
     threading.Thread(target=wait, daemon=True).start()
     before = signal.set_wakeup_fd(sink, warn_on_full_buffer=False)

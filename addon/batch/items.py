@@ -22,7 +22,8 @@ BALL_SAMPLES, BALL_SIZE = 64, (256, 256)
 
 @dataclass(frozen=True)
 class Item:
-    """One picture. `values` are the sweeps' as (parameter, value); `inputs` is the hash of all that it depends on.
+    """One picture. `values` are the sweeps' as (parameter, value); `inputs` is the hash of all that it depends on,
+    `digest` that of the .blend alone, empty for the ball; `job` names the job and how many pictures it has.
 
     `samples` and `size` are None where the scene's own count. `file` is the picture's path below the output folder.
     """
@@ -42,6 +43,8 @@ class Item:
     size: tuple[int, int] | None
     seed: int
     inputs: str
+    digest: str
+    job: str
 
     def to_dict(self) -> dict:
         """As JSON's types, for another process."""
@@ -84,20 +87,39 @@ def expand(job: Job) -> list[Item]:
         for (look, combination, stack), tier in product(variants, job.qualities):
             values = tuple((sweep.parameter, value) for sweep, value in combination)
             for view, frame in product(job.views, job.frames):
-                items.append(_item(job, look, stack, values, tier, scene, blend, digest, view, frame))
+                items.append(_item(job, count, look, stack, values, tier, scene, blend, digest, view, frame))
     if len({item.id for item in items}) < len(items):
         raise LaminaError(f"job {job.name!r}: a sweep has the same value twice")
     return items
 
 
-def _item(job, look, stack, values, tier, scene, blend, digest, view, frame) -> Item:
+def _item(job, count, look, stack, values, tier, scene, blend, digest, view, frame) -> Item:
     samples = job.samples or (None if blend else BALL_SAMPLES)
     size = job.size or (None if blend else BALL_SIZE)
     seed = (job.seed + frame) % 2**31
     name = f"{_slug(look.name)}-{_hash([look.name, values, tier, scene.name, view])[:10]}"
     inputs = _hash([version(), _content(stack), tier, job.backend, scene.object, digest, view, frame, samples, size, seed])
     file = f"{name}.{frame:04d}.exr"
-    return Item(f"{name}.{frame:04d}", file, look.name, stack, values, tier, job.backend, scene, str(blend or ""), view, frame, samples, size, seed, inputs)
+    told = f"{job.name}, {count} picture{'s' * (count > 1)}"
+    return Item(
+        f"{name}.{frame:04d}",
+        file,
+        look.name,
+        stack,
+        values,
+        tier,
+        job.backend,
+        scene,
+        str(blend or ""),
+        view,
+        frame,
+        samples,
+        size,
+        seed,
+        inputs,
+        digest,
+        told,
+    )
 
 
 def _slug(name: str) -> str:

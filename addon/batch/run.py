@@ -12,10 +12,12 @@ from pathlib import Path
 from ...reference_py.errors import LaminaError
 from .items import Item
 from .outputs import Output, verified
-from .worker import Worker
+from .worker import Answer, Worker
 
 WORK = ".work"
 _POLL_SECONDS = 0.2
+# Cycles with OSL and persistent data grows with every frame, for Lamina's materials and for others: at this a worker is started anew.
+GROWTH_MB = 512.0
 
 
 def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float | None, report: Callable[[str], None], replace: bool = False) -> list[Output]:
@@ -35,9 +37,10 @@ def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float 
             f"such as {others[0]}; choose another folder, or give --replace to render them anew"
         )
     report(f"{len(items)} pictures, {len(items) - len(left)} of them are there and whole")
+    clear_leftovers(folder)
     if not left:
         return list(outputs.values())
-    clear_leftovers(folder)
+    _require_space(left, folder, report)
     work = folder / WORK
     work.mkdir(exist_ok=True)
     try:
@@ -47,6 +50,18 @@ def run_items(items: Sequence[Item], folder: Path, processes: int, limit: float 
     if all(output.scene_failed for output in outputs.values()):
         raise LaminaError("; ".join(dict.fromkeys(output.problem for output in outputs.values())))
     return list(outputs.values())
+
+
+def _require_space(items: Sequence[Item], folder: Path, report: Callable[[str], None]) -> None:
+    """Raise LaminaError for a disk that cannot take one picture, report one that may not take all. Pictures pack by no more than can be told before."""
+    sizes = [16 * item.size[0] * item.size[1] for item in items if item.size]  # a scene's own size is told by its .blend alone
+    free = shutil.disk_usage(folder).free
+    if not sizes or free > sum(sizes):
+        return
+    sentence = f"{folder}: {len(sizes)} pictures take up to {sum(sizes) / 1e6:.1f} MB, {max(sizes) / 1e6:.2f} MB each, and {free / 1e6:.2f} MB are free"
+    if free < max(sizes):
+        raise LaminaError(f"{sentence}; choose another disk, or make room")
+    report(sentence)
 
 
 def clear_leftovers(folder: Path) -> None:
@@ -102,24 +117,31 @@ def _render(waiting: Sequence[Item], outputs: dict, folder: Path, work: Path, pr
     left = _Left(waiting)
     hands = [_Hand(left, done, limit, (folder, work, threads)) for _ in range(processes)]
     total, started = len(waiting), time.monotonic()
+    said: set[str] = set()
     for hand in hands:
         hand.start()
     try:
         finished = 0
         while finished < total:
             try:
-                answered, error, is_scene = done.get(timeout=_POLL_SECONDS)
+                answered, (error, is_scene, notices, _) = done.get(timeout=_POLL_SECONDS)
             except queue.Empty:
                 if not any(hand.is_alive() for hand in hands):
                     raise LaminaError(f"no worker is left: {hands[0].problem}") from None
                 continue
             finished += len(answered)
+            for notice in notices:
+                if notice not in said:
+                    said.add(notice)
+                    report(notice)
             for item in answered:
                 outputs[item.id] = Output(item, error, {}, is_scene) if error else verified(item, folder)
             problem = outputs[answered[0].id].problem
             name = answered[0].id if len(answered) == 1 else f"{len(answered)} pictures of scene {answered[0].scene.name}"
             seconds = (time.monotonic() - started) / finished * (total - finished)
-            report(f"{finished}/{total}, {100 * finished // total} %, {_time_left(seconds)}: {name} {f'failed: {problem}' if problem else 'done'}")
+            # why a scene failed is said in the end, with all else that did
+            how = ("failed" if is_scene else f"failed: {problem}") if problem else "done"
+            report(f"{finished}/{total}, {100 * finished // total} %, {_time_left(seconds)}: {name} {how}")
     finally:
         left.clear()
         for hand in hands:
@@ -140,6 +162,7 @@ class _Hand(threading.Thread):
         self._left, self._done, self._limit, self._where = left, done, limit, where
         self._worker: Worker | None = None
         self._stopped = False
+        self._grown: tuple[tuple, float, int] | None = None
         self.problem = ""
 
     def run(self) -> None:
@@ -156,12 +179,30 @@ class _Hand(threading.Thread):
             if (item := self._left.take(item)) is None:
                 break
             try:
-                error, is_scene = self._worker.render(item, self._limit)
+                answer = self._worker.render(item, self._limit)
             except LaminaError as why:  # the process is gone
                 self._drop()
-                error, is_scene = str(why), False
-            self._done.put(([item, *(self._left.take_scene(item) if is_scene else ())], error, is_scene))
+                answer = Answer(str(why))
+            answer = self._bounded(item, answer)
+            self._done.put(([item, *(self._left.take_scene(item) if answer.is_scene else ())], answer))
         self._drop()
+
+    def _bounded(self, item: Item, answer: Answer) -> Answer:
+        """End a worker that grew too much since its first picture of a scene; the answer says so."""
+        scene = (item.blend, item.scene.object)
+        if self._worker is None or not answer.megabytes:
+            self._grown = None
+            return answer
+        if self._grown is None or self._grown[0] != scene:
+            self._grown = scene, answer.megabytes, 0
+        _, first, pictures = self._grown
+        self._grown = scene, first, pictures + 1
+        if answer.megabytes - first <= GROWTH_MB:
+            return answer
+        self._drop()
+        self._grown = None
+        sentence = f"a worker grew by {answer.megabytes - first:.0f} MB in {pictures} pictures, above {GROWTH_MB:g} MB, and is started anew"
+        return answer._replace(notices=(*answer.notices, sentence))
 
     def _drop(self) -> None:
         worker, self._worker = self._worker, None

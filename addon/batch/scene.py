@@ -8,7 +8,8 @@ import bpy
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.version import version
-from ..material.holders import can_hold_material
+from ..jobs.staleness import shown_wrong
+from ..material.holders import give, holder_named, slots_of
 from ..material.material import apply_stack, make_renderable, refresh
 from ..material.shader_node import remove_material
 from ..rendering.studio import build_ball_scene
@@ -32,6 +33,7 @@ class Stage:
         self.material: bpy.types.Material | None = None
         self.slot = 0
         self.texts: dict[str, str] = {}
+        self.notices: list[str] = []
 
     def render(self, item: Item, folder: Path) -> None:
         """Render an item into the folder. Raises LaminaError."""
@@ -60,7 +62,7 @@ class Stage:
             self._material_key = key
 
     def _open(self, item: Item) -> None:
-        self.material = None
+        self.material, self.notices = None, []
         if not item.blend:
             if bpy.data.filepath:
                 bpy.ops.wm.read_homefile(use_empty=True)
@@ -69,6 +71,7 @@ class Stage:
             self.scene, self.target = studio.scene, studio.ball
         else:
             self.scene, self.target = open_scene(item)
+            self.notices = [f"{item.scene.blend}: {sentence}" for sentence in shown_wrong(self.scene)]
         if self._threads:
             self.scene.render.threads_mode, self.scene.render.threads = "FIXED", self._threads
 
@@ -92,6 +95,9 @@ def own_texts(item: Item) -> dict[str, str]:
         "lamina:stack": json.dumps(item.stack.to_dict()),
         "lamina:tier": item.tier,
         "lamina:sweep": json.dumps(dict(item.values)),
+        "lamina:backend": item.backend,
+        "lamina:job": item.job,
+        "lamina:blend": f"{item.scene.blend} sha256 {item.digest}" if item.blend else "none, the studio's ball",
     }
 
 
@@ -102,22 +108,32 @@ def open_scene(item: Item):
     except RuntimeError as error:
         raise SceneError(f"{item.scene.blend}: Blender cannot open it: {' '.join(str(error).split())}") from None
     scene = bpy.context.scene
-    target = scene.objects.get(item.scene.object)
-    if not can_hold_material(target):
-        choices = sorted(o.name for o in scene.objects if can_hold_material(o))
-        raise SceneError(f"{item.scene.blend}: no object {item.scene.object!r} that takes a surface material; choose {', '.join(choices) or 'none'}")
+    try:
+        target = holder_named(scene.objects, item.scene.object)
+    except LaminaError as error:
+        raise SceneError(f"{item.scene.blend}: {error}") from None
     if scene.camera is None:
         raise SceneError(f"{item.scene.blend}: the scene {scene.name} has no camera")
     if scene.render.engine != "CYCLES":
         raise SceneError(f"{item.scene.blend}: the scene {scene.name} renders with {scene.render.engine}; choose Cycles in it")
-    return scene, target
+    return scene, own_object(scene, target)
+
+
+def own_object(scene: bpy.types.Scene, target: bpy.types.Object) -> bpy.types.Object:
+    """The object as one of the open file's, if it is a library's: then nothing of it can be changed. The file on the disk stays as it is."""
+    if target.library is None:
+        return target
+    for collection in scene.collection.children_recursive:
+        if collection.library is not None and target.name in collection.all_objects:
+            collection.make_local()
+    return target.make_local()
 
 
 def put_on(target: bpy.types.Object, material: bpy.types.Material) -> int:
-    """Give an object the material in its active slot, the first if it has none. Returns the slot's index."""
-    if not target.material_slots:
-        target.data.materials.append(material)
-        return 0
-    index = target.active_material_index
-    target.material_slots[index].material = material
+    """Give an object the material in its active slot, the first if it has none. Returns the slot's index.
+
+    A mesh of a library's keeps its materials: the object alone shows the new one.
+    """
+    (index,) = slots_of(target, None)
+    give(target, material, [index], object_level=not target.data.is_editable)
     return index

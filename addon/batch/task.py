@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders items of a batch from scenes that are ready, each to a whole EXR with its origin in the header, or to none.
 
-Also a script for farms, where Lamina is not installed: a copy of this file and of `oiio.py` beside it run as
+Also a script for farms, where Lamina is not installed: a copy of this file, with `oiio.py` and `dependencies.py` beside it, runs as
 
     blender -b SCENE.blend --python render_items.py -- --items items.json --range 0-9 --output FOLDER
 """
@@ -11,6 +11,7 @@ import hashlib
 import importlib.util
 import json
 import os
+import shutil
 import sys
 import tempfile
 import threading
@@ -24,11 +25,16 @@ WITH_CAMERA = "lamina_with_camera"
 OTHER_INPUTS = "is of other inputs"
 
 if __package__:
-    from ..blender import oiio
+    from ..blender import dependencies, oiio
 else:
-    _spec = importlib.util.spec_from_file_location("oiio", Path(__file__).with_name("oiio.py"))
-    oiio = importlib.util.module_from_spec(_spec)
-    _spec.loader.exec_module(oiio)
+
+    def _beside(name: str):
+        spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return module
+
+    dependencies, oiio = _beside("dependencies"), _beside("oiio")
 
 
 def render_item(scene: bpy.types.Scene, target: bpy.types.Object, item: dict, texts: dict[str, str], folder: Path) -> None:
@@ -40,24 +46,46 @@ def render_item(scene: bpy.types.Scene, target: bpy.types.Object, item: dict, te
     started = time.monotonic()
     _set_up(scene, item)
     _require_osl(scene)
+    oiio.module()  # whatever is missing is told before the render
     with _camera_around(scene, target, item["view"]), tempfile.TemporaryDirectory() as work:
         picture = Path(work, "picture.exr")
         scene.render.filepath = str(picture)
         bpy.ops.render.render(write_still=True, scene=scene.name)
         if not picture.is_file():  # render() says FINISHED even then
             raise RuntimeError("Blender wrote no picture")
-        channels, _ = oiio.read(picture)
+        channels, stamps = oiio.read(picture)
     channels = {name: channels[name] for name in "RGBA"}
-    texts = texts | {
-        "lamina:inputs": item["inputs"],
-        "lamina:pixels": pixel_hash(channels),
-        "lamina:blender": bpy.app.version_string,
-        "lamina:samples": str(scene.cycles.samples),
-        "lamina:seed": str(item["seed"]),
-        "lamina:seconds": f"{time.monotonic() - started:.2f}",
-        "lamina:view": json.dumps(view_of(scene)),
-    }
+    height, width = channels["R"].shape
+    texts = (
+        stamps
+        | texts
+        | {
+            "lamina:scene": scene.name,
+            "lamina:object": target.name,
+            "lamina:view_deg": f"{item['view']:g}",
+            "lamina:frame": str(item["frame"]),
+            "lamina:size": f"{width} x {height}",
+            "lamina:device": device_of(scene),
+            "lamina:inputs": item["inputs"],
+            "lamina:pixels": pixel_hash(channels),
+            "lamina:blender": bpy.app.version_string,
+            "lamina:samples": str(scene.cycles.samples),
+            "lamina:seed": str(item["seed"]),
+            "lamina:seconds": f"{time.monotonic() - started:.2f}",
+            "lamina:view": json.dumps(view_of(scene)),
+        }
+    )
     _write(folder / item["file"], channels, texts)
+
+
+def device_of(scene) -> str:
+    """What renders, and whether it reads OSL scripts."""
+    import _cycles
+
+    cycles = bpy.context.preferences.addons.get("cycles")
+    kind = cycles.preferences.compute_device_type if cycles else "NONE"
+    device = f"GPU {kind}" if scene.cycles.device == "GPU" and kind != "NONE" else "CPU"
+    return f"{device}, {'with' if _cycles.with_osl and scene.cycles.shading_system and device in ('CPU', 'GPU OPTIX') else 'without'} OSL"
 
 
 def view_of(scene) -> dict:
@@ -86,7 +114,7 @@ def _require_osl(scene) -> None:
 
     if _cycles.with_osl:
         return
-    for material in {slot.material for thing in scene.objects for slot in thing.material_slots}:
+    for material in {slot.material for thing in dependencies.shown_objects(scene) for slot in thing.material_slots}:
         nodes = material.node_tree.nodes if material is not None and material.node_tree else ()
         if any(node.bl_idname == "ShaderNodeScript" and {s.name for s in node.outputs if s.is_linked} == {"BSDF"} for node in nodes):
             raise RuntimeError(
@@ -146,6 +174,16 @@ def _camera_around(scene, target, degrees: float):
 
 
 def _write(path: Path, channels: dict, texts: dict[str, str]) -> None:
+    needed, free = sum(plane.nbytes for plane in channels.values()), shutil.disk_usage(path.parent).free
+    try:
+        _replace(path, channels, texts)
+    except OSError as error:
+        if free > needed:
+            raise
+        raise OSError(f"the disk is full: a picture takes up to {needed / 1e6:.2f} MB, and {free / 1e6:.2f} MB were free") from error
+
+
+def _replace(path: Path, channels: dict, texts: dict[str, str]) -> None:
     handle, name = tempfile.mkstemp(prefix=".", suffix=".exr", dir=path.parent)
     os.close(handle)
     try:
@@ -182,7 +220,7 @@ def _farm(arguments: list[str]) -> int:
                 raise RuntimeError(f"{item['file']} is there already and {what}; choose another folder, or delete it")
             else:
                 with _within(listed["time_limit"], item["id"]):
-                    scene, target = _shown(item, options.items.parent)
+                    scene, target = _shown(item, options.items.parent, listed["allow_missing"])
                     render_item(scene, target, item, item["texts"], options.output)
         except Exception as error:  # one picture must not cost the others
             failed.append(item["id"])
@@ -211,11 +249,15 @@ def _within(limit: float | None, name: str):
         watch.cancel()
 
 
-def _shown(item: dict, folder: Path):
-    """The item's scene and its object, with its material."""
+def _shown(item: dict, folder: Path, allow_missing: bool):
+    """The item's scene and its object, with its material. Raises RuntimeError when the scene asks for what is not there."""
     path = folder / item["blend"]
     if not bpy.data.filepath or not os.path.samefile(bpy.data.filepath, path):
         bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
+    if lost := dependencies.missing():
+        if not allow_missing:
+            raise RuntimeError(f"{dependencies.named(lost)}; `lamina farm --allow-missing` makes a bundle that goes on without")
+        print(f"lamina: goes on without what is missing: {dependencies.named(lost)}", flush=True)
     scene = bpy.data.scenes[item["scene"]]
     target = scene.objects[item["object"]]
     slot, wanted = target.material_slots[item["slot"]], item["material_file"]

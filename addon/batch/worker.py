@@ -2,7 +2,9 @@
 """A process that renders items for a batch, and the batch's end of it.
 
 Lines of JSON go both ways: in come items as `Item.to_dict` gives them, out goes {"ready": true} and then, for each
-item, {"id": ...} with "error" if it failed, and with "scene" if so will all items of its scene. At the end of the input it leaves at once.
+item, {"id": ...} with "error" if it failed, with "scene" if so will all items of its scene, else with "notices" of what its scene shows
+wrong and its "megabytes". {"reads": BLEND} asks for the
+"files" that the file reads and what is "missing", or why it cannot be opened, "error". At the end of the input it leaves at once.
 """
 
 import json
@@ -13,6 +15,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 from ...reference_py.errors import LaminaError
 from .items import Item
@@ -42,6 +45,15 @@ def command(folder: Path, threads: int) -> list[str]:
     return [bpy.app.binary_path, "-b", "--command", "lamina", "batch", "--worker", *ours]
 
 
+class Answer(NamedTuple):
+    """Why an item failed, or an empty text; whether all items of its scene will; what its scene shows wrong, a sentence each; the process's memory, 0 if unknown."""
+
+    error: str
+    is_scene: bool = False
+    notices: tuple[str, ...] = ()
+    megabytes: float = 0.0
+
+
 class Worker:
     """A worker process as seen by the batch. It ends with `stop`, and when the batch is gone."""
 
@@ -58,30 +70,34 @@ class Worker:
         """Raises LaminaError when the process ends instead."""
         self._await("did not start")
 
-    def render(self, item: Item, limit: float | None) -> tuple[str, bool]:
-        """Render an item; returns why it failed, or an empty text, and whether all items of its scene will.
+    def render(self, item: Item, limit: float | None) -> Answer:
+        """Render an item.
 
         Raises LaminaError when the process ends instead, which it does when it has not answered after `limit` seconds.
         """
         watch = threading.Timer(limit or 0.0, self._process.kill)
         watch.daemon = True
         started = time.monotonic()
+        if limit:
+            watch.start()
         try:
-            if limit:
-                watch.start()
-            self._process.stdin.write(json.dumps(item.to_dict()) + "\n")
-            self._process.stdin.flush()
-        except OSError:
-            pass  # it ended; the answer says why
-        try:
-            answer = self._await("ended")
-            return answer.get("error", ""), "scene" in answer
+            answer = self.ask(item.to_dict())
+            return Answer(answer.get("error", ""), "scene" in answer, tuple(answer.get("notices", ())), answer.get("megabytes", 0.0))
         except LaminaError:
             if limit and time.monotonic() - started >= limit:
                 raise LaminaError(f"took longer than the job's time_limit of {limit:g} s") from None
             raise
         finally:
             watch.cancel()
+
+    def ask(self, question: dict) -> dict:
+        """The answer to a question. Raises LaminaError when the process ends instead."""
+        try:
+            self._process.stdin.write(json.dumps(question) + "\n")
+            self._process.stdin.flush()
+        except OSError:
+            pass  # it ended; the answer says why
+        return self._await("ended")
 
     def _await(self, what: str) -> dict:
         for line in self._process.stdout:
@@ -123,11 +139,40 @@ def serve(folder: Path, threads: int) -> None:
         threading.Thread(target=receive, daemon=True).start()
         answer({"ready": True})
         while True:
-            item = Item.from_dict(json.loads(items.get()))
+            question = json.loads(items.get())
+            if blend := question.get("reads"):
+                answer(_reads(blend))
+                continue
+            item = Item.from_dict(question)
             try:
                 stage.render(item, folder)
-                answer({"id": item.id})
+                answer({"id": item.id, "notices": stage.notices, "megabytes": memory()})
             except LaminaError as error:
                 answer({"id": item.id, "error": " ".join(str(error).split())} | ({"scene": True} if isinstance(error, SceneError) else {}))
             except MemoryError:
                 answer({"id": item.id, "error": "out of memory"})
+
+
+def memory() -> float:
+    """What this process holds in memory, in MB; 0 where the system does not say."""
+    try:
+        with open("/proc/self/statm") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+    except OSError:
+        pass
+    try:
+        import resource
+    except ImportError:  # Windows
+        return 0.0
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6  # macOS, in bytes, and the most that it was
+
+
+def _reads(blend: str) -> dict:
+    from ..blender.blend_files import open_file
+    from ..blender.dependencies import files_read, missing
+
+    try:
+        open_file(blend)
+    except LaminaError as error:
+        return {"error": str(error)}
+    return {"files": files_read(), "missing": missing()}

@@ -3,12 +3,14 @@
 
 import os
 import struct
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import bpy
 
 from ...reference_py.atomic import replacing
 from ...reference_py.errors import LaminaError
+from .dependencies import named
 
 
 def open_file(path: str | os.PathLike) -> None:
@@ -19,11 +21,22 @@ def open_file(path: str | os.PathLike) -> None:
         raise LaminaError(f"{path}: Blender cannot open it: {str(error).strip()}") from None
 
 
-def save_copy(path: str | os.PathLike) -> None:
-    """Save the open file as a compressed copy. Raises LaminaError; then `path` is as it was before."""
+def refuse_missing(name: str, missing: Sequence[str], is_allowed: bool, report: Callable[[str], None]) -> None:
+    """Raise LaminaError naming what a .blend asks for and that is not there (`dependencies.missing`); where that is allowed, report it."""
+    if missing and not is_allowed:
+        raise LaminaError(f"{name}: {named(missing)}; mend that, or give --allow-missing to go on without")
+    if missing:
+        report(f"{name}: goes on without what is missing: {named(missing)}")
+
+
+def save_copy(path: str | os.PathLike, remap: bool = True) -> None:
+    """Save the open file as a compressed copy. Raises LaminaError; then `path` is as it was before.
+
+    Relative paths are written anew for the copy's place, unless what they name is copied too (`remap`).
+    """
 
     def save(file: str) -> None:
-        bpy.ops.wm.save_as_mainfile(filepath=file, copy=True, compress=True, relative_remap=True)
+        bpy.ops.wm.save_as_mainfile(filepath=file, copy=True, compress=True, relative_remap=remap)
 
     _replace(path, save)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ctrl-C during a render. Blender swallows the KeyboardInterrupt, prints its traceback and goes on as if all were well."""
+"""Ctrl-C and SIGTERM. During a render Blender swallows the exception, prints its traceback and goes on as if all were well."""
 
 import os
 import signal
@@ -7,45 +7,59 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
-def _set_back(handler) -> None:
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM, with which farms and systems end a process: all is left as after Ctrl-C."""
+
+
+def _raise(number, _frame=None) -> None:
+    raise Terminated if number == signal.SIGTERM else KeyboardInterrupt
+
+
+def _set_back(number, handler) -> None:
     # None stands for one that Python did not set: a real Blender's own
-    signal.signal(signal.SIGINT, signal.SIG_DFL if handler is None else handler)
+    signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
 
 @contextmanager
 def raising() -> Iterator[None]:
-    """Lets a SIGINT raise KeyboardInterrupt in the block, as plain Python does; a real Blender would end at once."""
-    own = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or own not in (None, signal.SIG_DFL):
+    """Lets signals raise KeyboardInterrupt in the block, as plain Python does for SIGINT; a real Blender would end at once."""
+    own = {number: signal.getsignal(number) for number in SIGNALS}
+    ending = [number for number, handler in own.items() if handler in (None, signal.SIG_DFL)]
+    if threading.current_thread() is not threading.main_thread():
         yield
         return
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for number in ending:
+        signal.signal(number, _raise)
     try:
         yield
     finally:
-        _set_back(own)
+        for number in ending:
+            _set_back(number, own[number])
 
 
 @contextmanager
 def deferred() -> Iterator[None]:
-    """Holds a SIGINT back to the end of the block: a Blender that is interrupted while it starts is left half-made."""
+    """Holds signals back to the end of the block: a Blender that is interrupted while it starts is left half-made."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    seen = []
-    before = signal.signal(signal.SIGINT, lambda *_: seen.append(True))
+    seen: list[int] = []
+    before = {number: signal.signal(number, lambda n, _: seen.append(n)) for number in SIGNALS}
     try:
         yield
     finally:
-        _set_back(before)
+        for number, handler in before.items():
+            _set_back(number, handler)
     if seen:
-        raise KeyboardInterrupt
+        _raise(seen[0])
 
 
 @contextmanager
 def interruptible() -> Iterator[None]:
-    """Raises KeyboardInterrupt after the block if SIGINT came within it; what Blender says of it is not shown.
+    """Raises KeyboardInterrupt after the block if a signal came within it; what Blender says of it is not shown.
 
     Other threads than the main one, and Blender's window, where Esc cancels, are left alone.
     """
@@ -54,22 +68,22 @@ def interruptible() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread() or not bpy.app.background:
         yield
         return
-    interrupted = False
+    seen: list[int] = []
     stderr, sink = os.dup(2), os.open(os.devnull, os.O_WRONLY)
 
-    def stop(_number, _frame) -> None:
-        nonlocal interrupted
-        interrupted = True
+    def stop(number, _frame) -> None:
+        seen.append(number)
         os.dup2(sink, 2)
-        raise KeyboardInterrupt  # ends the render, and Blender catches it
+        _raise(number)  # ends the render, and Blender catches it
 
-    before = signal.signal(signal.SIGINT, stop)
+    before = {number: signal.signal(number, stop) for number in SIGNALS}
     try:
         yield
     finally:
-        _set_back(before)
+        for number, handler in before.items():
+            _set_back(number, handler)
         os.dup2(stderr, 2)
         os.close(stderr)
         os.close(sink)
-    if interrupted:
-        raise KeyboardInterrupt
+    if seen:
+        _raise(seen[0])

@@ -44,9 +44,9 @@ def read(path: str | os.PathLike, kind: str = "float") -> tuple[dict[str, np.nda
 
     Raises OSError for what cannot be opened, ValueError for what is no whole picture.
     """
-    oiio = module()
     with open(path, "rb"):
         pass  # the system's own words for what is missing or forbidden
+    oiio = module()
     oiio.attribute("limits:imagesize_MB", _MOST_MEGABYTES)
     as_stored = oiio.ImageSpec()
     as_stored.attribute("oiio:UnassociatedAlpha", 1)
@@ -67,11 +67,22 @@ def _channels(oiio, path: str, as_stored, kind: str) -> tuple[dict[str, np.ndarr
                 raise ValueError(source.geterror() or "its pixels cannot be read")
             channels |= {name: pixels[..., i] for i, name in enumerate(spec.channelnames)}
             part += 1
-        texts = {a.name: a.value for a in first.extra_attribs if isinstance(a.value, str) and a.name not in _OWN and ":" not in a.name.removeprefix("lamina:")}
+        texts = dict(_texts(first))
     finally:
         source.close()
         source.geterror()  # an error that nobody asked for is printed when the reader goes
     return channels, texts
+
+
+def _texts(spec):
+    """(name, text) of a header, without what OpenImageIO adds itself."""
+    for attribute in spec.extra_attribs:
+        try:
+            value = attribute.value
+        except UnicodeDecodeError:  # Blender 4.5 cuts a long note within a character
+            continue
+        if isinstance(value, str) and attribute.name not in _OWN and ":" not in attribute.name.removeprefix("lamina:"):
+            yield attribute.name, value
 
 
 def write(path: str | os.PathLike, channels: dict[str, np.ndarray], texts: dict[str, str]) -> None:

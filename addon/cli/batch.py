@@ -3,11 +3,13 @@
 
 import json
 import os
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ...reference_py.atomic import output_folder
 from ...reference_py.errors import LaminaError
-from ..batch.items import expand
+from ...reference_py.lobes.cache import require_writable
+from ..batch.items import Item, expand
 from ..batch.job import KEYS, REQUIRED, Job
 from ..material.backend import branches_here
 from ..session import blender, say
@@ -38,6 +40,8 @@ def batch(options) -> int | None:
 
         require_pictures()
         branches_here(job.backend)
+        require_writable(report)
+        items = knowing_files(items, options.allow_missing, report)
         folder = output_folder(options.output or Path(options.job).with_suffix(""))
         with sole_owner(folder):
             outputs = run_items(items, folder, options.processes or _processes(), job.time_limit, report, options.replace)
@@ -60,6 +64,17 @@ def batch(options) -> int | None:
     for (name, problem), ids in groups.items():
         report(f"failed: {ids[0] if len(ids) == 1 else f'{len(ids)} pictures of scene {name}'}: {problem}")
     return FAILED if failed or not written else None
+
+
+def knowing_files(items: Sequence[Item], allow_missing: bool, report: Callable[[str], None]) -> list[Item]:
+    """The items with all in their hashes that their scenes read. Raises LaminaError for what is missing, unless that is allowed."""
+    from ..batch.reads import reads_of, with_reads
+    from ..blender.blend_files import refuse_missing
+
+    reads = reads_of(items)
+    for blend, read in reads.items():
+        refuse_missing(Path(blend).name, read.missing, allow_missing, report)
+    return with_reads(items, reads, report)
 
 
 def print_keys() -> None:

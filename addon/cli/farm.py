@@ -12,6 +12,7 @@ from pathlib import Path
 
 from ...reference_py.atomic import output_folder, write_text
 from ...reference_py.errors import LaminaError
+from ...reference_py.lobes.cache import require_writable
 from ..batch.items import expand
 from ..batch.job import Job
 from ..farm.bundle_names import FILES
@@ -19,6 +20,7 @@ from ..farm.flamenco import job_type
 from ..farm.openjd import template
 from ..material.backend import branches_here
 from ..session import blender, say
+from .batch import knowing_files
 
 
 def farm(options) -> None:
@@ -31,7 +33,9 @@ def farm(options) -> None:
         from ..farm.bundle import write_files
 
         branches_here(job.backend)
-        write_files(items, job.time_limit, made / FILES, report)
+        require_writable(report)
+        items = knowing_files(items, options.allow_missing, report)
+        write_files(items, job.time_limit, options.allow_missing, made / FILES, report)
         write_text(made / "lamina_flamenco.js", job_type(job.name, len(items), options.chunk))
         write_text(made / "template.json", json.dumps(template(job.name, len(items), options.chunk), indent=2) + "\n")
     report(f"wrote {len(items)} pictures to render into {folder}")

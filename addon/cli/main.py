@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Arguments, exit codes and messages of every command. Imports neither bpy nor numpy until a command needs them.
 
-Exit codes: 0 done, 1 something failed, 2 bad input or a missing means such as OSL, 130 cancelled.
+Exit codes: 0 done, 1 something failed, 2 bad input or a missing means such as OSL, 130 cancelled by Ctrl-C, 143 by SIGTERM.
 """
 
 import argparse
@@ -13,10 +13,10 @@ from importlib.util import find_spec
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.version import version
-from ..blender.interrupt import raising
+from ..blender.interrupt import Terminated, raising
 from ..material.backend import BACKENDS, DEFAULT_BACKEND
 
-DONE, FAILED, BAD_INPUT, CANCELLED = 0, 1, 2, 130
+DONE, FAILED, BAD_INPUT, CANCELLED, TERMINATED = 0, 1, 2, 130, 143
 STACK_HELP = "name of a preset (see `lamina presets`) or a JSON file"
 
 
@@ -86,6 +86,10 @@ def build_parser() -> argparse.ArgumentParser:
     apply = _command(commands, "apply", "render", "give an object of a .blend file a stack as its material")
     apply.add_argument("--stack", required=True, metavar="STACK", help=STACK_HELP)
     apply.add_argument("--object", required=True, metavar="NAME", help="object that gets the material")
+    apply.add_argument("--slot", metavar="NAME|NUMBER|all", help="material slots: a material's name, a number from 0, or all (default: the active one)")
+    alone = apply.add_mutually_exclusive_group()
+    alone.add_argument("--single-user", action="store_true", help="give the object a mesh of its own, so that no other object shows the material")
+    alone.add_argument("--object-level", action="store_true", help="put the material on the object and not on its mesh, which others may share")
     apply.add_argument("input", metavar="IN.blend")
     apply.add_argument("-o", "--output", required=True, metavar="OUT.blend")
     explain = _command(commands, "explain", "explain", "say which tier the tier auto chooses for a stack, at which error and cost, and why")
@@ -145,7 +149,16 @@ def build_parser() -> argparse.ArgumentParser:
     farm.add_argument("job", metavar="JOB.json", help="what to render (see `lamina batch --keys`)")
     farm.add_argument("-o", "--output", metavar="FOLDER", required=True, help="new folder for the template, its scenes and scripts")
     farm.add_argument("--chunk", type=_between(1, 10_000), default=10, metavar="N", help="pictures per task (default: %(default)s)")
-    for command in (presets, schema, models, albedo, evaluate, render, explain, fit):
+    info = _command(commands, "info", "info", "print what a picture's header says of its origin, and whether its pixels are those that were written")
+    info.add_argument("picture", metavar="PICTURE.exr")
+    cache = _command(commands, "cache", "cache", "show what bakes take on the disk, and clean it")
+    cache.add_argument("--clean", action="store_true", help="remove what is kept")
+    cache.add_argument("--older-than", type=_between(0, 100_000), metavar="DAYS", help="with --clean: only what was not used for so many days")
+    for command in (apply, batch, farm):
+        command.add_argument(
+            "--allow-missing", action="store_true", help="go on without files that the scene asks for and that are not there (default: refuse)"
+        )
+    for command in (presets, schema, models, albedo, evaluate, render, explain, fit, info, cache):
         command.add_argument("--json", action="store_true", help="print JSON")
     if study := _study():
         study.add_commands(commands)
@@ -191,9 +204,9 @@ def run(arguments: Sequence[str]) -> int:
     except LaminaError as error:
         print(f"lamina: {' '.join(str(error).split())}", file=sys.stderr)
         return BAD_INPUT
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as signal:
         print("lamina: cancelled", file=sys.stderr)
-        return CANCELLED
+        return TERMINATED if isinstance(signal, Terminated) else CANCELLED
     except SystemExit as done:  # argparse leaves so after --help
         return int(done.code or DONE)
 

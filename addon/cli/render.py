@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ...reference_py.atomic import replacing, require_writable
 from ...reference_py.errors import LaminaError
+from ...reference_py.lobes.cache import require_writable as require_writable_cache
 from ...reference_py.lobes.methods import DEFAULT_METHOD, method_of
 from ..material.backend import branches_here, notice
 from ..material.limits import require_shader
@@ -35,6 +36,7 @@ def render(options) -> None:
     report = say("render")
     report(f"{stack.name or options.stack} in scene {options.scene}")
     with blender(report):
+        require_writable_cache(report)
         material = _material(stack, tier, options.backend, report)
         (_sphere if options.scene == "sphere" else _ball)(material, output, options)
     report(f"wrote {output}")
@@ -131,23 +133,30 @@ def apply(options) -> None:
     with blender(report):
         import bpy
 
-        from ..blender.blend_files import open_file, save_copy
+        from ..blender.blend_files import open_file, refuse_missing, save_copy
+        from ..blender.dependencies import missing
         from ..check.check import find
-        from ..material.holders import can_hold_material
+        from ..material.holders import give, holder_named, require_own, sharing, slots_of
         from ..material.material import make_renderable
 
         branches_here(options.backend)
+        require_writable_cache(report)
         open_file(source)
-        target = bpy.data.objects.get(options.object)
-        if not can_hold_material(target):
-            choices = sorted(o.name for o in bpy.data.objects if can_hold_material(o))
-            raise LaminaError(f"{source}: no object {options.object!r} that takes a surface material; choose {', '.join(choices) or 'none'}")
+        refuse_missing(source.name, missing(), options.allow_missing, report)
+        try:
+            target = holder_named(bpy.data.objects, options.object)
+            require_own(target, options.single_user or options.object_level)
+            slots = slots_of(target, options.slot)
+        except LaminaError as error:
+            raise LaminaError(f"{source}: {error}") from None
         material = _material(stack, tier, options.backend, report)
         notices = make_renderable(material, bpy.context.scene)
-        if target.material_slots:
-            target.material_slots[target.active_material_index].material = material
-        else:
-            target.data.materials.append(material)
+        if options.single_user:
+            target.data = target.data.copy()
+        elif not options.object_level and (others := sharing(target)):
+            shown = ", ".join(others[:3]) + (f" and {len(others) - 3} more" if len(others) > 3 else "")
+            notices.append(f"{shown} share the mesh {target.data.name} and show it too; --single-user or --object-level gives it to {target.name} alone")
+        give(target, material, slots, options.object_level)
         notices += [finding.text() for finding in find(material, bpy.context.scene, bpy.context.preferences)]
         save_copy(output)
     for sentence in notices:

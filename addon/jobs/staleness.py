@@ -8,13 +8,14 @@ from bpy.app.handlers import persistent
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.methods import holds_values
+from ..blender import environment
 from ..material import state
-from ..material.backend import NODES
+from ..material.backend import NODES, OSL
 from ..material.elements import kind_of
 from ..material.hand_over import is_handed_over
-from ..material.live_values import what_moves
+from ..material.live_values import live_in_nodes, live_values, what_moves
 from ..material.material import hand_over, refresh, refresh_stock
-from ..material.osl_setting import shows_osl
+from ..material.osl_setting import shows_osl, why_stock_nodes
 from ..material.pasted import adopt_pasted
 from ..material.reading import is_own, stack_of
 from ..material.record import changed_values, keep_record
@@ -23,6 +24,7 @@ from ..material.shader_node import shader_of
 from .prefetch import prefetch
 
 _STALE = "renders old values: save the file, press Update in its panel, or call bpy.ops.lamina.regenerate()"
+_OVERRIDE = "renders old values: it is a library override, of which Blender keeps no values of nodes; make it local to edit it"
 _STOCK_BEHIND = "renders old values: its stock nodes are behind; save the file, or press Update in its panel"
 
 
@@ -67,42 +69,70 @@ def _is_not_handed_over(material) -> bool:
 @persistent
 def announce(scene=None, *_) -> None:
     """Name what a render shows wrong, with old values or provisionally. Blender 5.2 crashes when nodes change once a render has begun."""
-    scene = scene if isinstance(scene, bpy.types.Scene) else bpy.context.scene
-    if not shows_osl(scene, bpy.context.preferences):
+    for sentence in shown_wrong(scene if isinstance(scene, bpy.types.Scene) else bpy.context.scene):
+        print(f"Lamina: {sentence}")
+
+
+def shown_wrong(scene: bpy.types.Scene) -> list[str]:
+    """One sentence for each material that a render of the scene shows with old values, provisionally, black or without its animation."""
+    said: list[str] = []
+    shows = shows_osl(scene, bpy.context.preferences)
+
+    def say(what: str) -> Callable[[bpy.types.Material], None]:
+        return lambda material: said.append(f"{material.name}: {what}")
+
+    if not shows:
         _for_each(
             _is_script_alone,
-            lambda m: print(f"Lamina: {m.name}: renders black: it is an OSL script alone, and {scene.name} shows none; {_advice(m)}"),
+            lambda m: say(f"renders black: it is an OSL script alone, and {scene.name} shows none; {_advice(m)}")(m),
             linked=True,
         )
-        _for_each(state.lags, lambda m: print(f"Lamina: {m.name}: {_stands_still(m) or _STOCK_BEHIND}"))
-    _for_each(lambda m: m.override_library is not None and (state.is_stale(m) or state.lags(m)), _say_override, linked=True)
+        _for_each(lambda m: state.lags(m) and not _only_animation_moved(m), say(_STOCK_BEHIND))
     _for_each(
-        lambda m: shader_of(m) is None,
-        lambda m: print(f"Lamina: {m.name}: its shader node is gone: press Update in its panel, or call bpy.ops.lamina.regenerate()"),
+        lambda m: bool(_standing(m)) and not (shows and node_with(m, OSL)),
+        lambda m: say(f"its animation stands still, as stock nodes cannot follow {', '.join(_standing(m))}; {_remedy(m, scene)}")(m),
+        linked=True,
     )
-    _for_each(state.is_stale, lambda m: print(f"Lamina: {m.name}: {_stands_still(m) or _STALE}"))
+    _for_each(lambda m: m.override_library is not None and (state.is_stale(m) or state.lags(m)), say(_OVERRIDE), linked=True)
+    _for_each(lambda m: shader_of(m) is None, say("its shader node is gone: press Update in its panel, or call bpy.ops.lamina.regenerate()"))
+    _for_each(lambda m: state.is_stale(m) and not _only_animation_moved(m), say(_STALE))
     _for_each(
         lambda m: not state.is_stale(m) and not state.is_settled(m),
-        lambda m: print(f"Lamina: {m.name}: renders with the tier analytic, as its bake is not done; a save without a window makes it"),
+        say("renders with the tier analytic, as its bake is not done; a save without a window makes it"),
     )
-
-
-def _say_override(material) -> None:
-    print(f"Lamina: {material.name}: renders old values: it is a library override, of which Blender keeps no values of nodes; make it local to edit it")
+    return said
 
 
 def _is_script_alone(material) -> bool:
     return shader_of(material) is not None and node_with(material, NODES) is None
 
 
-def _stands_still(material) -> str:
-    """What to say where nothing but animation changed values since stock nodes were made: a save helps for one frame alone."""
-    lamina = material.lamina
-    moving = {f"{e.name}: {p.label}" for e in (*lamina.shown_layers, lamina.base) for p in kind_of(e).sockets if what_moves(e).get(p.name) == "animation"}
+def _standing(material) -> list[str]:
+    """Animated values that stock nodes cannot follow, with their layer."""
+    if node_with(material, NODES) is None:
+        return []
+    followed, names = live_in_nodes(material, stack_of(material)), []
+    for place in live_values(material):
+        element = material.lamina.base if place.layer is None else material.lamina.shown_layers[place.layer]
+        if place not in followed and what_moves(element).get(place.name) == "animation":
+            names.append(f"{element.name}: {kind_of(element).parameter(place.name).label}")
+    return names
+
+
+def _only_animation_moved(material) -> bool:
+    """Whether nothing but animation changed values since stock nodes were made: a save helps for one frame alone."""
     changed = set(changed_values(material))
-    if node_with(material, NODES) is None or not changed or changed - moving:
-        return ""
-    return "its animation stands still, as stock nodes cannot follow it; Cycles with OSL does, in the backend Automatic"
+    return bool(changed) and node_with(material, NODES) is not None and changed <= set(_standing(material))
+
+
+def _remedy(material, scene) -> str:
+    """What lets the animation be followed."""
+    available, reason = environment.osl_available()
+    if not available:
+        return f"{reason}: render it with CPU or OptiX in a Blender from blender.org"
+    if node_with(material, OSL) is None:
+        return "Cycles with OSL does, in the backend Automatic"
+    return f"Cycles with OSL does: {why_stock_nodes(scene, bpy.context.preferences)} in {scene.name}"
 
 
 def _advice(material) -> str:

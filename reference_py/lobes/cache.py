@@ -7,10 +7,14 @@ a digest of the code that computed it, so that no other version's results are us
 
 import hashlib
 import json
-from collections.abc import Callable
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 from ..atomic import write_text
 from ..errors import LaminaError
@@ -24,8 +28,11 @@ from ..models.adding.model import Adding
 ALWAYS_LIVE = frozenset(p.name for feature in (COVERAGE, NORMAL) for p in feature.parameters)
 _LIMIT = 256
 FOLDER_VARIABLE = "LAMINA_CACHE"
-# Files that a folder keeps; the oldest go first.
-_FILES = 4096
+# What a folder keeps at most, files and bytes; what was not used for longest goes first.
+_FILES, _BYTES = 4096, 256 << 20
+# A file's date says when it was last used; it is set anew when that is older than this, so that reading costs no writing.
+_DAY = 86400.0
+_HITS = "hits.txt"
 _memory: dict[str, object] = {}
 _folder: Path | None = None
 _complain: Callable[[str], None] = print
@@ -57,6 +64,7 @@ def get(key: str, unpack: Callable[[dict], T]) -> T | None:
     if key not in _memory and _folder is not None:
         try:
             _keep(key, unpack(json.loads(_file(key).read_text(encoding="utf-8"))))
+            _count_hit(_file(key))
         except (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, RecursionError):
             return None
     return _memory.get(key)
@@ -76,13 +84,93 @@ def _write(key: str, data: dict) -> None:
     try:
         _folder.mkdir(parents=True, exist_ok=True)
         write_text(_file(key), json.dumps(data))
-        # by their dates, which a clock may have set back: what was just written is not among them
-        others = sorted((f for f in _folder.glob("*.json") if f != _file(key)), key=lambda file: file.stat().st_mtime)
-        for old in others[: max(len(others) + 1 - _FILES, 0)]:
-            old.unlink(missing_ok=True)
+        _bound(_file(key))
     except (OSError, LaminaError) as error:
-        _complain(f"what is baked cannot be kept in {_folder}, so the next session bakes it again ({error}); {FOLDER_VARIABLE} names another folder")
+        _complain(_cannot_keep(error))
         _folder = None
+
+
+def _bound(written: Path) -> None:
+    """Drop what was not used for longest. By their dates, which a clock may have set back: what was just written is not among them."""
+    files = _by_use([file for file in _folder.glob("*.json") if file != written])
+    count, size = len(files) + 1, sum(about.st_size for _, about in files) + written.stat().st_size
+    for file, about in files:
+        if count <= _FILES and size <= _BYTES:
+            break
+        file.unlink(missing_ok=True)
+        count, size = count - 1, size - about.st_size
+
+
+def _by_use(files: Iterable[Path]) -> list[tuple[Path, os.stat_result]]:
+    """Files that are there, the longest unused first."""
+    found = []
+    for file in files:
+        with suppress(OSError):  # another process removed it
+            found.append((file, file.stat()))
+    return sorted(found, key=lambda one: one[1].st_mtime)
+
+
+def _count_hit(file: Path) -> None:
+    """One byte for each hit, which processes can add at the same time; a folder that is read-only counts none."""
+    with suppress(OSError):
+        with open(_folder / _HITS, "ab") as hits:
+            hits.write(b".")
+        if time.time() - file.stat().st_mtime > _DAY:
+            os.utime(file)
+
+
+class Usage(NamedTuple):
+    """Of a folder: files and bytes, how often one was found in it, and the days since the least and the most lately used one was."""
+
+    files: int
+    size: int
+    hits: int
+    oldest_days: float
+    newest_days: float
+
+
+def usage(folder: Path) -> Usage:
+    """What a folder of `keep_in` holds; one that is not there holds nothing."""
+    found = _by_use(folder.glob("*.json"))
+    hits = 0
+    with suppress(OSError):
+        hits = (folder / _HITS).stat().st_size
+    days = [max(time.time() - about.st_mtime, 0.0) / _DAY for _, about in found] or [0.0]
+    return Usage(len(found), sum(about.st_size for _, about in found), hits, days[0], days[-1])
+
+
+def clean(folder: Path, older_than_days: float = 0.0) -> Usage:
+    """Remove what was not used for so long; returns what that was. Raises LaminaError."""
+    removed, size = 0, 0
+    for file, about in _by_use(folder.glob("*.json")):
+        if time.time() - about.st_mtime < older_than_days * _DAY:
+            continue
+        try:
+            file.unlink(missing_ok=True)
+        except OSError as error:
+            raise LaminaError(f"{file}: cannot remove: {error.strerror}") from None
+        removed, size = removed + 1, size + about.st_size
+    if not any(folder.glob("*.json")):
+        (folder / _HITS).unlink(missing_ok=True)
+    return Usage(removed, size, 0, 0.0, 0.0)
+
+
+def require_writable(complain: Callable[[str], None]) -> None:
+    """Complain now, and not after the first bake, of a folder that cannot be written to."""
+    global _folder
+    if _folder is None:
+        return
+    try:
+        _folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=_folder):
+            pass
+    except OSError as error:
+        complain(_cannot_keep(error.strerror or error))
+        _folder = None
+
+
+def _cannot_keep(why) -> str:
+    return f"what is baked cannot be kept in {_folder}, so the next session bakes it again ({why}); {FOLDER_VARIABLE} names another folder"
 
 
 def _file(key: str) -> Path:

@@ -275,3 +275,20 @@ def test_apply_gives_an_object_the_material(tmp_path, blender):
     _, error = lamina("apply", "--stack", "glazed_mug", "--object", "Thing", "broken.blend", "-o", "o2.blend", code=2, cwd=tmp_path)
     assert "broken.blend" in error
     assert sorted(p.name for p in tmp_path.iterdir()) == ["broken.blend", "in.blend", "nodes.blend", "out.blend"]
+
+
+def test_the_cache_is_shown_and_cleaned(tmp_path):
+    folder = tmp_path / "bäkes 漆"
+    environment = os.environ | {"LAMINA_CACHE": str(folder)}
+    said, _ = lamina("cache", env=environment)
+    assert str(folder) in said and "not made yet" in said and not folder.exists()
+    for _ in range(2):
+        lamina("shader", "clean_copper", "--tier", "baked", env=environment)
+    told = json.loads(lamina("cache", "--json", env=environment)[0])
+    assert told["folder"] == str(folder) and told["files"] >= 1 and told["hits"] >= 1
+    assert told["size"] == sum(f.stat().st_size for f in folder.glob("*.json"))
+    assert "removed 0 files" in lamina("cache", "--clean", "--older-than", 1, env=environment)[0]
+    assert f"removed {told['files']} files" in lamina("cache", "--clean", env=environment)[0] and not list(folder.iterdir())
+    assert "--older-than goes with --clean" in lamina("cache", "--older-than", 1, code=2, env=environment)[1]
+    (tmp_path / "file").write_text("")
+    assert "this is a file" in lamina("cache", code=2, env=environment | {"LAMINA_CACHE": str(tmp_path / "file")})[1]

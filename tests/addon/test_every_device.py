@@ -158,3 +158,51 @@ def test_a_render_without_osl_says_that_animation_stands_still(blender, tmp_path
     node_of(owner.lamina.base).inputs["Color"].default_value = (0.1, 0.5, 0.1, 1.0)
     picture(tmp_path, False)
     assert "owner: renders old values" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("backend, remedy", [("auto", "Open Shading Language is switched off in Scene"), ("nodes", "in the backend Automatic")])
+def test_an_animation_that_stands_still_is_told_at_the_frame_that_it_was_saved_at(blender, tmp_path, capsys, backend, remedy):
+    """Where nothing lags yet: Blender asks once for all frames. Not where OSL follows."""
+    owner = bpy.data.materials.new("owner")
+    materials.apply_stack(owner, STACKS["coated paint"], "analytic", backend)
+    roughness = node_of(owner.lamina.layers[0]).inputs["Roughness"]
+    for frame, value in ((1, 0.1), (10, 0.9)):
+        roughness.default_value = value
+        roughness.keyframe_insert("default_value", frame=frame)
+    stage(owner, tmp_path)
+    bpy.context.scene.frame_set(1)
+    capsys.readouterr()
+    picture(tmp_path, False)
+    said = capsys.readouterr().out
+    assert said.count("owner: its animation stands still, as stock nodes cannot follow") == 1 and "Roughness; " in said and remedy in said
+    picture(tmp_path, True)
+    assert ("stands still" in capsys.readouterr().out) == (backend == "nodes")
+
+
+def test_nothing_drifts_between_blenders_with_osl_and_without(blender, tmp_path, monkeypatch, capsys):
+    """Opened, saved and rendered in turns, ten times: textures stay, nothing is told, and each has the pictures of its first turn."""
+    pattern = bpy.data.images.new("pattern", 8, 8)
+    pattern.pixels.foreach_set(np.random.default_rng(1).uniform(0.1, 0.9, 8 * 8 * 4).astype(np.float32))
+    pattern.pack()
+    owner = bpy.data.materials.new("owner")
+    materials.apply_stack(owner, STACKS["coated paint"], "analytic")
+    for element, label in ((owner.lamina.layers[0], "Roughness"), (owner.lamina.base, "Color")):
+        texture = owner.node_tree.nodes.new("ShaderNodeTexImage")
+        texture.image = pattern
+        owner.node_tree.links.new(texture.outputs["Color"], node_of(element).inputs[label])
+    path = stage(owner, tmp_path)
+    bpy.ops.wm.save_mainfile()
+    first: dict[bool, tuple] = {}
+    for turn in range(10):
+        osl = turn % 2 == 0
+        with monkeypatch.context() as patch:
+            if not osl:
+                without(patch)
+            bpy.ops.wm.open_mainfile(filepath=path)
+            tree = bpy.data.materials["owner"].node_tree
+            capsys.readouterr()
+            seen = (picture(tmp_path, osl).tobytes(), sorted((link.from_node.name, link.to_node.name, link.to_socket.name) for link in tree.links))
+            bpy.ops.wm.save_mainfile()
+            assert "Lamina: " not in capsys.readouterr().out, turn
+        assert seen == first.setdefault(osl, seen), turn
+    assert first[True][1] == first[False][1] and first[True][0] != first[False][0]

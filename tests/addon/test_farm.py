@@ -63,6 +63,20 @@ def test_open_job_description_runs_the_bundle_and_the_batch_takes_it_over(bundle
     assert pixels(tmp_path / "farmed") == pixels(tmp_path / "here")
 
 
+def test_deadline_cloud_reads_the_bundle(bundle):
+    """By that vendor's own library, without an account: the folders that travel and come back, and all parameters."""
+    pytest.importorskip("deadline.client.job_bundle", reason="deadline is not installed: pip install deadline")
+    from deadline.client.job_bundle import loader, parameters, submission
+
+    folder = str(bundle / "bundle")
+    loader.validate_directory_symlink_containment(folder)
+    assert loader.read_yaml_or_json_object(folder, "template", True)["specificationVersion"] == "jobtemplate-2023-09"
+    found, travels = parameters.read_job_bundle_parameters(folder), submission.AssetReferences()
+    parameters.apply_job_parameters([], folder, found, travels)
+    assert {p["name"] for p in found} == {"Files", "Output", "Blender", "Pictures", "PicturesPerTask"}
+    assert travels.input_directories == {f"{folder}/files"} and travels.output_directories == {f"{folder}/output"}
+
+
 def test_a_failed_picture_fails_its_task_and_no_other(bundle, blender_program, tmp_path):
     shutil.copytree(bundle / "bundle" / "files", tmp_path / "files")
     items = json.loads((tmp_path / "files" / "items.json").read_text())

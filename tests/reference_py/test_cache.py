@@ -3,6 +3,7 @@
 
 import json
 import os
+import time
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -224,3 +225,26 @@ def test_keys_tell_methods_lobes_and_tolerances_apart():
 def test_features_that_the_truth_does_not_know_are_refused(layer, words):
     with pytest.raises(LaminaError, match=words):
         truth_of(stack(coat(0.1), coat(0.3, **layer), base=lambert(0.5)))
+
+
+def test_a_folder_is_bounded_by_bytes_and_what_was_used_last_stays(folder, monkeypatch):
+    cache.cached("first", lambda: 1, lambda v: {"v": v, "fill": "x" * 1000}, lambda d: d["v"])
+    monkeypatch.setattr(cache, "_BYTES", 2500)
+    for age, key in ((3, "second"), (2, "third")):
+        cache.cached(key, lambda: 1, lambda v: {"v": v, "fill": "x" * 1000}, lambda d: d["v"])
+        os.utime(cache._file(key), (time.time() - age * 86400,) * 2)
+        os.utime(cache._file("first"), (time.time() - 9 * 86400,) * 2)
+        cache._memory.clear()
+        assert cache.get("first", lambda d: d["v"]) == 1  # a hit makes it young
+    assert {key for key in ("first", "second", "third") if cache._file(key).exists()} == {"first", "third"}
+    held = cache.usage(cache._folder)
+    assert (held.files, held.hits) == (2, 2) and held.size > 2000 and held.newest_days < 0.1 and 1.9 < held.oldest_days < 2.1
+
+
+def test_what_was_not_used_for_days_is_cleaned(folder):
+    for age, key in ((0, "young"), (8, "old")):
+        cache.cached(key, lambda: 1, lambda v: {"v": v}, lambda d: d["v"])
+        os.utime(cache._file(key), (time.time() - age * 86400,) * 2)
+    assert cache.clean(cache._folder, 9).files == 0 and cache.clean(cache._folder, 7).files == 1
+    assert cache._file("young").exists() and not cache._file("old").exists()
+    assert cache.clean(cache._folder).files == 1 and not list(cache._folder.iterdir())

@@ -43,7 +43,7 @@ def _of_schema() -> Iterator[str]:
 def _of_classes() -> Iterator[str]:
     for cls in registration.CLASSES:
         yield from (getattr(cls, name, "") for name in ("bl_label", "bl_description"))
-        rna = getattr(bpy.types, cls.__name__, cls).bl_rna if issubclass(cls, bpy.types.PropertyGroup) else None
+        rna = getattr(bpy.types, cls.__name__, cls).bl_rna if issubclass(cls, (bpy.types.PropertyGroup, bpy.types.AddonPreferences)) else None
         if rna is None and issubclass(cls, bpy.types.Operator):
             group, name = cls.bl_idname.split(".")
             rna = getattr(getattr(bpy.ops, group), name).get_rna_type()
