@@ -7,7 +7,7 @@ from pathlib import Path
 from ...reference_py.atomic import require_writable, write_text
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.materialx import SUFFIX, load_mtlx, save_mtlx
-from ...reference_py.exchange.openpbr import from_openpbr, to_openpbr
+from ...reference_py.exchange.openpbr import to_openpbr
 from ...reference_py.exchange.principled import to_principled
 from ...reference_py.exchange.report import shown
 from ..session import say
@@ -46,13 +46,22 @@ def _import(options) -> None:
     if not options.output:
         raise LaminaError(f"{options.source}: give -o STACK.json, the stack file to write")
     _require_suffix(options.output, ".json")
-    name, values, notes = load_mtlx(options.source)
-    converted = from_openpbr(values, name)
-    for sentence in notes:
-        print(f"lost: {sentence}")
+    material = _chosen(load_mtlx(options.source), options)
+    converted = material.to_stack(without=frozenset(material.images))
     _print(converted.report)
     converted.stack.save(options.output)
     say("convert")(f"wrote {options.output}")
+
+
+def _chosen(materials: list, options):
+    """The material that --material names, or the first."""
+    names = [material.name for material in materials]
+    if options.material and options.material not in names:
+        raise LaminaError(f"--material {options.material}: {options.source} has {', '.join(names)[:300]}")
+    chosen = materials[names.index(options.material) if options.material else 0]
+    if len(materials) > 1:
+        say("convert")(f"{chosen.name}, one of {len(materials)} materials; --material takes another: {', '.join(n for n in names if n != chosen.name)[:300]}")
+    return chosen
 
 
 def _print(report) -> None:
