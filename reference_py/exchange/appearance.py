@@ -17,8 +17,8 @@ from ..models.baselines.energy import mean_fresnel
 from ..models.baselines.parts import COS_82, Lobe, conductor, dielectric, dielectric_f0, f82
 from ..optics.colour import artist_index
 from ..optics.diffuse import oren_nayar_albedo
-from ..optics.fresnel import cos_theta_t, fresnel_dielectric
 from ..optics.frame import spherical
+from ..optics.fresnel import cos_theta_t, fresnel_dielectric
 from ..optics.interface import TINT_FLOOR
 from ..optics.microfacet import GGX
 from ..optics.quadrature import cosine_directions, directional_albedo, points

@@ -60,7 +60,7 @@ def slots_to_stack(slots: Slots, original: Albedos, look: Appearance, name: str,
     wanted = mean(look.solid)
     most = MOST_REFLECTANCE if slots.is_metal else 1.0
     color, found = solve(exact, wanted, stack.base[color_key(stack.base)], most)
-    if np.max(mean(found)) < _SEEN and look.lost and not _has_film(slots):
+    if np.max(mean(look.seen)) < _SEEN and look.lost and not _has_film(slots):
         raise LaminaError(f"{name or 'material'}: nothing that is seen would be left: all light is of {', '.join(look.lost)}, which no stack has")
     match = compared(look.seen, found, _has_film(slots), look.all_lost)
     losses = [*losses, *_unmatched("base color", color, mean(found) - wanted)]

@@ -34,7 +34,9 @@ NORMALS = {
 }  # fmt: skip
 # Above 1 an index is no share; a hundred is beyond every medium.
 _MOST_IOR, _MOST = 100.0, 1e9
-_SHARES = re.compile(r"weight|color|roughness|metal|anisotrop|opacity|darkening|coat|tint|sheen|base$|specular$|transmission$|subsurface$|alpha$|iridescence$", re.I)
+_SHARES = re.compile(
+    r"weight|color|roughness|metal|anisotrop|opacity|darkening|coat|tint|sheen|base$|specular$|transmission$|subsurface$|alpha$|iridescence$", re.I
+)
 _SIGNED = re.compile(r"scatter_anisotropy|subsurface_anisotropy|extra_roughness|displacement|rotation")
 
 
@@ -164,7 +166,8 @@ def _material(document: Document, name: str, node: ElementTree.Element) -> Mater
         elif default is not None:
             values[parameter] = _limited(surface, parameter, found, document.where, losses)
     losses += [
-        Loss("color space", space[:40], APPROXIMATED, f"unknown: read as linear Rec.709; known are {', '.join(known_spaces())}") for space in sorted(graph.unknown)
+        Loss("color space", space[:40], APPROXIMATED, f"unknown: read as linear Rec.709; known are {', '.join(known_spaces())}")
+        for space in sorted(graph.unknown)
     ]
     return Material(name, surface, surface.defaults | values, images, tuple(losses))
 

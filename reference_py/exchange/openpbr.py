@@ -231,4 +231,3 @@ class _Reader:
         roughness, features = self._rough("coat")
         tint = tuple(float(c) for c in np.clip(v["coat_color"], 0.0, 1.0))
         return {"coat": Interface(max(v["coat_ior"], 1.0), roughness, features), "coat_tint": tint, "coat_weight": weight}
-

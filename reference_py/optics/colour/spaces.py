@@ -7,7 +7,7 @@ Sources of the numbers: ITU-R BT.709-6 and BT.2020-2, SMPTE EG 432-1 (P3 with D6
 SMPTE ST 2065-1 (AP0), ACES S-2014-004 (AP1), IEC 61966-2-1 (the sRGB curve), Lam 1985 (Bradford).
 """
 
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 
@@ -42,6 +42,11 @@ _ENDINGS = ("_scene", "_display", "_tx")
 def known_spaces() -> tuple[str, ...]:
     """The names to choose from: what is most used first."""
     return ("lin_rec709", "srgb_texture", "acescg", "g22_rec709", "g18_rec709", "rec709_display", "lin_rec2020", "lin_p3d65", "adobergb", "g22_ap1", "lin_ap0")
+
+
+def canonical(name: str) -> str:
+    """CURVE_PRIMARIES of a space that `is_known`; empty for one whose numbers stay as they are."""
+    return "" if name.strip().lower() in RAW else "_".join(_parts(name))
 
 
 def is_known(name: str) -> bool:
@@ -85,7 +90,7 @@ def _decoded(values: np.ndarray, curve: str) -> np.ndarray:
     return values ** _GAMMAS[curve]
 
 
-@lru_cache(maxsize=None)
+@cache
 def _matrix(primaries: str) -> np.ndarray:
     """(3, 3) from linear RGB of these primaries to linear Rec.709."""
     source, target = _CHROMATICITIES[primaries], _CHROMATICITIES["rec709"]
