@@ -163,3 +163,8 @@ def _block(image: Image, notes: list[str]) -> bpy.types.Image:
     block = bpy.data.images.load(image.file)
     block.colorspace_settings.name = wanted
     return block
+
+
+def linked_sockets(material: bpy.types.Material) -> list[str]:
+    """Names of the sockets of a material's layers that something feeds."""
+    return [s.name for e in (*material.lamina.shown_layers, material.lamina.base) for s in node_of(e).inputs if s.is_linked]

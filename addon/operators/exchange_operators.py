@@ -120,8 +120,7 @@ class LAMINA_OT_export_mtlx(ops.LayeredOperator, ExportHelper, bpy.types.Operato
         material = ops.material_of(context)
         converted = to_openpbr(materials.stack_of(material))
         save_mtlx(converted.values, material.name, self.filepath)
-        linked = [s.name for e in (*material.lamina.shown_layers, material.lamina.base) for s in materials.node_of(e).inputs if s.is_linked]
-        notes = [f"lost: {name} texture: the socket's own value is written" for name in linked]
+        notes = [f"lost: {name} texture: the socket's own value is written" for name in materialx_import.linked_sockets(material)]
         tell(self, Path(self.filepath).name, converted.report, notes)
 
 

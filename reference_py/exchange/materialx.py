@@ -64,12 +64,12 @@ class Material:
         return replace(converted, report=report)
 
 
-def to_mtlx(values: dict, name: str) -> str:
-    """The text of a file with one material. `values` by OpenPBR's names; colors are linear Rec. 709."""
+def to_mtlx(values: dict, name: str, node: str = "open_pbr_surface") -> str:
+    """The text of a file with one material. `values` by the surface's own names; colors are linear Rec. 709."""
     root = ElementTree.Element("materialx", version=_VERSION, colorspace="lin_rec709")
     label = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "Lamina"
     label = label if not label[0].isdigit() else f"M_{label}"
-    surface = ElementTree.SubElement(root, "open_pbr_surface", name=f"{label}_surface", type="surfaceshader")
+    surface = ElementTree.SubElement(root, node, name=f"{label}_surface", type="surfaceshader")
     for parameter, value in values.items():
         kind, text = ("color3", ", ".join(f"{v:.7g}" for v in value)) if isinstance(value, tuple) else ("float", f"{value:.7g}")
         ElementTree.SubElement(surface, "input", name=parameter, type=kind, value=text)
@@ -79,9 +79,9 @@ def to_mtlx(values: dict, name: str) -> str:
     return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
-def save_mtlx(values: dict, name: str, path: str | os.PathLike) -> None:
+def save_mtlx(values: dict, name: str, path: str | os.PathLike, node: str = "open_pbr_surface") -> None:
     """Write the file, whole or not at all. Raises LaminaError."""
-    write_text(path, to_mtlx(values, name))
+    write_text(path, to_mtlx(values, name, node))
 
 
 def load_mtlx(path: str | os.PathLike) -> list[Material]:

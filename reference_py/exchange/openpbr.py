@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surfaces of MaterialX to a stack: OpenPBR 1.1, and by its names the others of `surfaces`; a stack to OpenPBR.
+"""Surfaces of MaterialX to a stack: OpenPBR 1.1, and by its names the others of `surfaces`; and a stack to `WRITERS`.
 
 The specular index is absolute in OpenPBR: relative to it is the mean of 1 and the coat's by the coat's weight. The coat
 color is what two perpendicular crossings leave. Films are in micrometres.
@@ -7,6 +7,7 @@ color is what two perpendicular crossings leave. Films are in micrometres.
 
 import numpy as np
 
+from ..errors import LaminaError
 from ..material.schema import THIN_FILM
 from ..material.stack import Stack
 from ..models.baselines.parts import metal_colors
@@ -34,6 +35,7 @@ _OF = {
 }  # fmt: skip
 _READ = ("transmission_weight", "transmission_color", "subsurface_weight", "subsurface_color")
 _NM_PER_UM = 1000.0
+_CLEARCOAT_IOR = 1.5
 # Blender's anisotropy makes the alphas' ratio 1 - .9 anisotropy.
 _BLENDER_RATIO = 0.9
 # Where the inputs are in a stack, by OpenPBR's names: slots in order of preference, parameter.
@@ -46,17 +48,30 @@ PLACES = {
 
 def to_openpbr(stack: Stack) -> Converted:
     """Parameters as bright as the stack; what is not named is at its default."""
-    losses: list[Loss] = []
+    return to_surface(_OPEN, stack)
+
+
+def to_surface(surface: Surface, stack: Stack) -> Converted:
+    """Values by the surface's own names, as bright as the stack. Raises LaminaError for a surface that is not written."""
+    if surface.node not in WRITERS:
+        raise LaminaError(f"{surface.node} is read, not written; choose {', '.join(WRITERS)}")
+    write = WRITERS[surface.node]
 
     def rendered(slots: Slots):
-        return lambda color: appearance(DEFAULTS | _values_of(slots.with_color(np.clip(color, 0.0, 1.0)), []), _OPEN.rules).solid
+        def albedos(color):
+            values = write(slots.with_color(np.clip(color, 0.0, 1.0)), [])
+            return appearance(DEFAULTS | surface.to_open(surface.defaults | values), surface.rules).solid
 
-    slots, owners, report, _ = stack_to_slots(stack, NAME, rendered, room=frozenset({"anisotropy"}))
-    values = _values_of(slots, losses)
-    return Converted(stack, values, slots, owners, Report((*report.losses, *losses), report.match))
+        return albedos
+
+    slots, owners, report, _ = stack_to_slots(stack, surface.title, rendered, room=frozenset({"anisotropy"}))
+    losses: list[Loss] = []
+    values = write(slots, losses)
+    amended = {loss.parameter for loss in losses}
+    return Converted(stack, values, slots, owners, Report((*(o for o in report.losses if o.parameter not in amended), *losses), report.match))
 
 
-def _values_of(slots: Slots, losses: list[Loss]) -> dict:
+def _to_openpbr(slots: Slots, losses: list[Loss]) -> dict:
     values = {"base_color": tuple(slots.color)}
     if slots.coat:
         values |= {"coat_weight": slots.coat_weight, "coat_color": tuple(slots.coat_tint), "coat_ior": slots.coat.eta}
@@ -88,6 +103,66 @@ def _rough(part: str, roughness: float, features: dict, losses: list[Loss]) -> d
         losses.append(Loss(f"{part} rotation", features["rotation"], LOST, f"{NAME} turns the tangent of the geometry instead"))
     ratio = 1.0 - _BLENDER_RATIO * features["anisotropy"]
     return {f"{part}_roughness": min(open_roughness(roughness, ratio), 1.0), f"{part}_roughness_anisotropy": 1.0 - ratio}
+
+
+def _to_standard(slots: Slots, losses: list[Loss]) -> dict:
+    values = {"base": 1.0, "base_color": tuple(slots.color)}
+    if slots.coat:
+        values |= {"coat": slots.coat_weight, "coat_color": tuple(slots.coat_tint), "coat_IOR": slots.coat.eta, "coat_roughness": slots.coat.roughness}
+        values |= _brushed("coat", slots.coat.features)
+    features = slots.gloss.features if slots.gloss else slots.features
+    if slots.is_metal:
+        values |= {"metalness": 1.0, "specular_color": tuple(slots.edge), "specular_roughness": slots.roughness} | _brushed("specular", features)
+    elif slots.gloss:
+        values |= {"specular_IOR": slots.gloss.eta, "specular_roughness": slots.gloss.roughness} | _brushed("specular", features)
+    else:
+        values |= {"specular": 0.0}
+    if slots.sigma_deg:
+        values["diffuse_roughness"] = float(np.radians(slots.sigma_deg))
+    if features.get("film_thickness"):
+        values |= {"thin_film_thickness": features["film_thickness"], "thin_film_IOR": features["film_ior"]}
+    return values
+
+
+def _brushed(part: str, features: dict) -> dict:
+    if not features.get("anisotropy"):
+        return {}
+    return {f"{part}_anisotropy": _BLENDER_RATIO * features["anisotropy"], f"{part}_rotation": features["rotation"]}
+
+
+def _to_gltf(slots: Slots, losses: list[Loss]) -> dict:
+    values = {"base_color": tuple(slots.color), "metallic": float(slots.is_metal)}
+    if slots.coat:
+        values |= {"clearcoat": slots.coat_weight, "clearcoat_roughness": slots.coat.roughness}
+        if min(slots.coat_tint) < 1.0:
+            losses.append(Loss("coat tint", slots.coat_tint, APPROXIMATED, "a clearcoat has none: it is in the base color, the same at all angles"))
+        if slots.coat.eta != _CLEARCOAT_IOR:
+            losses.append(Loss("coat IOR", slots.coat.eta, APPROXIMATED, f"a clearcoat has {_CLEARCOAT_IOR:g}; the base color makes up for it"))
+        if slots.coat.features.get("anisotropy"):
+            losses.append(Loss("coat anisotropy", slots.coat.features["anisotropy"], LOST, "a clearcoat has none"))
+    features = slots.gloss.features if slots.gloss else slots.features
+    roughness = slots.roughness if slots.is_metal else slots.gloss.roughness if slots.gloss else 1.0
+    if slots.is_metal:
+        losses.append(Loss("edge color", slots.edge, LOST, "a metal's reflectance rises as Schlick has it"))
+    elif slots.gloss:
+        values["ior"] = slots.gloss.eta
+    else:
+        values["specular"] = 0.0
+    if slots.sigma_deg:
+        losses.append(Loss("base sigma_deg", slots.sigma_deg, LOST, "a diffuse base is Lambert's"))
+    if features.get("anisotropy"):
+        ratio = 1.0 - _BLENDER_RATIO * features["anisotropy"]
+        across = min(roughness**2 * ratio**0.5, 0.999)
+        along = min(across / ratio, 1.0)
+        roughness = across**0.5
+        values |= {"anisotropy_strength": float(((along - across) / (1.0 - across)) ** 0.5), "anisotropy_rotation": 2.0 * np.pi * features["rotation"]}
+    if features.get("film_thickness"):
+        values |= {"iridescence": 1.0, "iridescence_thickness": features["film_thickness"], "iridescence_ior": features["film_ior"]}
+    return values | {"roughness": roughness}
+
+
+WRITERS = {"open_pbr_surface": _to_openpbr, "standard_surface": _to_standard, "gltf_pbr": _to_gltf}
+"""By surface: values by its own names, of slots."""
 
 
 def from_openpbr(values: dict, name: str = "") -> Converted:

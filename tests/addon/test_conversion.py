@@ -13,6 +13,7 @@ bpy = pytest.importorskip("bpy")
 
 from lamina.addon.blender.images import read_png
 from lamina.addon.blender.versions import node_tree
+from lamina.addon.cli.main import run
 from lamina.addon.exchange import conversion, textures
 from lamina.addon.exchange.sources import PRINCIPLED, principled_of
 from lamina.addon.material import material as materials
@@ -25,7 +26,7 @@ from lamina.addon.rendering.geometry import plane_mesh
 from lamina.addon.rendering.measure import render_furnace
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.exchange import openpbr
-from lamina.reference_py.exchange.materialx import to_mtlx
+from lamina.reference_py.exchange.materialx import load_mtlx, to_mtlx
 from lamina.reference_py.exchange.openpbr import to_openpbr
 from lamina.reference_py.exchange.principled import to_principled
 from lamina.reference_py.material.stack import Stack
@@ -221,6 +222,20 @@ def test_a_file_becomes_materials_with_its_images(plane, tmp_path):
     with pytest.raises(RuntimeError, match="not valid XML"):
         bpy.ops.lamina.import_materials("EXEC_DEFAULT", filepath=str(file))
     assert counts() == before
+
+
+def test_an_objects_material_is_written_outside_a_window(plane, tmp_path, capsys):
+    material = layered(plane)
+    material.node_tree.links.new(ramp(material), node_of(material.lamina.layers[0]).inputs["Roughness"])
+    blend, out = tmp_path / "in.blend", tmp_path / "out.mtlx"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    assert run(["convert", str(blend), "--object", "plane", "--to", "standard_surface", "-o", str(out)]) == 0
+    assert "lost: Roughness texture" in capsys.readouterr().out
+    (written,) = load_mtlx(out)
+    assert written.surface.node == "standard_surface" and written.values["coat"] + written.values["specular"] > 0.0
+    for arguments, words in ((["--object", "ball"], "has plane"), ([], "go together")):
+        assert run(["convert", str(blend), *arguments, "--to", "gltf_pbr"]) == 2
+        assert words in capsys.readouterr().err
 
 
 def test_textures_are_baked_and_the_file_is_as_before(plane, tmp_path):

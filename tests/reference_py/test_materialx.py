@@ -8,9 +8,9 @@ from lamina.addon.cli.main import run
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.exchange.appearance import appearance, dielectric_albedo
 from lamina.reference_py.exchange.matching import mean
-from lamina.reference_py.exchange.materialx import from_mtlx, load_mtlx
+from lamina.reference_py.exchange.materialx import from_mtlx, load_mtlx, to_mtlx
 from lamina.reference_py.exchange.materialx_graph import Image
-from lamina.reference_py.exchange.openpbr import from_openpbr
+from lamina.reference_py.exchange.openpbr import from_openpbr, to_surface
 from lamina.reference_py.exchange.principled import from_principled
 from lamina.reference_py.exchange.report import APPROXIMATED, KEPT, LOST
 from lamina.reference_py.exchange.surfaces import OPENPBR, SURFACES
@@ -192,6 +192,28 @@ def test_included_files_are_read_from_the_folder_alone(tmp_path):
     (tmp_path / "look.mtlx").write_text(look.format("look.mtlx"))
     with pytest.raises(LaminaError, match="no surface"):
         load_mtlx(tmp_path / "look.mtlx")
+
+
+@pytest.mark.parametrize("name", ("open_pbr_surface", "standard_surface", "gltf_pbr"))
+def test_what_is_written_comes_back(name):
+    """A clear coat over a gloss over paint, and a lacquered metal: index, roughness and color."""
+    clear = {"kind": "dielectric", "ior": 1.5, "roughness": 0.1}
+    paint = Stack.from_dict({"layers": [clear, {**clear, "ior": 1.8, "roughness": 0.3}], "base": {"kind": "lambert", "color": [0.6, 0.2, 0.1]}})
+    metal = {"kind": "conductor", "reflectance": [0.9, 0.7, 0.4], "edge_color": [0.9, 0.8, 0.6], "roughness": 0.3, "anisotropy": 0.5}
+    for stack in (paint, Stack.from_dict({"layers": [clear], "base": metal})):
+        written = to_surface(SURFACES[name], stack)
+        assert written.report.match.color_difference < 0.5
+        (material,) = from_mtlx(to_mtlx(written.values, "x", name))
+        assert not material.losses
+        back = material.to_stack().stack
+        for old, new in zip(stack.layers, back.layers, strict=True):
+            assert new["ior"] == pytest.approx(old["ior"], abs=1e-4) and new["roughness"] == pytest.approx(old["roughness"], abs=1e-4)
+        key = "color" if "color" in stack.base else "reflectance"
+        # measured: 4e-5; of a metal .0117, as its edge color below the coat goes with the color that is solved; without one (glTF) .0199
+        most = 0.001 if key == "color" else 0.025 if name == "gltf_pbr" else 0.013
+        np.testing.assert_allclose(back.base[key], stack.base[key], atol=most)
+        if key == "reflectance":
+            assert back.base["anisotropy"] == pytest.approx(0.5, abs=1e-3) and back.base["roughness"] == pytest.approx(0.3, abs=1e-3)
 
 
 def test_the_command_takes_any_material_of_a_file(tmp_path, capsys):
