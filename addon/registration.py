@@ -35,6 +35,7 @@ def register() -> None:
     swatch_icons.register()
     preset_icons.register()
     asset_library.register()
+    bpy.types.TOPBAR_MT_file_import.append(exchange_operators.show_import)
     keep_in(cache_folder(), lambda message: print(f"Lamina: {message}"))
     for handlers, handler in (*staleness.handlers(), *stamp_note.handlers(), *bakes.handlers()):
         handlers.append(handler)
@@ -45,6 +46,7 @@ def unregister() -> None:
         handlers.remove(handler)
     bakes.stop()
     fitting.stop()
+    bpy.types.TOPBAR_MT_file_import.remove(exchange_operators.show_import)
     asset_library.unregister()
     preset_icons.unregister()
     swatch_icons.unregister()

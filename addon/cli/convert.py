@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Command that converts a stack to Principled or OpenPBR, and a MaterialX file to a stack."""
+"""Command that converts a stack, or an object's material, to Principled or a surface of MaterialX, and a MaterialX file to a stack."""
 
 import json
 from pathlib import Path
@@ -7,14 +7,17 @@ from pathlib import Path
 from ...reference_py.atomic import require_writable, write_text
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.materialx import SUFFIX, load_mtlx, save_mtlx
-from ...reference_py.exchange.openpbr import from_openpbr, to_openpbr
+from ...reference_py.exchange.openpbr import to_surface
 from ...reference_py.exchange.principled import to_principled
 from ...reference_py.exchange.report import shown
-from ..session import say
+from ...reference_py.exchange.surfaces import SURFACES
+from ...reference_py.material.stack import Stack
+from ..session import blender, say
 from .numbers import load_stack
 
-PRINCIPLED, OPENPBR = "principled", "openpbr"
-_SUFFIXES = {PRINCIPLED: ".json", OPENPBR: SUFFIX}
+PRINCIPLED = "principled"
+NODES = {"openpbr": "open_pbr_surface", "standard_surface": "standard_surface", "gltf_pbr": "gltf_pbr"}
+"""Nodes of MaterialX that a stack becomes, by what --to calls them."""
 
 
 def convert(options) -> None:
@@ -25,19 +28,47 @@ def convert(options) -> None:
         _import(options)
         return
     if not options.to:
-        raise LaminaError(f"convert {options.source}: give --to {PRINCIPLED} or --to {OPENPBR}; only a {SUFFIX} file needs none")
-    _require_suffix(options.output, _SUFFIXES[options.to])
-    stack = load_stack(options.source)
-    converted = (to_principled if options.to == PRINCIPLED else to_openpbr)(stack)
+        raise LaminaError(f"convert {options.source}: give --to {PRINCIPLED}, {' or '.join(NODES)}; only a {SUFFIX} file needs none")
+    _require_suffix(options.output, SUFFIX if options.to in NODES else ".json")
+    stack, notes = _source(options)
+    converted = to_surface(SURFACES[NODES[options.to]], stack) if options.to in NODES else to_principled(stack)
     for name, value in converted.values.items():
         print(f"{name:30} {shown(value)}")
+    print(*notes, sep="\n", end="\n" if notes else "")
     _print(converted.report)
     if options.output:
-        if options.to == OPENPBR:
-            save_mtlx(converted.values, stack.name, options.output)
+        if options.to in NODES:
+            save_mtlx(converted.values, stack.name, options.output, NODES[options.to])
         else:
             write_text(options.output, json.dumps({"values": converted.values, "report": converted.report.lines()}, indent=2) + "\n")
         say("convert")(f"wrote {options.output}")
+
+
+def _source(options) -> tuple[Stack, list[str]]:
+    """The stack to convert, and what its material loses on the way."""
+    is_blend = Path(options.source).suffix.lower() == ".blend"
+    if is_blend != bool(options.object):
+        raise LaminaError("IN.blend and --object NAME go together")
+    if not is_blend:
+        return load_stack(options.source), []
+    if not Path(options.source).is_file():
+        raise LaminaError(f"{options.source}: there is no such .blend file")
+    with blender(say("convert")):
+        import bpy
+
+        from ..blender.blend_files import open_file
+        from ..exchange.materialx_import import linked_sockets
+        from ..material.material import stack_of
+
+        open_file(options.source)
+        item = bpy.data.objects.get(options.object)
+        if item is None:
+            raise LaminaError(f"--object {options.object}: {options.source} has {', '.join(o.name for o in bpy.data.objects)[:300] or 'no object'}")
+        material = item.active_material
+        if material is None or not material.lamina.is_layered:
+            raise LaminaError(f"object {item.name}: {'its material ' + material.name if material else 'it'} has no Lamina stack")
+        notes = [f"lost: {name} texture: the socket's own value is written" for name in linked_sockets(material)]
+        return stack_of(material), notes
 
 
 def _import(options) -> None:
@@ -46,13 +77,22 @@ def _import(options) -> None:
     if not options.output:
         raise LaminaError(f"{options.source}: give -o STACK.json, the stack file to write")
     _require_suffix(options.output, ".json")
-    name, values, notes = load_mtlx(options.source)
-    converted = from_openpbr(values, name)
-    for sentence in notes:
-        print(f"lost: {sentence}")
+    material = _chosen(load_mtlx(options.source), options)
+    converted = material.to_stack(without=frozenset(material.images))
     _print(converted.report)
     converted.stack.save(options.output)
     say("convert")(f"wrote {options.output}")
+
+
+def _chosen(materials: list, options):
+    """The material that --material names, or the first."""
+    names = [material.name for material in materials]
+    if options.material and options.material not in names:
+        raise LaminaError(f"--material {options.material}: {options.source} has {', '.join(names)[:300]}")
+    chosen = materials[names.index(options.material) if options.material else 0]
+    if len(materials) > 1:
+        say("convert")(f"{chosen.name}, one of {len(materials)} materials; --material takes another: {', '.join(n for n in names if n != chosen.name)[:300]}")
+    return chosen
 
 
 def _print(report) -> None:

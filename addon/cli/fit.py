@@ -82,7 +82,7 @@ def _measurement(options, report) -> tuple[Measurement, Stack | None]:
                 f"{options.file} is a stack, not a measurement; give --sample MODEL to fit samples of a model of it, "
                 f"or a file that ends in {', '.join(SUFFIXES)}"
             )
-        return read(options.file, options.wavelength), None
+        return read(options.file, options.wavelength, options.steepest), None
     if options.sample not in MODELS:
         raise LaminaError(f"--sample {options.sample}: unknown model; choose {', '.join(MODELS)}")
     stack = presets.load(options.file)

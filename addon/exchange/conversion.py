@@ -6,7 +6,6 @@ from collections.abc import Iterator
 import bpy
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.exchange.openpbr import from_openpbr
 from ...reference_py.exchange.principled import PLACES, from_principled, to_principled
 from ...reference_py.exchange.report import LOST, Report
 from ...reference_py.material.stack import Stack
@@ -151,10 +150,3 @@ def principled_copies(replacing: bool) -> Iterator[tuple[bpy.types.Material, str
             copy.use_fake_user = True  # no object has it yet
         lost = ", ".join(dict.fromkeys(loss.parameter for loss in report.of(LOST)))
         yield copy, f"error {100.0 * report.match.soft_light:.1f} %{f'; lost: {lost}' if lost else ''}"
-
-
-def apply_openpbr(material: bpy.types.Material, name: str, values: dict) -> Report:
-    """Give a material the stack of OpenPBR values. Raises LaminaError, and leaves it as it was."""
-    converted = from_openpbr(values, name)
-    materials.apply_stack(material, converted.stack)
-    return converted.report

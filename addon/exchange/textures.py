@@ -18,6 +18,7 @@ import numpy as np
 from ...reference_py.atomic import output_folder
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.principled import DEFAULTS, to_principled
+from ...reference_py.optics.colour import srgb_encoded
 from ..blender.images import require_pictures, write_png
 from ..blender.versions import node_tree
 from ..material import material as materials
@@ -90,7 +91,7 @@ def _stored(pixels: np.ndarray, is_color: bool) -> np.ndarray:
     """8 bits: sRGB for colors, linear for data."""
     pixels = np.clip(pixels, 0.0, 1.0)
     if is_color:
-        pixels = np.where(pixels <= 0.0031308, 12.92 * pixels, 1.055 * np.maximum(pixels, 1e-9) ** (1 / 2.4) - 0.055)
+        pixels = srgb_encoded(pixels)
     return (255.0 * pixels + 0.5).astype(np.uint8)
 
 

@@ -13,9 +13,10 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.materialx import SUFFIX, load_mtlx, save_mtlx
 from ...reference_py.exchange.openpbr import to_openpbr
 from ...reference_py.exchange.report import Report
-from ..exchange import conversion
+from ..exchange import conversion, materialx_import
 from ..exchange.sources import principled_of
 from ..material import material as materials
+from ..material.holders import can_hold_material
 from . import material_operators as ops
 
 REPORT_TEXT = "Lamina Conversion"
@@ -119,15 +120,14 @@ class LAMINA_OT_export_mtlx(ops.LayeredOperator, ExportHelper, bpy.types.Operato
         material = ops.material_of(context)
         converted = to_openpbr(materials.stack_of(material))
         save_mtlx(converted.values, material.name, self.filepath)
-        linked = [s.name for e in (*material.lamina.shown_layers, material.lamina.base) for s in materials.node_of(e).inputs if s.is_linked]
-        notes = [f"lost: {name} texture: the socket's own value is written" for name in linked]
+        notes = [f"lost: {name} texture: the socket's own value is written" for name in materialx_import.linked_sockets(material)]
         tell(self, Path(self.filepath).name, converted.report, notes)
 
 
 class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator):
     bl_idname = "lamina.import_mtlx"
     bl_label = "Import MaterialX"
-    bl_description = "Read an OpenPBR surface from a MaterialX file as layers, in place of what the material shows"
+    bl_description = "Read the first material of a MaterialX file as layers, in place of what the material shows, with its images"
 
     filename_ext = SUFFIX
     filter_glob: bpy.props.StringProperty(default=f"*{SUFFIX}", options={"HIDDEN"})
@@ -137,21 +137,65 @@ class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator
         return ops.StackOperator.poll.__func__(cls, context)
 
     def run(self, context):
-        name, values, notes = load_mtlx(self.filepath)
+        source, *others = load_mtlx(self.filepath)
         material = ops.material_of(context)
-        target = material or bpy.data.materials.new(name or "Lamina")
+        target = material or bpy.data.materials.new(source.name or "Lamina")
         gave_way = ops.what_gives_way(target)
         try:
-            report = conversion.apply_openpbr(target, name, values)
-        except LaminaError:
+            imported = materialx_import.apply_material(target, source)
+        except Exception:
             if material is None:
                 bpy.data.materials.remove(target)
             raise
         if material is None:
             context.object.active_material = target
-        tell(self, Path(self.filepath).name, report, [*filter(None, [gave_way]), *(f"lost: {sentence}" for sentence in notes)])
+        more = [f"lost: {len(others)} more materials of the file: File > Import reads them all"] if others else []
+        tell(self, Path(self.filepath).name, imported.report, [*filter(None, [gave_way]), *more, *imported.notes])
         for notice in materials.make_renderable(target, context.scene):
             self.report({"INFO"}, f"Lamina: {notice}")
+
+
+class LAMINA_OT_import_materials(ops.LaminaOperator, ImportHelper, bpy.types.Operator):
+    bl_idname = "lamina.import_materials"
+    bl_label = "Import MaterialX Materials"
+    bl_description = "Make a Lamina material of every material of a MaterialX file, with its images; an object without a material gets the first"
+
+    filename_ext = SUFFIX
+    filter_glob: bpy.props.StringProperty(default=f"*{SUFFIX}", options={"HIDDEN"})
+
+    def invoke(self, context, event):
+        if self.filepath:  # a file that was dropped
+            return self.execute(context)
+        return super().invoke(context, event)
+
+    def run(self, context):
+        made, lines = materialx_import.import_materials(self.filepath)
+        item = context.object
+        if can_hold_material(item) and item.is_editable and item.data.is_editable and item.active_material is None:
+            item.active_material = made[0].material
+        for imported in made:
+            if not imported.material.users:
+                imported.material.use_fake_user = True  # no object has it yet
+            lines += [f"{imported.material.name}: {line}" for line in (*imported.notes, *imported.report.lines())]
+        tell_lines(self, rpt_("{count} materials of {file}").format(count=len(made), file=Path(self.filepath).name), lines)
+        for notice in dict.fromkeys(n for imported in made for n in materials.make_renderable(imported.material, context.scene)):
+            self.report({"INFO"}, f"Lamina: {notice}")
+
+
+class LAMINA_FH_materialx(bpy.types.FileHandler):
+    bl_idname = "LAMINA_FH_materialx"
+    bl_label = "MaterialX as Lamina Materials"
+    bl_import_operator = LAMINA_OT_import_materials.bl_idname
+    bl_file_extensions = SUFFIX
+
+    @classmethod
+    def poll_drop(cls, context):
+        return context.area is not None and context.area.type == "VIEW_3D"
+
+
+def show_import(menu: bpy.types.Menu, _context) -> None:
+    """Lamina's entry of File > Import."""
+    menu.layout.operator(LAMINA_OT_import_materials.bl_idname, text="MaterialX as Lamina Materials (.mtlx)")
 
 
 class LAMINA_MT_exchange(bpy.types.Menu):
@@ -175,5 +219,7 @@ CLASSES = (
     LAMINA_OT_principled_copies,
     LAMINA_OT_export_mtlx,
     LAMINA_OT_import_mtlx,
+    LAMINA_OT_import_materials,
+    LAMINA_FH_materialx,
     LAMINA_MT_exchange,
 )

@@ -1,18 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A stack as slots of a model that other programs render, and back: places, base color and report together."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..errors import LaminaError
 from ..material.stack import Stack
-from .matching import ColorMap, color_key, color_map, compared, mean, recolored, rendered_by, solve, truth
-from .report import APPROXIMATED, LOST, Loss, Match, Report, shown
+from .appearance import Appearance
+from .matching import Albedos, ColorMap, color_key, color_map, compared, mean, recolored, solve, truth
+from .report import APPROXIMATED, LOST, Loss, Report, shown
 from .slots import MOST_REFLECTANCE, Slots, from_stack, to_stack
 
 # A mean albedo that is further off than this could not be reached.
 _REACHED = 5e-4
+# A mean albedo that is black to every eye.
+_SEEN = 2e-3
 
 
 @dataclass(frozen=True)
@@ -31,29 +35,37 @@ class Converted:
     colors: ColorMap | None = None
 
 
-def stack_to_slots(stack: Stack, model: str, name: str, room=frozenset(), textured: bool = False) -> tuple[Slots, dict, Report, ColorMap | None]:
-    """Slots that `model` renders as bright as the stack is; owners, report and color map as in Converted."""
+def stack_to_slots(
+    stack: Stack, name: str, rendered: Callable[[Slots], Albedos], room=frozenset(), textured: bool = False
+) -> tuple[Slots, dict, Report, ColorMap | None]:
+    """Slots that a model called `name` renders as bright as the stack is; owners, report and color map as in Converted."""
     placed = from_stack(stack, name, room)
-    original, rendered = truth(stack), rendered_by(model, placed.slots)
+    original, shown_as = truth(stack), rendered(placed.slots)
     wanted = original()
-    color, found = solve(rendered, mean(wanted), placed.slots.color)
+    color, found = solve(shown_as, mean(wanted), placed.slots.color)
     match = compared(wanted, found, _has_film(placed.slots))
-    losses = [*placed.losses, *_unmatched("base color", color, match)]
-    colors = color_map(original, rendered) if textured and color_key(stack.base) in stack.base else None
+    losses = [*placed.losses, *_unmatched("base color", color, match.mean_error)]
+    colors = color_map(original, shown_as) if textured and color_key(stack.base) in stack.base else None
     return placed.slots.with_color(color), placed.owners, Report(tuple(losses), match), colors
 
 
-def slots_to_stack(slots: Slots, model: str, name: str, source: str, losses: list[Loss], textured: bool = False) -> Converted:
-    """The stack that is as bright as `model` renders the slots. `values` is left empty."""
+def slots_to_stack(slots: Slots, original: Albedos, look: Appearance, name: str, source: str, losses: list[Loss], textured: bool = False) -> Converted:
+    """The stack that is as bright as what its file says. `values` is left empty.
+
+    `original` gives the albedo by the file's base color, for textures; `look` is that of its own color, with what no
+    stack can have. Raises LaminaError where nothing that is seen would be left.
+    """
     stack, owners = to_stack(slots, name, source, losses)
-    rendered, exact = rendered_by(model, slots), truth(stack)
-    wanted = rendered(slots.color)
+    exact = truth(stack)
+    wanted = mean(look.solid)
     most = MOST_REFLECTANCE if slots.is_metal else 1.0
-    color, found = solve(exact, mean(wanted), stack.base[color_key(stack.base)], most)
-    match = compared(wanted, found, _has_film(slots))
-    losses = [*losses, *_unmatched("base color", color, match)]
+    color, found = solve(exact, wanted, stack.base[color_key(stack.base)], most)
+    if np.max(mean(look.seen)) < _SEEN and look.lost and not _has_film(slots):
+        raise LaminaError(f"{name or 'material'}: nothing that is seen would be left: all light is of {', '.join(look.lost)}, which no stack has")
+    match = compared(look.seen, found, _has_film(slots), look.all_lost)
+    losses = [*losses, *_unmatched("base color", color, mean(found) - wanted)]
     stack = replace(stack, base=recolored(stack.base, color))
-    colors = color_map(rendered, exact, most) if textured else None
+    colors = color_map(original, exact, most) if textured else None
     return Converted(stack, {}, slots, owners, Report(tuple(losses), match), colors)
 
 
@@ -62,12 +74,20 @@ def _has_film(slots: Slots) -> bool:
     return any(features.get("film_thickness") for features in surfaces)
 
 
-def _unmatched(parameter: str, color: np.ndarray, match: Match) -> list[Loss]:
-    if np.max(np.abs(match.mean_error)) <= _REACHED:
+def _unmatched(parameter: str, color: np.ndarray, off: np.ndarray) -> list[Loss]:
+    if np.max(np.abs(off)) <= _REACHED:
         return []
-    return [
-        Loss(parameter, color, APPROXIMATED, f"no color in range is as bright or dark as it should be; the mean albedo is off by {shown(match.mean_error)}")
-    ]
+    return [Loss(parameter, color, APPROXIMATED, f"no color in range is as bright or dark as it should be; the mean albedo is off by {shown(off)}")]
+
+
+def told(losses: list[Loss], values: dict, defaults: dict) -> list[Loss]:
+    """The losses of inputs that are not at their defaults: the others say nothing about a material."""
+    return [loss for loss in losses if loss.parameter not in defaults or isinstance(loss.value, str) or not is_default(loss.parameter, values, defaults)]
+
+
+def is_default(parameter: str, values: dict, defaults: dict) -> bool:
+    """Whether a value is its default."""
+    return bool(np.all(np.abs(np.asarray(values[parameter], float) - np.asarray(defaults[parameter], float)) <= 1e-6))
 
 
 def lost_if(losses: list[Loss], parameter: str, value, default, how: str) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..material.schema import ANISOTROPY, NORMAL, THIN_FILM
 from ..material.stack import Base, LayerOrBase, Stack
+from ..optics.colour import ciede2000, lab_of_linear
 from ..optics.frame import spherical
 from ..optics.interface import Microfacets
 from ..registry import make_model
@@ -108,14 +109,22 @@ def solve(albedos: Albedos, wanted: np.ndarray, start: np.ndarray, most: float =
     return new, shown
 
 
-def compared(original: np.ndarray, converted: np.ndarray, without_film: bool = False) -> Match:
-    """How two materials' albedos (views, 3) differ; `without_film` says that both were taken without their thin film."""
-    difference = np.abs(converted - original)
+def compared(original: np.ndarray, converted: np.ndarray, without_film: bool = False, lost: np.ndarray | None = None) -> Match:
+    """How two materials' albedos (views, 3) differ.
+
+    `without_film` says that both were taken without their thin film; `lost` is light (views, 3) that the original sends
+    out beside this albedo, and that no stack has: it counts as missing, whatever stands in its place.
+    """
+    lost = np.zeros_like(original) if lost is None else lost
+    whole = original + lost
+    difference = np.abs(converted - original) + lost
     view = int(np.argmax(np.max(difference, axis=-1)))
+    total = max(float(np.sum(mean(whole))), 1e-9)
     return Match(
-        mean=mean(original), mean_error=mean(converted) - mean(original), worst=float(np.max(difference)),
+        mean=mean(whole), mean_error=mean(converted) - mean(whole), worst=float(np.max(difference)),
         worst_theta_deg=float(np.degrees(np.arccos(COSINES[view]))),
-        soft_light=float(np.sum(mean(difference)) / max(np.sum(mean(original)), 1e-9)),
+        soft_light=float(np.sum(mean(difference))) / total, lost_light=float(np.sum(mean(lost))) / total,
+        color_difference=float(ciede2000(*(lab_of_linear(mean(albedo)) for albedo in (whole, converted)))),
         without_film=without_film,
     )  # fmt: skip
 

@@ -1,34 +1,75 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""MaterialX files with one OpenPBR surface: written and read by the standard library.
-
-What somebody else wrote is read within limits: no document type (so no entities), not too large, not too deep.
-"""
+"""MaterialX files: materials with one of the surfaces that `surfaces` knows, read and written with the standard library."""
 
 import os
 import re
 import xml.etree.ElementTree as ElementTree
-from math import isfinite
-from xml.parsers import expat
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
 
 from ..atomic import write_text
 from ..errors import LaminaError
 from ..material.json_input import read_text
-from .openpbr import DEFAULTS
+from ..optics.colour import known_spaces
+from .conversion import Converted
+from .materialx_document import Document
+from .materialx_graph import Graph, Image, Unread
+from .openpbr import from_surface
+from .report import APPROXIMATED, LOST, Loss, Report, shown
+from .surfaces import SURFACES, Surface
 
 SUFFIX = ".mtlx"
 _VERSION = "1.39"
-_SURFACE, _MATERIAL = "open_pbr_surface", "surfacematerial"
-_MAX_DEPTH = 32
-_UNIT_RANGE = frozenset(p for p in DEFAULTS if p.endswith(("weight", "color", "roughness", "metalness", "anisotropy", "opacity", "darkening")))
-_MOST = {"specular_ior": 10.0, "coat_ior": 10.0, "thin_film_ior": 10.0, "thin_film_thickness": 1000.0, "emission_luminance": 1e9}
+_MATERIAL, _INCLUDE, _MOST_FILES = "surfacematerial", "xi:include", 32
+# Inputs that are vectors in space: what says nothing where no image feeds it.
+_FRAMES = frozenset({
+    "normal", "tangent", "coat_normal", "clearcoat_normal", "geometry_normal", "geometry_coat_normal", "geometry_tangent", "geometry_coat_tangent",
+})  # fmt: skip
+# Their names in a stack's terms.
+NORMALS = {
+    "normal": "geometry_normal", "geometry_normal": "geometry_normal", "coat_normal": "geometry_coat_normal",
+    "clearcoat_normal": "geometry_coat_normal", "geometry_coat_normal": "geometry_coat_normal",
+}  # fmt: skip
+# Above 1 an index is no share; a hundred is beyond every medium.
+_MOST_IOR, _MOST = 100.0, 1e9
+_SHARES = re.compile(
+    r"weight|color|roughness|metal|anisotrop|opacity|darkening|coat|tint|sheen|base$|specular$|transmission$|subsurface$|alpha$|iridescence$", re.I
+)
+_SIGNED = re.compile(r"scatter_anisotropy|subsurface_anisotropy|extra_roughness|displacement|rotation")
 
 
-def to_mtlx(values: dict, name: str) -> str:
-    """The text of a file with one material. `values` by OpenPBR's names; colors are linear Rec. 709."""
+@dataclass(frozen=True)
+class Material:
+    """One material of a file: its surface, values by the surface's own names, and images by the input that they feed."""
+
+    name: str
+    surface: Surface
+    values: dict
+    images: dict[str, Image] = field(default_factory=dict)
+    losses: tuple[Loss, ...] = ()
+    """What reading it cost."""
+
+    def to_stack(self, without: frozenset[str] = frozenset()) -> Converted:
+        """The stack that is as bright; `without`: images that are not linked to it, and are lost. Raises LaminaError."""
+        own = {self.surface.own(name): name for name in ("base_color", "coat_weight")}
+        used = frozenset(own.get(i, NORMALS.get(i, i)) for i in self.images if i not in without)
+        textured = self.surface.own("base_color") in self.images and self.surface.own("base_color") not in without
+        converted = from_surface(self.surface, self.values, self.name, textured, used)
+        left_out = [
+            Loss(i, f"image {self.images[i].file}", LOST, f"{shown(self.values[i])} stands in" if i in self.values else "left out") for i in sorted(without)
+        ]
+        report = Report((*self.losses, *left_out, *converted.report.losses), converted.report.match)
+        return replace(converted, report=report)
+
+
+def to_mtlx(values: dict, name: str, node: str = "open_pbr_surface") -> str:
+    """The text of a file with one material. `values` by the surface's own names; colors are linear Rec. 709."""
     root = ElementTree.Element("materialx", version=_VERSION, colorspace="lin_rec709")
     label = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "Lamina"
     label = label if not label[0].isdigit() else f"M_{label}"
-    surface = ElementTree.SubElement(root, _SURFACE, name=f"{label}_surface", type="surfaceshader")
+    surface = ElementTree.SubElement(root, node, name=f"{label}_surface", type="surfaceshader")
     for parameter, value in values.items():
         kind, text = ("color3", ", ".join(f"{v:.7g}" for v in value)) if isinstance(value, tuple) else ("float", f"{value:.7g}")
         ElementTree.SubElement(surface, "input", name=parameter, type=kind, value=text)
@@ -38,94 +79,112 @@ def to_mtlx(values: dict, name: str) -> str:
     return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
-def save_mtlx(values: dict, name: str, path: str | os.PathLike) -> None:
+def save_mtlx(values: dict, name: str, path: str | os.PathLike, node: str = "open_pbr_surface") -> None:
     """Write the file, whole or not at all. Raises LaminaError."""
-    write_text(path, to_mtlx(values, name))
+    write_text(path, to_mtlx(values, name, node))
 
 
-def load_mtlx(path: str | os.PathLike) -> tuple[str, dict, list[str]]:
-    """Name of the first material, its OpenPBR values, and the inputs that were not read, with the reason.
+def load_mtlx(path: str | os.PathLike) -> list[Material]:
+    """The materials of a file, then those of files that it includes; images are paths.
 
-    Raises LaminaError in one line for what is no MaterialX file, has no OpenPBR surface, or a value that is none.
+    Raises LaminaError in one line for what is no MaterialX file, has no surface that is known, or a value that is none.
     """
-    return from_mtlx(read_text(path, "MaterialX file"), str(path))
+    found, others = [], []
+    for file in _with_included(Path(path)):
+        document = Document(read_text(file, "MaterialX file"), str(file))
+        for name, node in _surfaces(document):
+            if node.tag in SURFACES:
+                material = _material(document, name, node)
+                found.append(replace(material, images={i: replace(image, file=str(file.parent / image.file)) for i, image in material.images.items()}))
+            else:
+                others.append(node.tag)
+    return _required(found, others, str(path))
 
 
-def from_mtlx(text: str, where: str = "MaterialX") -> tuple[str, dict, list[str]]:
-    """The same of a text."""
-    root = _parsed(text, where)
-    if root.tag != "materialx":
-        raise LaminaError(f"{where}: not a MaterialX file: its root is <{root.tag[:40]}>, not <materialx>")
-    surfaces = {node.get("name", ""): node for node in root.iter(_SURFACE)}
-    if not surfaces:
-        others = sorted({node.tag for node in root.iter() if node.get("type") == "surfaceshader" and node.tag != "input"})
-        raise LaminaError(f"{where}: has no {_SURFACE}, the one surface that can be read; it has {', '.join(others)[:80] or 'no surface'}")
-    name, surface = _first(root, surfaces)
-    values, notes = {}, []
-    for node in surface.iter("input"):
-        parameter = node.get("name", "")
-        if any(node.get(key) for key in ("nodename", "nodegraph", "interfacename", "output")):
-            notes.append(f"{parameter}: is connected to other nodes; its default stands in")
-        elif parameter in DEFAULTS:
-            values[parameter] = _value(parameter, node.get("value", ""), where)
-        else:
-            notes.append(f"{parameter}: has no place in a stack")
-    if len(surfaces) > 1:
-        notes.append(f"{len(surfaces) - 1} more surfaces: only {surface.get('name', '')} is read")
-    return name, values, notes
+def from_mtlx(text: str, where: str = "MaterialX") -> list[Material]:
+    """The materials of a text, without what it includes."""
+    document = Document(text, where)
+    found = _surfaces(document)
+    return _required([_material(document, name, node) for name, node in found if node.tag in SURFACES], [node.tag for _, node in found], where)
 
 
-def _first(root, surfaces: dict) -> tuple[str, ElementTree.Element]:
-    """The first material whose surface is here, else the first surface."""
-    for material in root.iter(_MATERIAL):
-        for node in material.iter("input"):
-            if node.get("name") == "surfaceshader" and node.get("nodename") in surfaces:
-                return material.get("name", ""), surfaces[node.get("nodename")]
-    return next(iter(surfaces.items()))
+def _required(found: list[Material], others: list[str], where: str) -> list[Material]:
+    if not found:
+        names = ", ".join(sorted(set(others)))[:80] or "no surface"
+        raise LaminaError(f"{where}: has none of the surfaces that can be read, {', '.join(SURFACES)}; it has {names}")
+    return found
 
 
-def _value(parameter: str, text: str, where: str):
-    parts = text.split(",")
-    count = 3 if isinstance(DEFAULTS[parameter], tuple) else 1
-    try:
-        numbers = tuple(float(part) for part in parts)
-    except ValueError:
-        numbers = ()
-    most = 1.0 if parameter in _UNIT_RANGE else _MOST[parameter]
-    if len(numbers) != count or not all(isfinite(v) and 0.0 <= v <= most for v in numbers):
-        wanted = "three numbers" if count == 3 else "one number"
-        raise LaminaError(f"{where}: {parameter} is {text[:40]!r}; choose {wanted} from 0 to {most:g}")
-    return numbers if count == 3 else numbers[0]
+def _with_included(path: Path) -> list[Path]:
+    """The file and those that it includes. Raises LaminaError for one outside its folder, or too many."""
+    files = [path]
+    for file in files:  # which grows
+        for node in Document(read_text(file, "MaterialX file"), str(file)).root.iter(_INCLUDE):
+            name = node.get("href", "")
+            included = file.parent / name
+            if not included.resolve().is_relative_to(path.parent.resolve()):
+                raise LaminaError(f"{file}: includes {name[:80]}, which is outside its folder; move it there")
+            if included not in files:
+                files.append(included)
+        if len(files) > _MOST_FILES:
+            raise LaminaError(f"{path}: includes more than {_MOST_FILES} files")
+    return files
 
 
-def _parsed(text: str, where: str) -> ElementTree.Element:
-    builder, parser = ElementTree.TreeBuilder(), expat.ParserCreate()
-    depth = 0
+def _surfaces(document: Document) -> list[tuple[str, ElementTree.Element]]:
+    """Every material's name and surface; where there is no material, every surface."""
+    graph = Graph(document)
+    found = []
+    for material in document.root.iter(_MATERIAL):
+        for given in material.iter("input"):
+            if given.get("name") == "surfaceshader" and (linked := graph.node(given)):
+                found.append((material.get("name", ""), linked[0]))
+    if not found:
+        found = [(n.get("name", ""), n) for n in document.root.iter() if n.get("type") == "surfaceshader" and n.tag not in ("input", "output")]
+    return found
 
-    def start(tag, attributes):
-        nonlocal depth
-        depth += 1
-        if depth > _MAX_DEPTH:
-            raise LaminaError(f"{where}: nested too deeply, more than {_MAX_DEPTH} levels")
-        builder.start(tag, attributes)
 
-    def end(tag):
-        nonlocal depth
-        depth -= 1
-        builder.end(tag)
+def _material(document: Document, name: str, node: ElementTree.Element) -> Material:
+    surface, graph = SURFACES[node.tag], Graph(document)
+    values, images, losses = {}, {}, []
+    for given in node:
+        if given.tag != "input":
+            continue
+        parameter = given.get("name", "")
+        default = surface.defaults.get(parameter)
+        if parameter not in _FRAMES and default is None:
+            losses.append(Loss(parameter, given.get("value", "linked"), LOST, "a stack has no place for it"))
+            continue
+        if not any(given.get(key) for key in ("value", "nodename", "nodegraph", "interfacename", "output")):
+            continue
+        found = graph.value(given)
+        if isinstance(found, Image):
+            images[parameter] = found
+        elif isinstance(found, Unread):
+            stands_in = "left out" if default is None else f"its default, {shown(default)}, stands in"
+            losses.append(Loss(parameter, "linked", LOST, f"{found.why}; {stands_in}"))
+        elif default is not None:
+            values[parameter] = _limited(surface, parameter, found, document.where, losses)
+    losses += [
+        Loss("color space", space[:40], APPROXIMATED, f"unknown: read as linear Rec.709; known are {', '.join(known_spaces())}")
+        for space in sorted(graph.unknown)
+    ]
+    return Material(name, surface, surface.defaults | values, images, tuple(losses))
 
-    def refuse(*_):
-        raise LaminaError(f"{where}: has a document type; entities are not read, so remove its <!DOCTYPE ...>")
 
-    parser.StartElementHandler, parser.EndElementHandler = start, end
-    parser.StartDoctypeDeclHandler = refuse
-    try:
-        parser.Parse(text.encode("utf-8"), True)
-    except expat.ExpatError as error:
-        message = expat.errors.messages[error.code]
-        raise LaminaError(f"{where}: not valid XML at line {error.lineno} column {error.offset}: {message}") from None
-    except (ValueError, LookupError, UnicodeError) as error:
-        if isinstance(error, LaminaError):
-            raise
-        raise LaminaError(f"{where}: not readable as XML: {error}") from None
-    return builder.close()
+def _limited(surface: Surface, parameter: str, found: np.ndarray, where: str, losses: list[Loss]):
+    """A value in its range: what is beyond is limited, and said. Raises LaminaError for a number that cannot be meant."""
+    is_color = isinstance(surface.defaults[parameter], tuple)
+    value = np.broadcast_to(found[:3], 3) if is_color and len(found) in (1, 3, 4) else found
+    if not is_color and len(value) != 1:
+        raise LaminaError(f"{where}: {parameter} has {len(value)} numbers; choose one number")
+    most = _MOST_IOR if parameter.lower().endswith("ior") else _MOST if parameter in surface.unlimited or not _SHARES.search(parameter) else 1.0
+    if _SIGNED.search(parameter):
+        return float(value[0])
+    if not is_color and value[0] < 0.0:
+        raise LaminaError(f"{where}: {parameter} is {value[0]:.6g}; choose one number from 0 to {most:g}")
+    kept = np.clip(value, 0.0, most)
+    if np.any(np.abs(kept - value) > 1e-6):
+        outside = "outside Rec.709" if is_color and np.any(value < -1e-6) else "out of its range"
+        losses.append(Loss(parameter, tuple(value) if is_color else float(value[0]), APPROXIMATED, f"{outside}, 0 to {most:g}; limited to {shown(kept)}"))
+    return tuple(float(c) for c in kept) if is_color else float(kept[0])

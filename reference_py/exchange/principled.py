@@ -5,16 +5,17 @@ import numpy as np
 
 from ..material.stack import Stack
 from ..models.baselines import PrincipledCoat
-from ..models.baselines.parts import dielectric_f0, metal_colors
+from ..models.baselines.parts import metal_colors
 from ..optics.diffuse import fujii_roughness
 from ..optics.optical_stack import OpticalStack
-from .conversion import Converted, lost_if, require_finite, slots_to_stack, stack_to_slots
-from .report import APPROXIMATED, KEPT, LOST, Loss
-from .slots import BASE, COAT, GLOSS, Slots, Surface, edge_of_f82, sigma_of_fujii
+from .appearance import Appearance, Rules, appearance
+from .conversion import Converted, lost_if, require_finite, slots_to_stack, stack_to_slots, told
+from .matching import rendered_by
+from .report import APPROXIMATED, KEPT, LOST, Loss, Report
+from .slots import BASE, COAT, GLOSS, Slots, Surface, edge_of_f82, effective_ior, sigma_of_fujii
+from .surfaces import OPENPBR
 
 NAME = "Principled"
-# Sockets take any number; below this one nothing but total reflection is left.
-_LEAST_IOR = 0.2
 DEFAULTS = {
     "Base Color": (0.8, 0.8, 0.8), "Metallic": 0.0, "Roughness": 0.5, "IOR": 1.5, "Alpha": 1.0, "Diffuse Roughness": 0.0,
     "Subsurface Weight": 0.0, "Specular IOR Level": 0.5, "Specular Tint": (1.0, 1.0, 1.0), "Anisotropic": 0.0,
@@ -22,8 +23,11 @@ DEFAULTS = {
     "Coat Tint": (1.0, 1.0, 1.0), "Sheen Weight": 0.0, "Emission Strength": 0.0, "Thin Film Thickness": 0.0, "Thin Film IOR": 1.33,
 }  # fmt: skip
 _NO_PLACE = {
-    "Subsurface Weight": "a stack's base is opaque", "Transmission Weight": "a stack's base is opaque",
+    "Subsurface Weight": "a base has no light that spreads below it", "Transmission Weight": "light goes through it, and a stack is opaque: its base is black there",
     "Sheen Weight": "a stack has no sheen", "Emission Strength": "a stack does not emit; add an Emission node", "Alpha": "a stack is opaque; mix with a Transparent node",
+}  # fmt: skip
+_OPEN_NAMES = {
+    "transmission_weight": "Transmission Weight", "fuzz_weight": "Sheen Weight", "emission_luminance": "Emission Strength", "geometry_opacity": "Alpha",
 }  # fmt: skip
 # What a stack says something about; the rest of the node is its user's.
 WRITTEN = {socket: default for socket, default in DEFAULTS.items() if socket not in _NO_PLACE}
@@ -39,7 +43,7 @@ PLACES = (
 
 def to_principled(stack: Stack, textured: bool = False) -> Converted:
     """Socket values as bright as the stack. `textured`: with a map for textures of the base color, which takes seconds."""
-    slots, owners, report, colors = stack_to_slots(stack, PrincipledCoat.name, NAME, textured=textured)
+    slots, owners, report, colors = stack_to_slots(stack, NAME, lambda slots: rendered_by(PrincipledCoat.name, slots), textured=textured)
     return Converted(stack, values_of(slots), slots, owners, report, colors)
 
 
@@ -71,10 +75,8 @@ def from_principled(values: dict, name: str = "", textured: bool = False, used: 
     values = DEFAULTS | {k: v for k, v in values.items() if k in DEFAULTS}
     require_finite(values, NAME)
     losses: list[Loss] = []
-    for socket, why in _NO_PLACE.items():
-        lost_if(losses, socket, values[socket], DEFAULTS[socket], why)
-        if socket in used:
-            losses.append(Loss(socket, "texture", LOST, why))
+    losses += [Loss(socket, "texture", LOST, why) for socket, why in _NO_PLACE.items() if socket in used]
+    losses.append(Loss("Subsurface Weight", values["Subsurface Weight"], APPROXIMATED, "as a diffuse base, as a dense medium looks"))
     is_metal = values["Metallic"] >= 0.5
     if 0.0 < values["Metallic"] < 1.0:
         losses.append(Loss("Metallic", values["Metallic"], LOST, f"a base is metal or not; it is {'metal' if is_metal else 'diffuse'}"))
@@ -83,8 +85,28 @@ def from_principled(values: dict, name: str = "", textured: bool = False, used: 
     if "Metallic" in used:
         losses.append(Loss("Metallic", "texture", LOST, "a base is metal or not; the socket's own value decides"))
     slots = _slots(values, is_metal, used, losses)
-    done = slots_to_stack(slots, PrincipledCoat.name, name, "Converted from a Principled BSDF", losses, textured)
-    return Converted(done.stack, values, done.slots, done.owners, done.report, done.colors)
+    rendered, opaque = rendered_by(PrincipledCoat.name, slots), 1.0 if is_metal else 1.0 - values["Transmission Weight"]
+
+    def original(color):
+        return rendered(opaque * np.asarray(color))
+
+    solid = original(np.clip(values["Base Color"], 0.0, 1.0))
+    look = Appearance(solid, values["Alpha"] * solid, appearance(_by_openpbr(values), Rules()).lost)
+    losses += [Loss(_OPEN_NAMES[key], values[_OPEN_NAMES[key]], LOST, _NO_PLACE[_OPEN_NAMES[key]]) for key in look.lost if key in _OPEN_NAMES]
+    done = slots_to_stack(slots.with_color(opaque * np.asarray(slots.color)), original, look, name, "Converted from a Principled BSDF", losses, textured)
+    report = Report(tuple(told([*done.report.losses], values, DEFAULTS)), done.report.match)
+    return Converted(done.stack, values, done.slots, done.owners, report, done.colors)
+
+
+def _by_openpbr(values: dict) -> dict:
+    """By OpenPBR's names, for what no stack has of it. Light below the surface has the base's color."""
+    return OPENPBR | {
+        "base_color": values["Base Color"], "base_metalness": values["Metallic"], "specular_roughness": values["Roughness"],
+        "specular_ior": values["IOR"], "specular_weight": 2.0 * values["Specular IOR Level"], "transmission_weight": values["Transmission Weight"],
+        "transmission_color": values["Base Color"], "fuzz_weight": values["Sheen Weight"], "coat_weight": values["Coat Weight"],
+        "coat_color": values["Coat Tint"], "coat_roughness": values["Coat Roughness"], "coat_ior": values["Coat IOR"],
+        "emission_luminance": values["Emission Strength"], "geometry_opacity": values["Alpha"],
+    }  # fmt: skip
 
 
 def _slots(values: dict, is_metal: bool, used: frozenset[str], losses: list[Loss]) -> Slots:
@@ -116,16 +138,6 @@ def _slots(values: dict, is_metal: bool, used: frozenset[str], losses: list[Loss
     if gloss is None:
         losses += [Loss(s, values[s], LOST, "there is no specular reflection") for s in ("Anisotropic", "Thin Film Thickness") if values[s]]
     return Slots(color, sigma_deg=sigma, gloss=gloss, **coat)
-
-
-def effective_ior(ior: float, level: float) -> float:
-    """Index whose reflectance at normal incidence is that of `ior` times twice the Specular IOR Level, as Cycles has it."""
-    ior = max(ior, _LEAST_IOR)
-    if level == 0.5:
-        return float(ior)
-    root = np.sqrt(np.clip(dielectric_f0(ior) * 2.0 * level, 0.0, 0.99))
-    eta = (1.0 + root) / (1.0 - root)
-    return float(1.0 / eta if ior < 1.0 else eta)
 
 
 def _features(values: dict, used: frozenset[str]) -> dict:

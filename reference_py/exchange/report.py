@@ -43,7 +43,11 @@ class Match:
     """Largest difference of albedo, of any view and channel."""
     worst_theta_deg: float
     soft_light: float
-    """Mean difference in uniform light, relative to the mean albedo."""
+    """Mean difference in uniform light, relative to the mean albedo: what is lost counts whole."""
+    lost_light: float = 0.0
+    """The part of it that is light which no stack sends out: transmitted, emitted, of a sheen."""
+    color_difference: float = 0.0
+    """CIEDE2000 of the two mean albedos."""
     without_film: bool = False
     """Whether these are figures of both materials without their thin film."""
 
@@ -53,6 +57,8 @@ class Match:
         return (
             f"{bare}mean albedo {shown(self.mean)}, off by {off:.1e} at most; worst albedo error {self.worst:.3f}, seen at "
             f"{self.worst_theta_deg:.0f} degrees; difference in soft light {100.0 * self.soft_light:.1f} %"
+            + (f", {100.0 * self.lost_light:.1f} % of it light that is lost" if self.lost_light > 0.0 else "")
+            + f"; color off by CIEDE2000 {self.color_difference:.2f}"
         )
 
 

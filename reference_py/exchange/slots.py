@@ -7,7 +7,7 @@ import numpy as np
 
 from ..material.schema import ANISOTROPY, CONDUCTOR, COVERAGE, DIELECTRIC, NORMAL, THIN_FILM
 from ..material.stack import Base, Layer, Stack
-from ..models.baselines.parts import COS_82, conductor
+from ..models.baselines.parts import COS_82, conductor, dielectric_f0
 from ..optics.bases import ConductorBase, DiffuseBase
 from ..optics.colour import artist_color, artist_index
 from ..optics.diffuse import fujii_roughness
@@ -22,6 +22,8 @@ MOST_REFLECTANCE = CONDUCTOR.parameter("reflectance").maximum
 _HALF = 0.5
 # The round trip of a medium is its tint: half of the crossing that the tint is meant for, each way.
 _ONE_WAY = 0.5
+# Sockets take any number; below this one nothing but total reflection is left.
+_LEAST_IOR = 0.2
 _WHITE = 1e-9  # optical depth below which a medium is clear
 
 
@@ -102,6 +104,16 @@ def sigma_of_fujii(roughness: float) -> float:
     """Standard deviation in degrees whose `fujii_roughness` this is; 90 for more than there is."""
     degrees = np.linspace(0.0, 90.0, 9001)
     return float(np.interp(roughness, fujii_roughness(degrees), degrees))
+
+
+def effective_ior(ior: float, level: float) -> float:
+    """Index whose reflectance at normal incidence is that of `ior` times twice the Specular IOR Level, as Cycles has it."""
+    ior = max(ior, _LEAST_IOR)
+    if level == 0.5:
+        return float(ior)
+    root = np.sqrt(np.clip(dielectric_f0(ior) * 2.0 * level, 0.0, 0.99))
+    eta = (1.0 + root) / (1.0 - root)
+    return float(1.0 / eta if ior < 1.0 else eta)
 
 
 def _isotropic(roughness: float, features: dict) -> float:

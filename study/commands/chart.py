@@ -8,12 +8,12 @@ from ...reference_py.atomic import output_folder
 from ...reference_py.errors import LaminaError
 from . import CHARTS
 
-_TAKING = {"surface": ("pareto", "viewport"), "rounds": ("pareto",)}
+_TAKING = {"surface": ("pareto", "viewport"), "rounds": ("pareto",), "files": ("exchange",)}
 
 
 def chart(options) -> None:
     """Write the table, and the picture if the chart has one, into a folder and print the table."""
-    given = {name: value for name in ("surface", "rounds") if (value := getattr(options, name)) is not None}
+    given = {name: value for name in _TAKING if (value := getattr(options, name)) is not None}
     for name in given:
         if options.chart not in _TAKING[name]:
             raise LaminaError(f"--{name} goes with the chart {' or '.join(_TAKING[name])}, not with {options.chart}")

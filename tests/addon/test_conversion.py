@@ -13,6 +13,7 @@ bpy = pytest.importorskip("bpy")
 
 from lamina.addon.blender.images import read_png
 from lamina.addon.blender.versions import node_tree
+from lamina.addon.cli.main import run
 from lamina.addon.exchange import conversion, textures
 from lamina.addon.exchange.sources import PRINCIPLED, principled_of
 from lamina.addon.material import material as materials
@@ -25,7 +26,7 @@ from lamina.addon.rendering.geometry import plane_mesh
 from lamina.addon.rendering.measure import render_furnace
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.exchange import openpbr
-from lamina.reference_py.exchange.materialx import to_mtlx
+from lamina.reference_py.exchange.materialx import load_mtlx, to_mtlx
 from lamina.reference_py.exchange.openpbr import to_openpbr
 from lamina.reference_py.exchange.principled import to_principled
 from lamina.reference_py.material.stack import Stack
@@ -181,6 +182,62 @@ def test_the_operators_go_by_way_of_files(plane, tmp_path):
     assert materials.stack_of(material) == stack
 
 
+WOOD = """<nodegraph name="g"><tiledimage name="i" type="color3"><input name="file" type="filename" value="wood.png" colorspace="srgb_texture"/>
+<input name="uvtiling" type="vector2" value="2,3"/></tiledimage><image name="r" type="float"><input name="file" type="filename" value="wood.png"/></image>
+<image name="n" type="vector3"><input name="file" type="filename" value="wood.png"/></image>
+<normalmap name="nm" type="vector3"><input name="in" type="vector3" nodename="n"/></normalmap>
+<image name="m" type="float"><input name="file" type="filename" value="gone.png"/></image>
+<output name="c" type="color3" nodename="i"/><output name="r" type="float" nodename="r"/>
+<output name="n" type="vector3" nodename="nm"/><output name="m" type="float" nodename="m"/></nodegraph>"""
+
+
+def test_a_file_becomes_materials_with_its_images(plane, tmp_path):
+    image = bpy.data.images.new("wood", 4, 4)
+    image.filepath_raw, image.file_format = str(tmp_path / "wood.png"), "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+    links = (("base_color", "color3", "c"), ("specular_roughness", "float", "r"), ("normal", "vector3", "n"), ("coat", "float", "m"))
+    inputs = "".join(f'<input name="{name}" type="{kind}" nodegraph="g" output="{output}"/>' for name, kind, output in links)
+    material = '<surfacematerial name="{0}" type="material"><input name="surfaceshader" type="surfaceshader" nodename="{1}"/></surfacematerial>'
+    file = tmp_path / "wood.mtlx"
+    file.write_text(
+        f'<materialx version="1.39" colorspace="lin_rec709">{WOOD}<standard_surface name="s" type="surfaceshader">{inputs}</standard_surface>'
+        f'<gltf_pbr name="t" type="surfaceshader"/>{material.format("Wood", "s")}{material.format("Gold", "t")}</materialx>'
+    )
+    assert bpy.ops.lamina.import_materials("EXEC_DEFAULT", filepath=str(file)) == {"FINISHED"}
+    wood, gold = bpy.data.materials["Wood"], bpy.data.materials["Gold"]
+    assert plane.active_material == wood and gold.use_fake_user and gold.lamina.base.kind == "conductor"
+    gloss, base = node_of(wood.lamina.layers[0]), node_of(wood.lamina.base)
+    before_color = [wood.node_tree.nodes[name] for name in feeding(base.inputs["Color"])]
+    color = next(node for node in before_color if node.bl_idname == "ShaderNodeTexImage")
+    mapping = next(node for node in before_color if node.bl_idname == "ShaderNodeMapping")
+    assert color.image.colorspace_settings.name == "sRGB" and tuple(mapping.inputs["Scale"].default_value) == (2.0, 3.0, 1.0)
+    rough = gloss.inputs["Roughness"].links[0].from_node
+    assert rough.image.colorspace_settings.name == "Non-Color" and rough.image != color.image, "one file in two color spaces"
+    assert base.inputs["Normal"].links[0].from_node.bl_idname == gloss.inputs["Normal"].links[0].from_node.bl_idname == "ShaderNodeNormalMap"
+    told = bpy.data.texts[REPORT_TEXT].as_string()
+    assert "lost: coat image" in told and "gone.png: there is no such file" in told and "kept: base_color image wood.png" in told
+    before = counts()
+    file.write_text("<materialx>")
+    with pytest.raises(RuntimeError, match="not valid XML"):
+        bpy.ops.lamina.import_materials("EXEC_DEFAULT", filepath=str(file))
+    assert counts() == before
+
+
+def test_an_objects_material_is_written_outside_a_window(plane, tmp_path, capsys):
+    material = layered(plane)
+    material.node_tree.links.new(ramp(material), node_of(material.lamina.layers[0]).inputs["Roughness"])
+    blend, out = tmp_path / "in.blend", tmp_path / "out.mtlx"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    assert run(["convert", str(blend), "--object", "plane", "--to", "standard_surface", "-o", str(out)]) == 0
+    assert "lost: Roughness texture" in capsys.readouterr().out
+    (written,) = load_mtlx(out)
+    assert written.surface.node == "standard_surface" and written.values["coat"] + written.values["specular"] > 0.0
+    for arguments, words in ((["--object", "ball"], "has plane"), ([], "go together")):
+        assert run(["convert", str(blend), *arguments, "--to", "gltf_pbr"]) == 2
+        assert words in capsys.readouterr().err
+
+
 def test_textures_are_baked_and_the_file_is_as_before(plane, tmp_path):
     material = layered(plane)
     layer, base = node_of(material.lamina.layers[0]), node_of(material.lamina.base)
@@ -245,6 +302,9 @@ def test_blenders_materialx_takes_the_file_and_has_the_same_defaults(blender):
     for name, default in openpbr.DEFAULTS.items():
         given = definition.getActiveInput(name)
         assert given is not None, name
+        if given.getType() == "boolean":
+            assert given.getValueString() == "false" and default == 0.0
+            continue
         np.testing.assert_allclose([float(v) for v in given.getValueString().split(",")], np.ravel(default), err_msg=name)
     for given in document.getNodes("open_pbr_surface")[0].getInputs():
         assert given.getType() == definition.getActiveInput(given.getName()).getType()

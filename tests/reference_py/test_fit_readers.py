@@ -68,10 +68,42 @@ def test_bad_values_are_left_out_and_counted(merl):
     values = measured.merl_values()
     above = np.flatnonzero(values[0].ravel() > 0.0)[:7]
     flat = values.reshape(3, -1)
-    flat[0, above[:5]], flat[1, above[5:]] = -0.1, np.nan
+    flat[:, above[:5]], flat[1, above[5:]] = -0.1, np.nan
     m = read(merl(measured.merl_bytes(values)))
     assert any(s.startswith("5 of") and "negative" in s for s in m.found) and any(s.startswith("2 of") and "not finite" in s for s in m.found)
     assert np.isfinite(m.f).all() and (m.f >= 0.0).all()
+
+
+def test_a_color_outside_rec709_is_limited_and_what_is_left_out_is_told_by_angle():
+    wi, wo = spread_pairs(3000, np.random.default_rng(5))
+    f = measured.paint(wi, wo)
+    f[:200, 2] = -0.1 * f[:200, 0]
+    f[200:230] = -1.0
+    m = checked(wi, wo, f, "x")
+    assert len(m.f) == 2970 and np.all(m.f[:200, 2] == 0.0) and m.f[:200, 0] == pytest.approx(f[:200, 0])
+    limited = next(s for s in m.found if "outside Rec.709" in s)
+    assert limited.startswith("200 of 3000") and "30 to 60 degrees" in limited
+    assert next(s for s in m.found if "negative" in s).startswith("30 of 3000")
+
+
+def test_a_shadow_of_the_instrument_is_left_out_and_black_is_not():
+    wi, wo = spread_pairs(3000, np.random.default_rng(6))
+    f = 0.2 * np.ones((3000, 1))
+    back = np.sum(wi * wo, axis=1) > np.cos(np.radians(8.0))  # the lamp before the detector
+    f[back] = 0.0
+    m = checked(wi, wo, f, "x")
+    assert len(m.f) == 3000 - back.sum() and any(s.startswith(f"{back.sum()} values are exactly 0 among large") for s in m.found)
+    lobe = np.maximum(np.sum(wi * wo * [-1.0, -1.0, 1.0], axis=1) - 0.97, 0.0)[:, None] ** 3 * 1e3
+    kept = checked(wi, wo, lobe, "x")
+    assert np.mean(kept.f == 0.0) > 0.9 * np.mean(lobe == 0.0), "what is far from the highlight is black"
+
+
+def test_steepest_is_what_is_asked_for(tmp_path):
+    wi, wo = spread_pairs(300, np.random.default_rng(3))
+    path = tmp_path / "paint.csv"
+    path.write_text(measured.table_text(wi, wo, measured.paint(wi, wo)))
+    m = read(path, steepest_deg=60.0)
+    assert np.degrees(np.arccos(np.minimum(m.wi[:, 2], m.wo[:, 2]))).max() <= 60.0 and any("steeper than 60" in s for s in m.found)
 
 
 @pytest.mark.parametrize("nm", [None, [400, 500, 600, 700]], ids=["rgb", "spectra"])
@@ -147,6 +179,92 @@ def test_tables_give_back_f(tmp_path):
         assert read(path).f == pytest.approx(f, rel=1e-6)
 
 
+def test_tables_as_others_name_them(tmp_path):
+    path = tmp_path / "paint.txt"
+
+    def written(text):
+        path.write_text(text)
+        return read(path)
+
+    wanted = written("theta_i,phi_i,theta_o,phi_o,r,g,b\n10,0,10,180,1,1,2\n10,0,20,180,.5,.5,1\n10,0,20,0,.25,.5,1\n")
+    same = (
+        "theta_s,phi_s,theta_r,phi_r,R,G,B\n10,0,10,180,1,1,2\n10,0,20,180,.5,.5,1\n10,0,20,0,.25,.5,1\n",
+        "theta_i phi_i  theta_v phi_v r g b\n10 0 10 180  1 1 2\n10 0 20 180 .5 .5 1\n10 0 20 0 .25 .5 1\n",
+        "theta_i,phi_i,theta_o,phi_o,r,g,b\n10,0,-10,0,1,1,2\n10,0,-20,0,.5,.5,1\n10,0,20,0,.25,.5,1\n",
+        "theta_in;theta_out;r;g;b\n10;10;1;1;2\n10;20;0,5;0,5;1\n10;-20;0,25;0,5;1\n",
+    )
+    for text in same:
+        m = written(text)
+        assert m.wo == pytest.approx(wanted.wo, abs=1e-9) and m.wi == pytest.approx(wanted.wi, abs=1e-9) and m.f == pytest.approx(wanted.f)
+    assert any("half a turn further" in s for s in written(same[2]).found) and any("theta_s is theta_i" in s for s in written(same[0]).found)
+    for name in ("brdf", "bsdf", "f"):
+        assert written(f"theta_i,phi_i,theta_o,phi_o,{name}\n10,0,10,180,1\n10,0,20,180,.5\n").channels == 1
+    refused_text = "theta_i,phi_i,theta_o,phi_o,{}\n10,0,10,180,1\n"
+    for name, words in (("brf", "f times pi"), ("f_cos", "times the cosine")):
+        path.write_text(refused_text.format(name))
+        refused(path, words)
+
+
+def zemax(f, incidence=(20, 50), azimuth=(0, 60, 120, 180), radial=(0, 5, 10, 20), head="Symmetry PlaneSymmetrical\n", blocks=("Monochrome",)):
+    """Text of a table whose value is `f` of wi, wo, which are found anew: a turn about the y axis brings the mirror direction up."""
+
+    def direction(i, a, r):
+        i, a, r = np.radians((i, a, r))
+        x, y, z = -np.sin(r) * np.cos(a), np.sin(r) * np.sin(a), np.cos(r)
+        return np.array([np.cos(i) * x + np.sin(i) * z, y, -np.sin(i) * x + np.cos(i) * z])
+
+    axes = (("SampleRotation", (0,)), ("AngleOfIncidence", incidence), ("ScatterAzimuth", azimuth), ("ScatterRadial", radial))
+    text = f"# made for a test\nSource Measured\n{head}SpectralContent {'Monochrome' if len(blocks) == 1 else 'XYZ'}\nScatterType BRDF\n"
+    text += "".join(f"{name}  {len(values)}\n{' '.join(map(str, values))}\n" for name, values in axes)
+    for channel, block in enumerate(blocks):
+        text += f"\n{block}\nDataBegin\n"
+        for i in incidence:
+            wi = np.array([-np.sin(np.radians(i)), 0.0, np.cos(np.radians(i))])
+            rows = [" ".join(f"{f(wi, direction(i, a, r), channel):.9g}" for r in radial) for a in azimuth]
+            text += "TIS 0.5\n" + "\n".join(rows) + "\n"
+        text += "DataEnd\n"
+    return text
+
+
+def test_zemax_tables_share_a_suffix_and_give_back_f(tmp_path):
+    path = tmp_path / "vinyl.bsdf"
+
+    def shape(wi, wo, channel):
+        return (0.1 + 0.3 * wo[2] + 0.05 * wo[1] ** 2 + 0.2 * wi[2]) * (1.0, 2.0, 3.0)[channel]
+
+    path.write_text(zemax(shape))
+    m = read(path)
+    assert len(m.f) == 2 * 4 * 4 and m.channels == 1 and "Zemax or Radiant" in m.found[0]
+    assert m.f[:, 0] == pytest.approx([shape(wi, wo, 0) for wi, wo in zip(m.wi, m.wo)], rel=1e-6)
+    towards_normal = (m.wi[:, 2] < 0.7) & (m.wo[:, 2] > np.cos(np.radians(50.0)) + 0.1)
+    assert towards_normal.any() and np.all(np.abs(m.wo[towards_normal][:, 1]) < 0.31), "azimuth 0 points to the normal"
+    path.write_text(zemax(shape, blocks=("TristimulusX", "TristimulusY", "TristimulusZ")))
+    assert read(path).channels == 3
+    text = zemax(shape)
+    for broken, words in (
+        (text.replace("BRDF", "BTDF"), "only BRDF"), (text[: len(text) // 2], "announced; truncated"), (text.replace("ScatterRadial  4", "ScatterRadial  5"), "and 4 follow"),
+        (text.replace("ScatterRadial", "Radius"), "missing ScatterRadial"), ("nothing", "neither a tensor file"),
+    ):  # fmt: skip
+        path.write_text(broken)
+        refused(path, words)
+
+
+def test_speos_tables_have_the_scale_of_their_reflectance(tmp_path):
+    """A Lambert surface of 40 % has f = .4 / pi, whatever the numbers in its file."""
+    path = tmp_path / "wall.brdf"
+    theta, phi = np.linspace(0.0, 90.0, 91), np.linspace(0.0, 360.0, 37)
+    rows = "".join(f"{t:g}\t" + "\t".join(["7.0"] * len(phi)) + "\n" for t in theta)
+    table = f"40.0\n{len(theta)}\t{len(phi)}\n\t" + "\t".join(f"{p:g}" for p in phi) + "\n" + rows
+    text = "OPTIS - brdf surface file v9.0\n0\nWall\n0\n\n1\t0\n1\n2\t1\n10\t40\n550\n" + table + table
+    path.write_text(text)
+    m = read(path)
+    assert m.f == pytest.approx(0.4 / np.pi, rel=1e-3) and m.channels == 1
+    for broken, words in ((text[:-4000], "truncated"), (text.replace("1\t0", "0\t1", 1), "transmission alone"), (text.replace("OPTIS", "OTHER"), "no BRDF file"),
+                          (text.replace("7.0", "much", 1), "'much' is not a number")):  # fmt: skip
+        path.write_text(broken)
+        refused(path, words)
+
+
 def test_what_has_no_color_has_one_channel(tmp_path):
     wi, wo = spread_pairs(60, np.random.default_rng(3))
     f = measured.paint(wi, wo)[:, :1]
@@ -172,7 +290,7 @@ def test_broken_tables_are_named(tmp_path):
     refused(write("theta_i,phi_i,theta_o,phi_o,r,b\n1,2,3,4,5,6\n"), "missing column g")
     refused(write("theta_i,phi_i,theta_o,phi_o,r,g,haze\n1,2,3,4,5,6,7\n"), "'haze'")
     refused(write(head + "10,0,20,0,1,1,1\n10,0,20,360,1,1,1\n"), "lines 2 and 3", "same angles")
-    refused(write(head + "10,0,20,0,1,1,1\n10,0,200,0,1,1,1\n"), "line 3", "theta_o is 200", "0 to 180")
+    refused(write(head + "10,0,20,0,1,1,1\n10,0,200,0,1,1,1\n"), "line 3", "theta_o is 200", "-90 to 180")
     refused(write(head + "10,0,20,0,1,1\n"), "line 2", "6 cells")
     refused(write(head + "10,0,20,0,1,1,much\n"), "line 2", "b is 'much'")
     refused(write("theta_i,phi_i,theta_o,phi_o,r,g,b,550\n1,2,3,4,5,6,7,8\n"), "both r, g, b and wavelengths")

@@ -15,6 +15,10 @@ STEEPEST_DEG = 85.0
 _GREEN_NM = (490.0, 590.0)
 VISIBLE_NM = (380.0, 780.0)
 _CELLS = (10, 5, 3)
+# Bands of the steeper direction that what is left out is told by.
+_BANDS_DEG = (0.0, 30.0, 60.0, 75.0, 85.0, 90.0)
+# A zero is a shadow where the least of its neighbours is above this share of the median of all: a highlight ends in small values.
+_LARGE, _NEIGHBOURS, _MOST_NEIGHBOURS, _CHUNK = 0.05, 5, 20_000, 200
 
 
 @dataclass(frozen=True)
@@ -40,24 +44,30 @@ class Measurement:
         return replace(self, wi=self.wi[index], wo=self.wo[index], f=self.f[index])
 
 
-def checked(wi, wo, f, where: str, found: tuple[str, ...] = (), wavelength_nm=None, only_nm: float | None = None) -> Measurement:
-    """A measurement without what cannot be one: rows below the horizon, not finite or negative are left out and counted.
+def checked(
+    wi, wo, f, where: str, found: tuple[str, ...] = (), wavelength_nm=None, only_nm: float | None = None, steepest_deg: float | None = None
+) -> Measurement:
+    """A measurement without what cannot be one: rows below the horizon, not finite or black where all around is bright.
 
-    `f` (n, c) has RGB or values at `wavelength_nm` (c,), which become RGB, or one value at `only_nm`. Raises LaminaError
-    where no row is left, most are bad, or all are black.
+    `f` (n, c) has RGB or values at `wavelength_nm` (c,), which become RGB, or one value at `only_nm`. A channel that is
+    negative beside others that outweigh it is a color outside Rec.709, or noise: it counts as 0. Rows that are left out are
+    told by angle; those steeper than `steepest_deg` (85 unless given) too. Raises LaminaError where no row is left, most are
+    bad, or all are black.
     """
     wi, wo, f = np.asarray(wi, float), np.asarray(wo, float), np.asarray(f, float)
+    steepest_deg = STEEPEST_DEG if steepest_deg is None else steepest_deg
     notes = list(found)
     above = (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
     if not above.any():
         raise LaminaError(f"{where}: all {len(f)} directions are below the horizon; angles are from the normal, in degrees below 90")
     finite = np.isfinite(f).all(axis=1)
-    positive = np.where(finite[:, None], f, 0.0).min(axis=1) >= 0.0
+    total = np.where(finite[:, None], f, 0.0)
+    positive = (total.sum(axis=1) > 0.0) | (total.min(axis=1) >= 0.0)
     good = above & finite & positive
     count = int(above.sum())
     for bad, what in ((above & ~finite, "not finite"), (above & finite & ~positive, "negative")):
         if bad.any():
-            notes.append(f"{int(bad.sum())} of {count} values above the horizon are {what} and left out")
+            notes.append(f"{int(bad.sum())} of {count} values above the horizon are {what} and left out: {_by_angle(wi, wo, bad)}")
     if good.sum() <= 0.5 * count:
         raise LaminaError(
             f"{where}: {count - int(good.sum())} of {count} values above the horizon are negative or not finite; "
@@ -65,17 +75,54 @@ def checked(wi, wo, f, where: str, found: tuple[str, ...] = (), wavelength_nm=No
         )
     if (~above).any():
         notes.append(f"below the horizon and left out: {int((~above).sum())}")
-    f, wi, wo = f[good], wi[good], wo[good]
+    if (limited := good & (total.min(axis=1) < 0.0)).any():
+        notes.append(f"{int(limited.sum())} of {count} values have a channel below 0, outside Rec.709 or noise: it counts as 0: {_by_angle(wi, wo, limited)}")
+    f, wi, wo = np.maximum(f[good], 0.0), wi[good], wo[good]
     if np.max(f) <= 0.0:
         raise LaminaError(f"{where}: all {len(f)} values are 0: a black measurement tells nothing")
+    shadow = _shadow(wi, wo, f)
+    if shadow.any():
+        notes.append(f"{int(shadow.sum())} values are exactly 0 among large ones, a shadow of the instrument, and left out: {_by_angle(wi, wo, shadow)}")
+        f, wi, wo = f[~shadow], wi[~shadow], wo[~shadow]
     f, color_notes = _as_color(f, wavelength_nm, only_nm, where)
-    steep = np.minimum(wi[:, 2], wo[:, 2]) < np.cos(np.radians(STEEPEST_DEG))
+    steep = np.minimum(wi[:, 2], wo[:, 2]) < np.cos(np.radians(steepest_deg))
     if steep.all():
-        raise LaminaError(f"{where}: all directions are steeper than {STEEPEST_DEG:g} degrees, where no measurement is reliable")
+        raise LaminaError(f"{where}: all directions are steeper than {steepest_deg:g} degrees, where no measurement is reliable")
     if steep.any():
-        notes.append(f"steeper than {STEEPEST_DEG:g} degrees and left out: {int(steep.sum())}")
+        notes.append(f"steeper than {steepest_deg:g} degrees and left out: {int(steep.sum())}")
     kept = ~steep
     return Measurement(wi[kept], wo[kept], f[kept], where, (*notes, *color_notes, f"{int(kept.sum())} pairs of directions"))
+
+
+def _by_angle(wi: np.ndarray, wo: np.ndarray, rows: np.ndarray) -> str:
+    """How many of the rows, and what share of all there, have their steeper direction in each band of angles."""
+    steeper = np.degrees(np.arccos(np.clip(np.minimum(wi[:, 2], wo[:, 2]), -1.0, 1.0)))
+    said = []
+    for low, high in zip(_BANDS_DEG, _BANDS_DEG[1:]):
+        band = (steeper >= low) & (steeper < high)
+        if (band & rows).any():
+            said.append(f"{int((band & rows).sum())} at {low:g} to {high:g} degrees ({100.0 * np.mean(rows[band]):.2g} %)")
+    return ", ".join(said)
+
+
+def _shadow(wi: np.ndarray, wo: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """Rows that are exactly 0 while those next to them, by half and difference angle, are not small."""
+    black = np.max(f, axis=1) == 0.0
+    if not black.any():
+        return black
+    theta_h, theta_d, phi_d = half_angles(wi, wo)
+    place = np.stack([theta_h, theta_d, phi_d * np.sin(theta_d)], axis=-1)
+    bright = np.flatnonzero(~black)
+    bright = bright[:: max(1, len(bright) // _MOST_NEIGHBOURS)]
+    level = np.median(np.max(f[bright], axis=1))
+    dark = np.flatnonzero(black)
+    result = np.zeros(len(f), bool)
+    for start in range(0, len(dark), _CHUNK):
+        rows = dark[start : start + _CHUNK]
+        distance = np.sum(np.square(place[rows, None] - place[None, bright]), axis=-1)
+        nearest = np.argpartition(distance, min(_NEIGHBOURS, len(bright)) - 1, axis=1)[:, :_NEIGHBOURS]
+        result[rows] = np.min(np.max(f[bright[nearest]], axis=-1), axis=1) > _LARGE * level
+    return result
 
 
 def _as_color(f, wavelength_nm, only_nm, where) -> tuple[np.ndarray, tuple[str, ...]]:

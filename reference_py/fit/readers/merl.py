@@ -19,7 +19,7 @@ _MOST = 100_000_000
 _ALIKE, _CLEARLY = 0.97, 0.015
 
 
-def read(path: Path, wavelength_nm: float | None = None) -> Measurement:
+def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | None = None) -> Measurement:
     """The measurement of a file. Raises LaminaError on a wrong size, byte order, order of axes, or black data."""
     with open(path, "rb") as file:
         head = file.read(12)
@@ -42,7 +42,7 @@ def read(path: Path, wavelength_nm: float | None = None) -> Measurement:
     _require_order(path, sizes, table, above)
     # cells below the horizon belong to the format; they are no fault of the file
     found = (f"MERL table of {' x '.join(map(str, sizes))}: theta_h, theta_d, phi_d",)
-    return checked(wi[above], wo[above], (table.T * SCALES)[above], str(path), found, only_nm=wavelength_nm)
+    return checked(wi[above], wo[above], (table.T * SCALES)[above], str(path), found, only_nm=wavelength_nm, steepest_deg=steepest_deg)
 
 
 def cell_directions(sizes: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:

@@ -20,7 +20,7 @@ _PAIRS = 20_000
 _NEEDED = {"theta_i": 1, "phi_i": 1, "ndf": 2, "sigma": 2, "vndf": 4, "jacobian": 1}
 
 
-def read(path: Path, wavelength_nm: float | None = None) -> Measurement:
+def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | None = None) -> Measurement:
     """The material at 20,000 pairs of directions, spread over the hemispheres. Raises LaminaError."""
     material = Material.load(path)
     rng = np.random.default_rng(0)
@@ -30,7 +30,7 @@ def read(path: Path, wavelength_nm: float | None = None) -> Measurement:
     where = "isotropic" if material.is_isotropic else f"anisotropic ({len(material.phi_i)} azimuths; the fit is isotropic)"
     text = bytes(material.description).decode("utf-8", "replace").strip("\0 \n")
     found = (f"RGL material {text!r}, {where}, {len(material.theta_i)} angles of incidence",)
-    return checked(wi, wo, material.f(wi, wo), str(path), found, material.wavelength_nm, wavelength_nm)
+    return checked(wi, wo, material.f(wi, wo), str(path), found, material.wavelength_nm, wavelength_nm, steepest_deg)
 
 
 def _rotated(w, angle):

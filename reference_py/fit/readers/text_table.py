@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plain tables: theta_i, phi_i, theta_o, phi_o in degrees, then r, g, b or one column per wavelength in nm.
+"""Plain tables: theta_i, phi_i, theta_o, phi_o in degrees, then r, g, b, one column per wavelength in nm, or one value.
 
-The first line that is no comment (#) names the columns, in any order; values are f in 1/sr, without cosine. Semicolons
-and tabs separate too, and then a comma is a decimal one.
+The first line that is no comment (#) names the columns, in any order, by the names of `ALIASES` too; values are f in 1/sr,
+without cosine. Semicolons, tabs and blanks separate too; beside the first two a comma is a decimal one. Without both phi
+the table is in the plane of incidence: an angle of reflection is positive on the side away from the light. A negative
+angle from the normal is the positive one half a turn further.
 """
 
 import csv
@@ -16,14 +18,29 @@ from ...optics.frame import spherical
 from .measurement import Measurement, checked
 
 ANGLES = ("theta_i", "phi_i", "theta_o", "phi_o")
+_ALIASES = {
+    "theta_i": ("theta_in", "theta_s", "theta_l", "thetai", "theta_incident", "incidence", "aoi"),
+    "phi_i": ("phi_in", "phi_s", "phi_l", "phii", "phi_incident"),
+    "theta_o": ("theta_out", "theta_r", "theta_v", "theta_d", "thetao", "thetar", "theta_scatter", "theta_view"),
+    "phi_o": ("phi_out", "phi_r", "phi_v", "phi_d", "phio", "phir", "phi_scatter", "phi_view"),
+}
+ALIASES = {alias: name for name, aliases in _ALIASES.items() for alias in aliases}
+"""Other names of the angles."""
+VALUES = ("f", "fr", "brdf", "bsdf", "value")
+"""Names of the one value of a grey table."""
+_HINTS = {
+    "brf": "f times pi; divide by pi", "reflectance_factor": "f times pi; divide by pi", "r_factor": "f times pi; divide by pi",
+    "f_cos": "f times the cosine of theta_o; divide by it", "brdf_cos": "f times the cosine of theta_o; divide by it",
+    "ccbrdf": "f times the cosine of theta_o; divide by it", "ccbsdf": "f times the cosine of theta_o; divide by it",
+}  # fmt: skip
 _RGB = ("r", "g", "b")
-# Looked for in this order: beside the others a comma is a decimal one.
+# Looked for in this order: beside the first two a comma is a decimal one.
 _DELIMITERS = (";", "\t", ",")
 _MOST_BYTES = 500_000_000
 _WAVELENGTH = re.compile(r"(\d+(?:\.\d+)?)\s*(?:nm)?")
 
 
-def read(path: Path, wavelength_nm: float | None = None) -> Measurement:
+def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | None = None) -> Measurement:
     """The measurement of a file. Raises LaminaError on missing columns, duplicate or out-of-range angles, or text."""
     if path.stat().st_size > _MOST_BYTES:
         raise LaminaError(f"{path}: {path.stat().st_size} bytes are too large for a table; at most {_MOST_BYTES}")
@@ -33,19 +50,48 @@ def read(path: Path, wavelength_nm: float | None = None) -> Measurement:
         raise LaminaError(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from None
     if len(lines) < 2:
         raise LaminaError(f"{path}: no rows; a table has a line of column names ({', '.join(ANGLES)}, r, g, b) and numbers below it")
-    delimiter = next((d for d in _DELIMITERS if d in lines[0][1]), ",")
-    names = [name.strip().lower() for name in next(csv.reader([lines[0][1]], delimiter=delimiter))]
+    delimiter = next((d for d in _DELIMITERS if d in lines[0][1]), None)
+    given = [name.strip().lower() for name in _cells(lines[0][1], delimiter)]
+    names = [ALIASES.get(name, name) for name in given]
+    found = []
+    if renamed := [f"{old} is {new}" for old, new in zip(given, names) if old != new]:
+        found.append(", ".join(renamed))
     columns, nm = _columns(path, names)
     numbers = _numbers(path, lines[1:], names, delimiter)
-    angles = numbers[:, [names.index(a) for a in ANGLES]]
+    in_plane = "phi_o" not in names
+    if in_plane:
+        found.append("in the plane of incidence: theta_o is positive on the side away from the light")
+    zero = np.zeros(len(numbers))
+    angles = np.stack([numbers[:, names.index(a)] if a in names else zero + 180.0 * (a == "phi_o") for a in ANGLES], axis=-1)
+    found += _made_positive(angles)
     _check_angles(path, angles, [i for i, _ in lines[1:]])
     theta_i, phi_i, theta_o, phi_o = np.radians(angles).T
-    found = (f"table of {len(numbers)} rows, {'RGB' if nm is None else f'wavelengths: {len(nm)}'}",)
-    return checked(spherical(theta_i, phi_i), spherical(theta_o, phi_o), numbers[:, columns], str(path), found, nm, wavelength_nm)
+    found.insert(0, f"table of {len(numbers)} rows, {'RGB' if nm is None and len(columns) == 3 else 'one value' if nm is None else f'wavelengths: {len(nm)}'}")
+    return checked(spherical(theta_i, phi_i), spherical(theta_o, phi_o), numbers[:, columns], str(path), tuple(found), nm, wavelength_nm, steepest_deg)
+
+
+def _cells(line: str, delimiter: str | None) -> list[str]:
+    """Cells of a line; `delimiter` None is blanks."""
+    return line.split() if delimiter is None else next(csv.reader([line], delimiter=delimiter))
+
+
+def _made_positive(angles: np.ndarray) -> list[str]:
+    """Turn angles from the normal that are negative, in place; what was done, in words."""
+    done = []
+    for name, theta, phi in (("theta_i", 0, 1), ("theta_o", 2, 3)):
+        negative = (angles[:, theta] < 0.0) & (angles[:, theta] >= -90.0)
+        if negative.any():
+            angles[negative, theta] *= -1.0
+            angles[negative, phi] = (angles[negative, phi] + 180.0) % 360.0
+            done.append(f"{name} is negative in {int(negative.sum())} rows: read as positive half a turn further")
+    return done
 
 
 def _columns(path: Path, names: list[str]) -> tuple[list[int], np.ndarray | None]:
-    missing = [name for name in ANGLES if name not in names]
+    needed = [name for name in ANGLES if not name.startswith("phi") or "phi_i" in names or "phi_o" in names]
+    if "phi_o" in names:
+        needed.remove("phi_i")  # then phi_o counts from the light's
+    missing = [name for name in needed if name not in names]
     if missing:
         raise LaminaError(
             f"{path}: missing column{'s' * (len(missing) > 1)} {', '.join(missing)}; it has {', '.join(names)}; "
@@ -55,12 +101,19 @@ def _columns(path: Path, names: list[str]) -> tuple[list[int], np.ndarray | None
     if twice:
         raise LaminaError(f"{path}: column {twice[0]} is there twice")
     others = [name for name in names if name not in ANGLES]
+    for name in others:
+        if name in _HINTS:
+            raise LaminaError(f"{path}: column {name!r} holds {_HINTS[name]}, and name the column f")
     if set(others) == set(_RGB):
         return [names.index(name) for name in _RGB], None
+    if len(others) == 1 and others[0] in VALUES:
+        return [names.index(others[0])], None
     matches = [(name, _WAVELENGTH.fullmatch(name)) for name in others]
     strange = [name for name, match in matches if match is None and name not in _RGB]
     if strange:
-        raise LaminaError(f"{path}: column {strange[0]!r} is neither r, g, b nor a wavelength in nm; rename or remove it")
+        raise LaminaError(
+            f"{path}: column {strange[0]!r} is neither r, g, b nor a wavelength in nm, nor alone and one of {', '.join(VALUES)}; rename or remove it"
+        )
     if any(match is None for _, match in matches) and any(match is not None for _, match in matches):
         raise LaminaError(f"{path}: it has both {', '.join(n for n, match in matches if match is None)} and wavelengths; choose one of them")
     if not others or any(match is None for _, match in matches):
@@ -73,10 +126,10 @@ def _columns(path: Path, names: list[str]) -> tuple[list[int], np.ndarray | None
     return [p[1] for p in pairs], nm
 
 
-def _numbers(path: Path, lines, names: list[str], delimiter: str) -> np.ndarray:
+def _numbers(path: Path, lines, names: list[str], delimiter: str | None) -> np.ndarray:
     rows = []
     for number, line in lines:
-        cells = (line if delimiter == "," else line.replace(",", ".")).split(delimiter)
+        cells = _cells(line if delimiter in (",", None) else line.replace(",", "."), delimiter)
         if len(cells) != len(names):
             raise LaminaError(
                 f"{path}: line {number} has {len(cells)} cells where {len(names)} are named" + ("; truncated?" if len(cells) < len(names) else "")
@@ -98,9 +151,9 @@ def _is_number(text: str) -> bool:
 
 
 def _check_angles(path: Path, angles: np.ndarray, line_numbers: list[int]) -> None:
-    for column, (name, low, high) in enumerate((("theta_i", 0, 180), ("phi_i", -360, 360), ("theta_o", 0, 180), ("phi_o", -360, 360))):
+    for column, (name, low, high) in enumerate((("theta_i", -90, 180), ("phi_i", -360, 360), ("theta_o", -90, 180), ("phi_o", -360, 360))):
         values = angles[:, column]
-        bad = ~((values >= low) & (values <= high))
+        bad = ~((values >= max(low, 0) if name.startswith("theta") else values >= low) & (values <= high))
         if bad.any():
             at = int(np.argmax(bad))
             raise LaminaError(f"{path}: line {line_numbers[at]}: {name} is {values[at]:g}; choose {low} to {high} degrees")

@@ -7,13 +7,20 @@ and the last axis. Tables in ../data are read on first use, not on import.
 """
 
 from .artist import artist_color, artist_index
+from .difference import ciede2000, lab_of_linear
 from .metals import conductor_rgb, load_metal, metal_index, metal_names
+from .spaces import canonical, is_known, known_spaces, srgb_encoded, to_linear_rec709
 from .spectrum import reflectance_to_rgb, reflectance_to_xyz, resample, rgb_weights, standard_wavelengths, xyz_to_rgb
 
 __all__ = [
     "artist_color",
     "artist_index",
+    "canonical",
+    "ciede2000",
     "conductor_rgb",
+    "is_known",
+    "known_spaces",
+    "lab_of_linear",
     "load_metal",
     "metal_index",
     "metal_names",
@@ -21,6 +28,8 @@ __all__ = [
     "reflectance_to_xyz",
     "resample",
     "rgb_weights",
+    "srgb_encoded",
     "standard_wavelengths",
+    "to_linear_rec709",
     "xyz_to_rgb",
 ]

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials of MaterialX files as Lamina materials, with their images as textures."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+
+from ...reference_py.errors import LaminaError
+from ...reference_py.exchange.conversion import Converted
+from ...reference_py.exchange.materialx import NORMALS, Material, load_mtlx
+from ...reference_py.exchange.materialx_graph import Image
+from ...reference_py.exchange.openpbr import PLACES
+from ...reference_py.exchange.report import Report
+from ...reference_py.material.stack import Stack
+from ...reference_py.optics.colour import canonical, is_known
+from ..material import material as materials
+from ..material.backend import OSL
+from ..material.elements import kind_of, node_of, shown_parameters
+from ..material.principled_node import link_through, parameter_of
+from ..material.shader_node import backend_of
+
+# Blender's names of color spaces; an image of another one is told.
+_SPACES = {
+    "": "Non-Color", "srgb_rec709": "sRGB", "lin_rec709": "Linear Rec.709", "lin_ap1": "ACEScg", "lin_ap0": "ACES2065-1", "lin_rec2020": "Linear Rec.2020",
+    "lin_p3d65": "Linear DCI-P3 D65", "g24_rec709": "Rec.1886",
+}  # fmt: skip
+_APART = 300
+_CHANNELS = ("Red", "Green", "Blue")
+
+
+@dataclass(frozen=True)
+class Imported:
+    """A material, what became of its values, and a sentence for each image."""
+
+    material: bpy.types.Material
+    report: Report
+    notes: list[str]
+
+
+def import_materials(path: str) -> tuple[list[Imported], list[str]]:
+    """A new material for every one of a file, and a sentence for each that no stack can show.
+
+    Raises LaminaError, and leaves nothing behind, where the file cannot be read or none can be shown.
+    """
+    made, left_out = [], []
+    try:
+        for source in load_mtlx(path):
+            target = bpy.data.materials.new(source.name or "Lamina")
+            try:
+                made.append(apply_material(target, source))
+            except LaminaError as error:
+                bpy.data.materials.remove(target)
+                left_out.append(f"lost: {error}")
+            except Exception:
+                bpy.data.materials.remove(target)
+                raise
+    except Exception:
+        for imported in made:
+            bpy.data.materials.remove(imported.material)
+        raise
+    if not made:
+        raise LaminaError(left_out[0].removeprefix("lost: "))
+    return made, left_out
+
+
+def apply_material(target: bpy.types.Material, source: Material) -> Imported:
+    """Give a material the stack and the images of one of a file. Raises LaminaError, and leaves it as it was."""
+    names = {source.surface.own(name): name for name in PLACES} | NORMALS
+    placed = {i: names[i] for i, image in source.images.items() if i in names and Path(image.file).is_file()}
+    converted = source.to_stack(frozenset(source.images) - frozenset(placed))
+    notes = [f"lost: {i} image {image.file}: there is no such file" for i, image in source.images.items() if i in names and i not in placed]
+    stack = _with_linked_features(converted, placed.values())
+
+    def link(material: bpy.types.Material) -> None:
+        outputs: dict[Image, bpy.types.NodeSocket] = {}
+        for row, (given, name) in enumerate(placed.items()):
+            image = source.images[given]
+            notes.extend(_place(material, given, name, image, outputs, converted, row))
+
+    materials.apply_stack(target, stack, finish=link)
+    return Imported(target, converted.report, notes)
+
+
+def _owners(name: str, converted: Converted) -> list[str]:
+    """The slots that an input goes to: a normal to all that there are, all else to the first."""
+    roles, parameter = PLACES[name]
+    here = [role for role in roles if role in converted.owners]
+    return here if parameter == "normal" else here[:1]
+
+
+def _with_linked_features(converted: Converted, names) -> Stack:
+    data = converted.stack.to_dict()
+    rows = [*data["layers"], data["base"]]
+    for name in names:
+        parameter = PLACES[name][1]
+        if parameter in ("normal", "coverage"):
+            for role in _owners(name, converted):
+                rows[converted.owners[role]].setdefault(parameter, [0.0, 0.0, 0.0] if parameter == "normal" else 1.0)
+    return Stack.from_dict(data, converted.stack.name or "MaterialX")
+
+
+def _place(material: bpy.types.Material, given: str, name: str, image: Image, outputs: dict, converted: Converted, row: int) -> list[str]:
+    """Link one image to what its input became; returns sentences."""
+    elements = [*material.lamina.shown_layers, material.lamina.base]
+    notes, linked = [], False
+    for role in _owners(name, converted):
+        element = elements[converted.owners[role]]
+        kind, parameter = kind_of(element), parameter_of(element, PLACES[name][1])
+        if parameter not in {p.name for p in shown_parameters(kind, element.given)} | {p.name for f in kind.features for p in f.parameters}:
+            continue
+        target = node_of(element).inputs[kind.parameter(parameter).label]
+        if image not in outputs:
+            outputs[image] = _texture(material.node_tree, image, target.node.location, row, notes)
+        if name == "base_color" and converted.colors is not None:
+            link_through(outputs[image], target, converted.colors)
+        else:
+            material.node_tree.links.new(outputs[image], target)
+        linked = True
+    file = Path(image.file).name
+    if not linked:
+        return [f"lost: {given} image {file}: the stack has no place for it"]
+    if backend_of(material) != OSL and PLACES[name][1] != "coverage":
+        return [*notes, f"lost: {given} image {file}: it stays linked, but stock nodes cannot follow it and show the socket's own value"]
+    return [*notes, f"kept: {given} image {file}: " + ("through nodes that keep the mean albedo" if name == "base_color" else "linked to the layer")]
+
+
+def _texture(tree: bpy.types.NodeTree, image: Image, place, row: int, notes: list[str]) -> bpy.types.NodeSocket:
+    """Nodes that read an image; returns the output that has what is wanted of it."""
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.location = (place[0] - 5 * _APART, place[1] - row * _APART)
+    node.image = _block(image, notes)
+    if image.tiling != (1.0, 1.0):
+        coordinates, mapping = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeMapping")
+        coordinates.location, mapping.location = (node.location.x - 2 * _APART, node.location.y), (node.location.x - _APART, node.location.y)
+        mapping.inputs["Scale"].default_value = (*image.tiling, 1.0)
+        tree.links.new(coordinates.outputs["UV"], mapping.inputs["Vector"])
+        tree.links.new(mapping.outputs["Vector"], node.inputs["Vector"])
+    if image.is_normal:
+        bump = tree.nodes.new("ShaderNodeNormalMap")
+        bump.location = (node.location.x + _APART, node.location.y)
+        tree.links.new(node.outputs["Color"], bump.inputs["Color"])
+        return bump.outputs["Normal"]
+    if image.channel == 3:
+        return node.outputs["Alpha"]
+    if image.channel is not None:
+        split = tree.nodes.new("ShaderNodeSeparateColor")
+        split.location = (node.location.x + _APART, node.location.y)
+        tree.links.new(node.outputs["Color"], split.inputs["Color"])
+        return split.outputs[_CHANNELS[image.channel]]
+    return node.outputs["Color"]
+
+
+def _block(image: Image, notes: list[str]) -> bpy.types.Image:
+    """The image in its color space: one that is there already, unless it is read in another space."""
+    wanted = _SPACES.get(canonical(image.space)) if is_known(image.space) else None
+    if wanted not in bpy.types.ColorManagedInputColorspaceSettings.bl_rna.properties["name"].enum_items:
+        notes.append(f"lost: color space {image.space} of the image {Path(image.file).name}: read as sRGB; Blender has not this one")
+        wanted = "sRGB"
+    for block in bpy.data.images:
+        if block.library is None and bpy.path.abspath(block.filepath) == image.file and block.colorspace_settings.name == wanted:
+            return block
+    block = bpy.data.images.load(image.file)
+    block.colorspace_settings.name = wanted
+    return block
+
+
+def linked_sockets(material: bpy.types.Material) -> list[str]:
+    """Names of the sockets of a material's layers that something feeds."""
+    return [s.name for e in (*material.lamina.shown_layers, material.lamina.base) for s in node_of(e).inputs if s.is_linked]

@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an input of a MaterialX node is: numbers, followed through graphs of constants, or an image, or neither.
+
+Colors come out as linear Rec.709, by the color space of the nearest element that names one; outside the gamut they are
+negative. Nodes that are followed: `FUNCTIONS`, and those that pass one input on.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import isfinite
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from ..errors import LaminaError
+from ..optics.colour import is_known, to_linear_rec709
+from .materialx_document import Document
+
+_COUNTS = {"float": 1, "integer": 1, "boolean": 1, "vector2": 2, "vector3": 3, "vector4": 4, "color3": 3, "color4": 4}
+_LINKS = ("nodename", "nodegraph", "interfacename")
+_IMAGES = ("image", "tiledimage", "hextiledimage", "gltf_image", "gltf_colorimage", "UsdUVTexture")
+_NORMALS = {"normalmap": "in", "gltf_normalmap": "file", "hextilednormalmap": "file"}
+_PASSED = {"constant": "value", "dot": "in", "convert": "in", "gltf_texture_factor": "in"}
+_MOST_STEPS = 200
+_ZERO, _ONE = np.zeros(1), np.ones(1)
+
+
+@dataclass(frozen=True)
+class Image:
+    """An image of a file. `space` is its color space's name, empty for data; `tiling` how often it repeats along u and v."""
+
+    file: str
+    space: str
+    is_normal: bool = False
+    tiling: tuple[float, float] = (1.0, 1.0)
+    channel: int | None = None
+    """The one that is taken, 0 to 3; None for all."""
+
+
+@dataclass(frozen=True)
+class Unread:
+    """An input that is neither, and why."""
+
+    why: str
+
+
+def _mix(inputs) -> np.ndarray:
+    bg, fg, share = inputs("bg", _ZERO), inputs("fg", _ZERO), inputs("mix", _ZERO)
+    return bg + share * (fg - bg)
+
+
+def _divided(inputs) -> np.ndarray:
+    below = inputs("in2", _ONE)
+    return inputs("in1", _ZERO) / np.where(below == 0.0, 1.0, below)
+
+
+def _extract(inputs) -> np.ndarray:
+    values, index = inputs("in", _ZERO), int(inputs("index", _ZERO)[0])
+    return values[min(max(index, 0), len(values) - 1)][None]
+
+
+FUNCTIONS: dict[str, Callable] = {
+    "add": lambda i: i("in1", _ZERO) + i("in2", _ZERO), "subtract": lambda i: i("in1", _ZERO) - i("in2", _ZERO),
+    "multiply": lambda i: i("in1", _ZERO) * i("in2", _ONE), "divide": _divided, "mix": _mix,
+    "power": lambda i: np.maximum(i("in1", _ZERO), 0.0) ** i("in2", _ONE),
+    "min": lambda i: np.minimum(i("in1", _ZERO), i("in2", _ZERO)), "max": lambda i: np.maximum(i("in1", _ZERO), i("in2", _ZERO)),
+    "clamp": lambda i: np.clip(i("in", _ZERO), i("low", _ZERO), i("high", _ONE)), "invert": lambda i: i("amount", _ONE) - i("in", _ZERO),
+    "sqrt": lambda i: np.sqrt(np.maximum(i("in", _ZERO), 0.0)), "absval": lambda i: np.abs(i("in", _ZERO)), "extract": _extract,
+    "combine2": lambda i: np.concatenate([i(f"in{n}", _ZERO)[:1] for n in (1, 2)]),
+    "combine3": lambda i: np.concatenate([i(f"in{n}", _ZERO)[:1] for n in (1, 2, 3)]),
+    "luminance": lambda i: np.full(3, np.array([0.2126, 0.7152, 0.0722]) @ i("in", np.zeros(3))[:3]),
+}  # fmt: skip
+
+
+class _Neither(Exception):
+    pass
+
+
+class Graph:
+    """Follows inputs of one file. `unknown` are the names of color spaces that were met and not known: read as linear Rec.709."""
+
+    def __init__(self, document: Document):
+        self._document = document
+        self.unknown: set[str] = set()
+        self._steps = 0
+
+    def value(self, element: Element) -> np.ndarray | Image | Unread:
+        """Of an input; also of an output, or a node with a value of its own."""
+        self._steps = 0
+        try:
+            return self._followed(element)
+        except _Neither as reason:
+            return Unread(str(reason))
+
+    def node(self, element: Element) -> tuple[Element, str] | None:
+        """The node that an input is linked to, through outputs of graphs, and the name of the node's output; None without one."""
+        document = self._document
+        scope = document.parent(element) if element.tag == "output" else document.parent(document.parent(element))
+        if name := element.get("nodegraph"):
+            graph = document.named(name, scope)
+            return None if graph is None else self._output(graph, element.get("output", ""))
+        if name := element.get("nodename"):
+            node = document.named(name, scope)
+            if node is not None and node.tag == "nodegraph":
+                return self._output(node, element.get("output", ""))
+            return None if node is None else (node, element.get("output", ""))
+        if name := element.get("interfacename"):
+            given = next((i for i in scope if i.tag == "input" and i.get("name") == name), None)
+            return None if given is None else self.node(given)
+        if name := element.get("output"):
+            return self._output(document.root, name)
+        return None
+
+    def _output(self, graph: Element, name: str) -> tuple[Element, str] | None:
+        outputs = [child for child in graph if child.tag == "output"]
+        output = next((o for o in outputs if o.get("name") == name), outputs[0] if outputs and not name else None)
+        return None if output is None else self.node(output)
+
+    def _followed(self, element: Element) -> np.ndarray | Image:
+        self._steps += 1
+        if self._steps > _MOST_STEPS:
+            raise _Neither("its graph is too large, or runs in a circle")
+        if element.get("interfacename"):
+            scope = self._document.parent(self._document.parent(element))
+            given = next((i for i in scope if i.tag == "input" and i.get("name") == element.get("interfacename")), None)
+            if given is not None:
+                return self._followed(given)
+        if any(element.get(key) for key in (*_LINKS, "output")):
+            found = self.node(element)
+            if found is None:
+                raise _Neither(f"is linked to {next(element.get(k) for k in (*_LINKS, 'output') if element.get(k))[:60]}, which is not in the file")
+            return self._of_node(*found)
+        return self.own_value(element)
+
+    def own_value(self, element: Element) -> np.ndarray:
+        """The numbers that an element holds. Raises LaminaError for what is none."""
+        kind, text = element.get("type", ""), element.get("value", "")
+        where = f"{self._document.where}: {element.get('name', '')}"
+        count = _COUNTS.get(kind)
+        if count is None:
+            raise _Neither(f"has the type {kind or 'none'}")
+        if kind == "boolean":
+            return np.full(1, float(text.strip().lower() == "true"))
+        try:
+            numbers = np.array([float(part) for part in text.split(",")])
+        except ValueError:
+            numbers = np.zeros(0)
+        if len(numbers) != count or not all(map(isfinite, numbers)):
+            raise LaminaError(f"{where} is {text[:40]!r}; choose {('one number', 'two', 'three numbers', 'four numbers')[count - 1]}")
+        return self._linear(element, numbers) if kind.startswith("color") else numbers
+
+    def _linear(self, element: Element, numbers: np.ndarray) -> np.ndarray:
+        space = self._document.nearest(element, "colorspace")
+        if not is_known(space):
+            self.unknown.add(space)
+            return numbers
+        return np.concatenate([to_linear_rec709(numbers[:3], space), numbers[3:]])
+
+    def _of_node(self, node: Element, output: str) -> np.ndarray | Image:
+        kind = node.tag
+        if kind in _IMAGES:
+            return self._image(node, output)
+        if kind in _NORMALS:
+            given = _input(node, _NORMALS[kind])
+            image = self._image(node, "") if _NORMALS[kind] == "file" else self._followed(given) if given is not None else None
+            if isinstance(image, Image):
+                return Image(image.file, "", True, image.tiling)
+            raise _Neither(f"is a {kind} without an image")
+        if kind in _PASSED:
+            given = _input(node, _PASSED[kind])
+            if given is None:
+                raise _Neither(f"is a {kind} without a value")
+            result = self._followed(given)
+            return result if isinstance(result, Image) else _as_type(result, node.get("type", ""))
+        if kind.startswith("separate"):
+            return self._channel(_input(node, "in"), {"outr": 0, "outx": 0, "outg": 1, "outy": 1, "outb": 2, "outz": 2, "outa": 3, "outw": 3}.get(output, 0))
+        if kind == "extract" and isinstance(given := self._optional(node, "in"), Image):
+            index = self._optional(node, "index")
+            return self._channel(_input(node, "in"), int(index[0]) if isinstance(index, np.ndarray) else 0)
+        if kind not in FUNCTIONS:
+            raise _Neither(f"is computed by {kind}")
+
+        def inputs(name: str, default: np.ndarray) -> np.ndarray:
+            given = _input(node, name)
+            if given is None:
+                return default
+            found = self._followed(given)
+            if isinstance(found, Image):
+                raise _Neither(f"is computed from the image {found.file}")
+            return found
+
+        return _as_type(np.atleast_1d(FUNCTIONS[kind](inputs)), node.get("type", ""))
+
+    def _optional(self, node: Element, name: str):
+        given = _input(node, name)
+        return None if given is None else self._followed(given)
+
+    def _channel(self, given: Element | None, index: int) -> np.ndarray | Image:
+        if given is None:
+            raise _Neither("is a channel of nothing")
+        found = self._followed(given)
+        if isinstance(found, Image):
+            return Image(found.file, found.space, False, found.tiling, index)
+        return found[min(index, len(found) - 1)][None]
+
+    def _image(self, node: Element, output: str) -> Image:
+        file = _input(node, "file")
+        if file is None or not file.get("value"):
+            if file is not None and file.get("interfacename"):
+                scope = self._document.parent(node)
+                file = next((i for i in scope if i.tag == "input" and i.get("name") == file.get("interfacename")), None)
+            if file is None or not file.get("value"):
+                raise _Neither("is an image without a file")
+        is_color = node.get("type", "").startswith("color") or node.tag == "UsdUVTexture" and output in ("", "rgb", "rgba")
+        tiling = self._optional(node, "uvtiling")
+        pair = tuple(float(t) for t in tiling) if isinstance(tiling, np.ndarray) and len(tiling) == 2 else (1.0, 1.0)
+        channel = {"r": 0, "g": 1, "b": 2, "a": 3}.get(output) if node.tag == "UsdUVTexture" else None
+        space = self._document.nearest(file, "colorspace") if is_color else file.get("colorspace", "")
+        return Image(self._document.prefixed(node, "fileprefix") + file.get("value"), space, False, pair, channel)
+
+
+def _input(node: Element, name: str) -> Element | None:
+    return next((child for child in node if child.tag == "input" and child.get("name") == name), None)
+
+
+def _as_type(numbers: np.ndarray, kind: str) -> np.ndarray:
+    """Numbers of another count: one is repeated, those beyond are left out."""
+    count = _COUNTS.get(kind, len(numbers))
+    if len(numbers) == 1:
+        return np.repeat(numbers, count)
+    return np.concatenate([numbers, np.ones(max(count - len(numbers), 0))])[:count]

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tabular BSDF files of Zemax and Radiant's imaging spheres: text, by "BSDF Data Interchange file format specification" (Rykowski).
+
+Lines of a name and a count, each followed by that many angles: SampleRotation, AngleOfIncidence, ScatterAzimuth,
+ScatterRadial; then a block for each channel (Monochrome, or TristimulusX, Y and Z) between DataBegin and DataEnd: per
+rotation and incidence a line TIS, then a line per azimuth with f at every radial angle. Radial angles count from the
+direction of mirror reflection, azimuth 0 points from there to the normal.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import LaminaError
+from ...optics.colour import xyz_to_rgb
+from .measurement import Measurement, checked
+
+_AXES = ("SampleRotation", "AngleOfIncidence", "ScatterAzimuth", "ScatterRadial")
+_BLOCKS = {"monochrome": ("Monochrome",), "xyz": ("TristimulusX", "TristimulusY", "TristimulusZ")}
+_MOST_BYTES, _MOST_VALUES = 500_000_000, 50_000_000
+
+
+def looks_like(head: bytes) -> bool:
+    """Whether a file that begins so is one."""
+    lines = [line.strip() for line in head.decode("latin-1").splitlines()]
+    first = next((line for line in lines if line and not line.startswith("#")), "")
+    return first.lower().startswith("source")
+
+
+def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | None = None) -> Measurement:
+    """The measurement of a file. Raises LaminaError on what is missing, or data of transmission."""
+    if path.stat().st_size > _MOST_BYTES:
+        raise LaminaError(f"{path}: {path.stat().st_size} bytes are too large for a table; at most {_MOST_BYTES}")
+    lines = [line.strip() for line in path.read_text(encoding="latin-1").splitlines()]
+    lines = [line for line in lines if line and not line.startswith("#")]
+    header, axes, at = _header(path, lines)
+    if header.get("scattertype", "brdf").lower() != "brdf":
+        raise LaminaError(f"{path}: ScatterType is {header['scattertype'][:40]}; only BRDF, light that comes back, can be fitted")
+    content = header.get("spectralcontent", "monochrome").lower()
+    if content not in _BLOCKS:
+        raise LaminaError(f"{path}: SpectralContent is {content[:40]!r}; choose Monochrome or XYZ")
+    shape = tuple(len(axes[name]) for name in _AXES)
+    f = np.stack([_block(path, lines, at, name, shape) for name in _BLOCKS[content]], axis=-1)
+    notes = []
+    if content == "xyz":
+        f = xyz_to_rgb(f)
+        notes.append("XYZ made linear RGB")
+    wi, wo = _directions(*(np.radians(axes[name]) for name in _AXES))
+    found = (f"Zemax or Radiant table: {', '.join(f'{count} of {name}' for name, count in zip(_AXES, shape))}", *notes)
+    return checked(wi.reshape(-1, 3), wo.reshape(-1, 3), f.reshape(-1, f.shape[-1]), str(path), found, only_nm=wavelength_nm, steepest_deg=steepest_deg)
+
+
+def _header(path: Path, lines: list[str]) -> tuple[dict, dict, int]:
+    """Words by name in lower case, the axes in degrees, and the line after them."""
+    words, axes, at = {}, {}, 0
+    while at < len(lines) and set(axes) != set(_AXES):
+        name, _, rest = lines[at].partition(" ") if " " in lines[at] else lines[at].partition("\t")
+        at += 1
+        axis = next((a for a in _AXES if a.lower() == name.lower()), None)
+        if axis is None:
+            words[name.lower()] = rest.strip()
+            continue
+        try:
+            values = np.array([float(v) for v in (lines[at].split() if at < len(lines) else ())])
+            count = int(rest)
+        except ValueError:
+            values, count = np.zeros(0), -1
+        if len(values) != count or count < 1:
+            raise LaminaError(f"{path}: {axis} announces {rest[:20]!r} angles, and {len(values)} follow")
+        axes[axis], at = values, at + 1
+    if missing := [name for name in _AXES if name not in axes]:
+        raise LaminaError(f"{path}: missing {', '.join(missing)}; a Zemax or Radiant table has {', '.join(_AXES)}")
+    if np.prod([float(len(a)) for a in axes.values()]) > _MOST_VALUES:
+        raise LaminaError(f"{path}: more than {_MOST_VALUES} values")
+    return words, axes, at
+
+
+def _block(path: Path, lines: list[str], at: int, name: str, shape) -> np.ndarray:
+    """Values of one channel, of shape (rotations, incidences, azimuths, radii)."""
+    start = next((i for i in range(at, len(lines)) if lines[i].lower() == name.lower()), None)
+    if start is None:
+        raise LaminaError(f"{path}: missing the data {name}")
+    rows = []
+    for line in lines[start + 1 :]:
+        if line.lower().startswith("dataend"):
+            break
+        if not line.lower().startswith(("databegin", "tis")):
+            rows.append(line.split())
+    wanted = int(np.prod(shape[:3]))
+    if len(rows) != wanted or any(len(row) != shape[3] for row in rows):
+        raise LaminaError(f"{path}: {name} has {len(rows)} rows where {wanted} of {shape[3]} values are announced; truncated?")
+    try:
+        return np.array(rows, float).reshape(shape)
+    except ValueError:
+        raise LaminaError(f"{path}: {name} holds what is not a number") from None
+
+
+def _directions(rotation, incidence, azimuth, radial) -> tuple[np.ndarray, np.ndarray]:
+    """wi, wo (rotations, incidences, azimuths, radii, 3); the sample's turn moves both."""
+    r, i, a, s = np.meshgrid(rotation, incidence, azimuth, radial, indexing="ij")
+    mirror = np.stack([np.sin(i), 0.0 * i, np.cos(i)], axis=-1)
+    to_normal = np.stack([-np.cos(i), 0.0 * i, np.sin(i)], axis=-1)
+    side = np.array([0.0, 1.0, 0.0])
+    wo = np.cos(s)[..., None] * mirror + np.sin(s)[..., None] * (np.cos(a)[..., None] * to_normal + np.sin(a)[..., None] * side)
+    wi = np.stack([-np.sin(i), 0.0 * i, np.cos(i)], axis=-1)
+    return _turned(wi, r), _turned(wo, r)
+
+
+def _turned(w, angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([c * w[..., 0] - s * w[..., 1], s * w[..., 0] + c * w[..., 1], w[..., 2]], axis=-1)
