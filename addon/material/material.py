@@ -31,7 +31,7 @@ from .hand_over import follow_hand_over
 from .live_values import live_in_nodes, live_values
 from .osl_setting import prefer_osl
 from .properties import follow, quietly
-from .reading import require_editable, require_layered, stack_of
+from .reading import measure_means, require_editable, require_layered, stack_of
 from .record import keep_record, keep_structure, take_structure
 from .roles import node_with
 from .shader_node import Surface, backend_of, replacing_branches, shading_of
@@ -179,6 +179,7 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
     """
     require_editable(material)
     owners = _owners(material)
+    measure_means(material)
     shown = _shown(material, settle, progress)
     with replacing_branches(material) as surface:
         _write_branches(surface, material, shown, owners, settle)
@@ -248,6 +249,7 @@ def refresh_stock(material: bpy.types.Material, settle: bool = False) -> None:
     Of tiers that compute first they are those of the tier analytic where nothing is computed yet, but for `settle`.
     """
     require_editable(material)
+    measure_means(material)
     owners, lobes = _owners(material), _stock_lobes(material, settle)
     with replacing_branches(material) as surface:
         surface.keep(OSL)

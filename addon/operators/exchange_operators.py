@@ -16,6 +16,8 @@ from ...reference_py.exchange.report import Report
 from ..exchange import conversion
 from ..exchange.sources import principled_of
 from ..material import material as materials
+from ..material.means import mean_name
+from ..material.reading import measured_stack
 from . import material_operators as ops
 
 REPORT_TEXT = "Lamina Conversion"
@@ -117,10 +119,10 @@ class LAMINA_OT_export_mtlx(ops.LayeredOperator, ExportHelper, bpy.types.Operato
 
     def run(self, context):
         material = ops.material_of(context)
-        converted = to_openpbr(materials.stack_of(material))
+        converted = to_openpbr(measured_stack(material))
         save_mtlx(converted.values, material.name, self.filepath)
-        linked = [s.name for e in (*material.lamina.shown_layers, material.lamina.base) for s in materials.node_of(e).inputs if s.is_linked]
-        notes = [f"lost: {name} texture: the socket's own value is written" for name in linked]
+        sockets = [s for e in (*material.lamina.shown_layers, material.lamina.base) for s in materials.node_of(e).inputs]
+        notes = [f"lost: {s.name} texture: the mean of {mean_name(s)} is written" for s in sockets if mean_name(s)]
         tell(self, Path(self.filepath).name, converted.report, notes)
 
 
