@@ -27,7 +27,7 @@ from ..material.means import mean_name
 from ..material.osl_setting import device_problem, why_stock_nodes
 from ..material.reading import require_editable, require_layered, stack_of
 from ..material.record import changed_values, recorded
-from ..material.roles import SWITCH, TEST, node_with
+from ..material.roles import EEVEE_OUTPUT, ROLE, SWITCH, TEST, node_with
 from ..material.script_node import is_untouched
 from ..material.shader_node import shader_of, surface_of
 from ..shader.inputs import BASE, layer_owner
@@ -279,7 +279,7 @@ def _hiding(tree, surface) -> Iterator[Finding]:
     if output_after(surface) is None:
         return
     shown = {renderer: tree.get_output_node(renderer) for renderer in ("CYCLES", "EEVEE")}
-    others = {renderer: output for renderer, output in shown.items() if output is not None and not feeds(surface, output)}
+    others = {renderer: output for renderer, output in shown.items() if output is not None and output.get(ROLE) != EEVEE_OUTPUT and not feeds(surface, output)}
     for renderer, output in others.items():
         if output.target == renderer:
             yield Finding("output_hides", {"output": output.name, "renderer": renderer.title()}, output.name)

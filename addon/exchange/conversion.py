@@ -17,7 +17,7 @@ from ..material.hand_over import MIX, VALUES
 from ..material.principled_node import COLOR, PRINCIPLED, has_linked_color, is_layer, link_through, linked_places, parameter_of, show_stack
 from ..material.reading import measured_stack, require_editable
 from ..material.record import drop_record
-from ..material.roles import ROLE, SWITCH, TEST, Roles
+from ..material.roles import EEVEE, EEVEE_OUTPUT, ROLE, SWITCH, TEST, Roles
 from ..material.shader_node import backend_of, surface_of
 from .sources import animated_parts, principled_of, read_principled
 
@@ -120,7 +120,7 @@ def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
     for target in targets or [output.inputs["Surface"]]:
         tree.links.new(principled.outputs["BSDF"], target)
     values = [find_node(element) for element in (*lamina.layers, lamina.base)]
-    for node in [node for node in tree.nodes if node in values or node.get(ROLE) in (OSL, NODES, SWITCH, TEST, MIX)]:
+    for node in [node for node in tree.nodes if node in values or node.get(ROLE) in (OSL, NODES, SWITCH, TEST, MIX, EEVEE, EEVEE_OUTPUT)]:
         tree.nodes.remove(node)
     for node in tree.nodes:
         if ROLE in node:  # a stack that is put here later makes its own

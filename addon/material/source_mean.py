@@ -84,6 +84,16 @@ def _before(node: bpy.types.Node) -> Iterator[bpy.types.Node]:
     return (link.from_node for socket in node.inputs if socket.is_linked for link in socket.links)
 
 
+def _all_before(node: bpy.types.Node, seen: set) -> Iterator[bpy.types.Node]:
+    """A node and all before it in its tree."""
+    if node in seen:
+        return
+    seen.add(node)
+    yield node
+    for other in _before(node):
+        yield from _all_before(other, seen)
+
+
 def _images(node: bpy.types.Node, seen: set) -> Iterator[bpy.types.Image]:
     if node in seen:
         return
@@ -162,8 +172,11 @@ def _points() -> np.ndarray:
 def _baked(source: bpy.types.NodeSocket, is_float: bool) -> np.ndarray:
     """What a socket gives at the points, (n, 3), in the working space."""
     tiles = sorted({tile.number for image in _images(source.node, set()) if image.source == "TILED" for tile in image.tiles}) or [1001]
-    with _bench(source.id_data, tiles) as (scene, item, material, image):
+    with _painted_kept(), _bench(source.id_data, tiles) as (scene, item, material, image):
         tree = material.node_tree
+        before = {node.name for node in _all_before(source.node, set())}
+        for other in [node for node in tree.nodes if node.name not in before and node != tree.nodes.active]:
+            tree.nodes.remove(other)  # their images need not be loaded
         twin = tree.nodes[source.node.name].outputs[list(source.node.outputs).index(source)]
         if is_float:  # as a number's socket reads it
             number = tree.nodes.new("ShaderNodeMath")
@@ -171,8 +184,6 @@ def _baked(source: bpy.types.NodeSocket, is_float: bool) -> np.ndarray:
             tree.links.new(twin, number.inputs[0])
             twin = number.outputs[0]
         emission, output = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputMaterial")
-        for other in [node for node in tree.nodes if node.bl_idname == output.bl_idname and node != output]:
-            tree.nodes.remove(other)
         tree.links.new(twin, emission.inputs["Color"])
         tree.links.new(emission.outputs[0], output.inputs["Surface"])
         target = {"object": item, "active_object": item, "selected_objects": [item], "selected_editable_objects": [item]}
@@ -184,6 +195,22 @@ def _baked(source: bpy.types.NodeSocket, is_float: bool) -> np.ndarray:
         pixels = np.empty(_SIDE**2 * 4, np.float32)
         image.pixels.foreach_get(pixels)
         return pixels.reshape(-1, 4)[:, :3].astype(float)
+
+
+@contextmanager
+def _painted_kept() -> Iterator[None]:
+    """Give the file's images back the pixels that nobody saved: without a window, a bake by Cycles frees all images (seen in 4.5.15)."""
+    kept = [(image, np.empty(len(image.pixels), np.float32)) for image in bpy.data.images if image.is_dirty]
+    for image, pixels in kept:
+        image.pixels.foreach_get(pixels)
+    try:
+        yield
+    finally:
+        for image, pixels in kept:
+            if not image.is_dirty:
+                image.pixels.foreach_set(pixels)
+                image.pixels[0] = float(pixels[0])  # which alone says that they are not saved
+                image.update()
 
 
 @contextmanager

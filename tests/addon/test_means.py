@@ -284,3 +284,17 @@ def test_a_bake_that_is_cancelled_half_way_leaves_all_as_it_was(blender):
     assert not wanted_lobes(owner).is_cached(), "nothing half made is kept"
     materials.refresh(owner, settle=True)
     assert not is_stale(owner) and values.layers[0]["roughness"] == 0.3
+
+
+@pytest.mark.parametrize("is_before", [True, False], ids=["before the socket", "elsewhere in the material"])
+def test_painted_pixels_survive(tree, tmp_path, is_before):
+    """Without a window, Cycles drops the pixels of images that it has loaded."""
+    path, _ = picture(tmp_path, 8)
+    node, other = image_node(tree, bpy.data.images.load(str(path))), tree.nodes.new("ShaderNodeInvert")
+    if is_before:
+        tree.links.new(node.outputs[0], other.inputs["Color"])
+    node.image.pixels[0] = 0.9
+    node.image.update()
+    kept = np.array(node.image.pixels)
+    mean_of(other.outputs[0], COLORS)
+    assert node.image.is_dirty and np.array_equal(np.array(node.image.pixels), kept)
