@@ -85,6 +85,40 @@ def _texts(spec):
             yield attribute.name, value
 
 
+def pieces(path: str | os.PathLike, floats: int):
+    """The pixels of a picture's first part as (n, 1, 3 or 4) float arrays of about `floats` numbers each, from the top down.
+
+    Raises OSError for what cannot be opened, ValueError for what is no whole picture of such channels.
+    """
+    oiio = module()
+    with open(path, "rb"):
+        pass
+    as_stored = oiio.ImageSpec()
+    as_stored.attribute("oiio:UnassociatedAlpha", 1)
+    with _quiet():
+        source = oiio.ImageInput.open(os.fspath(path), as_stored)
+        if source is None:
+            raise ValueError(oiio.geterror() or "unknown format")
+        try:
+            spec = source.spec()
+            if tuple(spec.channelnames) not in (("Y",), ("I",), ("R", "G", "B"), ("R", "G", "B", "A")):
+                raise ValueError(f"channels {', '.join(spec.channelnames)}")
+            step = max(floats // (spec.width * spec.nchannels), spec.tile_height, 1)
+            step -= step % max(spec.tile_height, 1)
+            for top in range(spec.y, spec.y + spec.height, step):
+                bottom = min(top + step, spec.y + spec.height)
+                if spec.tile_width:
+                    pixels = source.read_tiles(spec.x, spec.x + spec.width, top, bottom, 0, 1, 0, spec.nchannels, "float")
+                else:
+                    pixels = source.read_scanlines(top, bottom, 0, 0, spec.nchannels, "float")
+                if pixels is None:
+                    raise ValueError(source.geterror() or "its pixels cannot be read")
+                yield pixels.reshape(-1, spec.nchannels)
+        finally:
+            source.close()
+            source.geterror()  # an error that nobody asked for is printed when the reader goes
+
+
 def write(path: str | os.PathLike, channels: dict[str, np.ndarray], texts: dict[str, str]) -> None:
     """Write (h, w) channels, uint8 or as float32, with texts in the header, and read them again.
 

@@ -23,10 +23,11 @@ from ..material.entry import feeds, output_after
 from ..material.hand_over import MIX, usd_takes
 from ..material.kind_groups import KIND_KEY, hands_on
 from ..material.live_values import live_in_nodes, live_values, resting_values
+from ..material.means import mean_name
 from ..material.osl_setting import device_problem, why_stock_nodes
 from ..material.reading import require_editable, require_layered, stack_of
 from ..material.record import changed_values, recorded
-from ..material.roles import SWITCH, TEST, node_with
+from ..material.roles import EEVEE_OUTPUT, ROLE, SWITCH, TEST, node_with
 from ..material.script_node import is_untouched
 from ..material.shader_node import shader_of, surface_of
 from ..shader.inputs import BASE, layer_owner
@@ -65,7 +66,7 @@ CODES = {
     "link_muted": (WARNING, "{layer}: the link to {label} is muted", "Unmute"),
     "image_missing": (ERROR, "{layer}: {label} has a texture without an image", "Remove the Link"),
     "normal_ignored": (WARNING, "{layer}: stock nodes leave its normal out", ""),
-    "texture_ignored": (WARNING, "{layer}: {label} has a texture or animation, which stock nodes cannot follow", ""),
+    "texture_ignored": (WARNING, "{layer}: {label} has a texture or animation, which stock nodes cannot follow: they show {shown}", ""),
     "value_rests": (WARNING, "{layer}: the texture or animation of {label} has no effect, as it is given by {given}", ""),
     "usd_misled": (WARNING, "USD export takes the node {node}, which was there before; delete it if it is of no use", ""),
     "out_of_gamut": (WARNING, "{layer}: {label} lies outside linear Rec.709, in which the model computes, and is limited to it", ""),
@@ -278,7 +279,7 @@ def _hiding(tree, surface) -> Iterator[Finding]:
     if output_after(surface) is None:
         return
     shown = {renderer: tree.get_output_node(renderer) for renderer in ("CYCLES", "EEVEE")}
-    others = {renderer: output for renderer, output in shown.items() if output is not None and not feeds(surface, output)}
+    others = {renderer: output for renderer, output in shown.items() if output is not None and output.get(ROLE) != EEVEE_OUTPUT and not feeds(surface, output)}
     for renderer, output in others.items():
         if output.target == renderer:
             yield Finding("output_hides", {"output": output.name, "renderer": renderer.title()}, output.name)
@@ -332,7 +333,9 @@ def _ignored(material, is_note: bool) -> Iterator[Finding]:
             continue
         element = lamina.base if place.layer is None else shown[place.layer]
         label = kind_of(element).parameter(place.name).label
-        yield Finding("texture_ignored", {"layer": element.name, "label": label}, node_of(element).name, label, is_note)
+        mean = mean_name(node_of(element).inputs[label])
+        taken = f"the mean of {mean}" if mean else "its value at this frame"
+        yield Finding("texture_ignored", {"layer": element.name, "label": label, "shown": taken}, node_of(element).name, label, is_note)
     stack = stack_of(material)
     for element, values in zip((*shown, lamina.base), (*stack.layers, stack.base)):
         if values.has(NORMAL):

@@ -57,8 +57,8 @@ def _source(options) -> tuple[Stack, list[str]]:
         import bpy
 
         from ..blender.blend_files import open_file
-        from ..exchange.materialx_import import linked_sockets
-        from ..material.material import stack_of
+        from ..exchange.materialx_import import lost_textures
+        from ..material.reading import measured_stack
 
         open_file(options.source)
         item = bpy.data.objects.get(options.object)
@@ -67,8 +67,8 @@ def _source(options) -> tuple[Stack, list[str]]:
         material = item.active_material
         if material is None or not material.lamina.is_layered:
             raise LaminaError(f"object {item.name}: {'its material ' + material.name if material else 'it'} has no Lamina stack")
-        notes = [f"lost: {name} texture: the socket's own value is written" for name in linked_sockets(material)]
-        return stack_of(material), notes
+        stack = measured_stack(material)
+        return stack, lost_textures(material)
 
 
 def _import(options) -> None:

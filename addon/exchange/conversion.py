@@ -14,9 +14,9 @@ from ..material.backend import NODES, OSL
 from ..material.elements import find_node, kind_of, node_of, shown_parameters
 from ..material.hand_over import MIX, VALUES
 from ..material.principled_node import COLOR, PRINCIPLED, has_linked_color, is_layer, link_through, linked_places, parameter_of, show_stack
-from ..material.reading import require_editable
+from ..material.reading import measured_stack, require_editable
 from ..material.record import drop_record
-from ..material.roles import ROLE, SWITCH, TEST, Roles
+from ..material.roles import EEVEE, EEVEE_OUTPUT, ROLE, SWITCH, TEST, Roles
 from ..material.shader_node import backend_of, surface_of
 from .sources import animated_parts, principled_of, read_principled
 
@@ -81,13 +81,13 @@ def _link(socket: str, source, elements, converted, is_followed: bool) -> str:
     if not linked:
         return f"lost: {socket} texture: a stack has no place for it"
     if not is_followed and name != "coverage":
-        return f"lost: {socket} texture: it stays linked, but stock nodes cannot follow it and show the socket's own value"
+        return f"lost: {socket} texture: it stays linked, but stock nodes cannot follow it and show its mean"
     return f"kept: {socket} texture: " + ("through nodes that keep the mean albedo" if socket == "Base Color" else "linked to the layer")
 
 
 def principled_copy(material: bpy.types.Material) -> tuple[bpy.types.Material, Report, list[str]]:
     """A new material with a Principled node as bright as the stack, fed by the same textures. The old one stays as it is."""
-    stack = materials.stack_of(material)
+    stack = measured_stack(material)
     converted = to_principled(stack, textured=has_linked_color(material))
     copy = material.copy()
     copy.name = f"{material.name} Principled"
@@ -119,7 +119,7 @@ def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
     for target in targets or [output.inputs["Surface"]]:
         tree.links.new(principled.outputs["BSDF"], target)
     values = [find_node(element) for element in (*lamina.layers, lamina.base)]
-    for node in [node for node in tree.nodes if node in values or node.get(ROLE) in (OSL, NODES, SWITCH, TEST, MIX)]:
+    for node in [node for node in tree.nodes if node in values or node.get(ROLE) in (OSL, NODES, SWITCH, TEST, MIX, EEVEE, EEVEE_OUTPUT)]:
         tree.nodes.remove(node)
     for node in tree.nodes:
         if ROLE in node:  # a stack that is put here later makes its own

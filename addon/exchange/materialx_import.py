@@ -165,6 +165,7 @@ def _block(image: Image, notes: list[str]) -> bpy.types.Image:
     return block
 
 
-def linked_sockets(material: bpy.types.Material) -> list[str]:
-    """Names of the sockets of a material's layers that something feeds."""
-    return [s.name for e in (*material.lamina.shown_layers, material.lamina.base) for s in node_of(e).inputs if s.is_linked]
+def lost_textures(material: bpy.types.Material) -> list[str]:
+    """What a file of numbers loses of a material: the sockets of its layers that something feeds, whose means are written."""
+    sockets = [s for e in (*material.lamina.shown_layers, material.lamina.base) for s in node_of(e).inputs]
+    return [f"lost: {s.name} texture: the mean of {mean_name(s)} is written" for s in sockets if mean_name(s)]

@@ -8,8 +8,10 @@ import numpy as np
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.principled import DEFAULTS
+from ...reference_py.material.schema import COLOR, FLOAT, Parameter
 from ..material.entry import find_entry
 from ..material.principled_node import NORMALS, PRINCIPLED
+from ..material.source_mean import mean_of, source_of_socket
 from ..shader.working_space import out_of_working
 
 _NODE_PATH = re.compile(r'nodes\["(.*?)"\]')
@@ -27,12 +29,17 @@ def principled_of(material: bpy.types.Material) -> bpy.types.Node:
 
 
 def read_principled(node: bpy.types.Node) -> tuple[dict, dict[str, bpy.types.NodeSocket]]:
-    """Values by socket name, and the sources of those that are linked."""
+    """Values by socket name, of linked ones the means of what is linked, and the sources of these. Raises LaminaError where none can be baked now."""
     values, sources = {}, {}
     for socket in node.inputs:
-        if socket.is_linked and (socket.name in DEFAULTS or socket.name in NORMALS):
-            sources[socket.name] = socket.links[0].from_socket
-        if socket.name in DEFAULTS:
+        source = source_of_socket(socket)
+        if source is not None and (socket.name in DEFAULTS or socket.name in NORMALS):
+            sources[socket.name] = source
+        if socket.name in DEFAULTS and source is not None:
+            is_color = socket.type == "RGBA"
+            value = mean_of(source, Parameter(socket.name, COLOR if is_color else FLOAT, None, "", "", maximum=1.0 if is_color else float("inf")))
+            values[socket.name] = tuple(value) if is_color else value
+        elif socket.name in DEFAULTS:
             value = socket.default_value
             values[socket.name] = tuple(np.clip(out_of_working(tuple(value)[:3]), 0.0, None)) if socket.type == "RGBA" else float(value)
     return values, sources

@@ -23,6 +23,7 @@ from ..blender.images import require_pictures, write_png
 from ..blender.versions import node_tree
 from ..material import material as materials
 from ..material.principled_node import linked_places
+from ..material.reading import measured_stack
 from ..rendering.settings import remove_scene
 from ..shader.working_space import out_of_working
 
@@ -58,7 +59,7 @@ class TextureBake:
         folder = output_folder(self.folder)
         yield 0.0
         places = {socket: source for socket, _, _, source in linked_places(self.material, {"base": -1})}
-        converted = to_principled(materials.stack_of(self.material), textured="Base Color" in places)
+        converted = to_principled(measured_stack(self.material), textured="Base Color" in places)
         self.report = converted.report
         linked = {socket: source for socket, _, _, source in linked_places(self.material, converted.owners)}
         values = DEFAULTS | converted.values

@@ -2,11 +2,11 @@
 """Bakes that run beside Blender's window, one at a time, and shaders that follow values which they hold.
 
 A timer looks at the materials after something changed: a shader of old values is replaced at once by one that reads
-them (tier analytic), and when the values have rested for one tick, a process starts to compute the lobe set that the
+them (tier analytic), the means of their textures are measured once they rest, and when the values have rested for one tick, a process starts to compute the lobe set that the
 material's tier stands for. Without a window nothing of this runs: `material.refresh(settle=True)` waits instead.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import bpy
 from bpy.app.handlers import persistent
@@ -20,7 +20,7 @@ from ..material import material as materials
 from ..material import state
 from ..material.osl_setting import shows_osl
 from ..material.pasted import adopt_pasted
-from ..material.reading import is_own, require_editable, stack_of
+from ..material.reading import is_own, measure_means, require_editable, stack_of
 from ..material.record import keep_record
 from ..material.shader_node import lost_group
 from . import conversions
@@ -41,11 +41,13 @@ class Bake(Process):
 @dataclass
 class _State:
     bake: Bake | None = None
-    debounced: dict[str, str] | None = None
-    failed: dict[str, str] | None = None
+    debounced: dict[str, str] = field(default_factory=dict)
+    failed: dict[str, str] = field(default_factory=dict)
+    touched: set[str] = field(default_factory=set)  # materials that changed since the last tick
+    unmeasured: set[str] = field(default_factory=set)  # and before that
 
 
-_state = _State(debounced={}, failed={})
+_state = _State()
 
 
 def bake_of(material: bpy.types.Material) -> Bake | None:
@@ -84,10 +86,14 @@ def tick() -> float | None:
         return TICK  # nodes must not change under a render
     _collect()
     left = conversions.collect()
+    resting, _state.unmeasured, _state.touched = _state.unmeasured - _state.touched, _state.touched, set()
+    left |= bool(_state.unmeasured)
     for material in bpy.data.materials:
         adopt_pasted(material)
         if is_own(material) and material.lamina.is_layered:
             try:
+                if material.name_full in resting:
+                    measure_means(material)
                 left |= _follow(material)
                 left |= conversions.follow(material)
             except LaminaError as error:
@@ -179,6 +185,7 @@ def wake_after_change(_scene, depsgraph) -> None:
         for material in bpy.data.materials:  # of one on no object Blender tells no change
             adopt_pasted(material)
     elif depsgraph.id_type_updated("MATERIAL") or depsgraph.id_type_updated("NODETREE"):
+        _state.touched |= {update.id.original.name_full for update in depsgraph.updates if isinstance(update.id, bpy.types.Material)}
         wake()
 
 

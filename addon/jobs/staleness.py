@@ -17,7 +17,7 @@ from ..material.live_values import live_in_nodes, live_values, what_moves
 from ..material.material import hand_over, refresh, refresh_stock
 from ..material.osl_setting import shows_osl, why_stock_nodes
 from ..material.pasted import adopt_pasted
-from ..material.reading import is_own, stack_of
+from ..material.reading import is_own, measure_means, stack_of
 from ..material.record import changed_values, keep_record
 from ..material.roles import node_with
 from ..material.shader_node import shader_of
@@ -33,6 +33,7 @@ def make_ready(*_) -> None:
     """Make every material of this file what its tier stands for, and what exporters find. With a window, bakes are left to `bakes`."""
     for material in bpy.data.materials:
         adopt_pasted(material)
+    _for_each(lambda material: True, measure_means)
     if bpy.app.background:
         wanted: list[state.Wanted] = []
         _for_each(_needs_bake, lambda material: wanted.extend(filter(None, (state.wanted_lobes(material), state.wanted_stock(material)))))

@@ -18,6 +18,7 @@ from ..shader.inputs import BASE, layer_owner
 from ..shader.working_space import REC709, out_of_working, working_space
 from .backend import OSL
 from .kind_groups import KIND_KEY, declare_missing, give_value, group_of
+from .means import kept_mean
 from .roles import node_with
 
 # The immutable id of a value node, which is the name that it was made with; users may rename nodes.
@@ -163,7 +164,7 @@ def fill_element(tree: bpy.types.NodeTree, element, source: Layer | Base, kind: 
 
 
 def read_element(element, kind: Kind) -> dict:
-    """An element as JSON, values from its node's sockets. A linked socket counts with its own value."""
+    """An element as JSON, values from its node's sockets. A linked one counts with the mean that is kept of what is linked."""
     given = "eta+k" if element.given == "metal" and _index_differs(element, kind) else element.given
     data = {"kind": element.kind}
     for parameter in element_parameters(element, kind, given):
@@ -175,6 +176,11 @@ def read_element(element, kind: Kind) -> dict:
     if "name" in unknown or not _is_default_name(element.name, kind):
         unknown["name"] = element.name
     return {**unknown, **data}
+
+
+def value_of(element, parameter: Parameter) -> float | list[float]:
+    """A value as the model has it, of a linked socket the mean that is kept. Raises LaminaError when there is no socket."""
+    return _value_of(socket_of(element, parameter), parameter)
 
 
 def free_name(element, wanted: str) -> str:
@@ -228,7 +234,10 @@ def _index_sockets(element, kind: Kind) -> list[bpy.types.NodeSocket]:
 
 
 def _value_of(socket: bpy.types.NodeSocket, parameter: Parameter) -> float | list[float]:
-    """A socket's value as the model has it. A color in range that lies outside Rec.709 is limited, which Check tells."""
+    """A socket's value as the model has it, of a linked one the mean. A color in range that lies outside Rec.709 is limited, which Check tells."""
+    mean = kept_mean(socket)
+    if mean is not None:
+        return mean
     if parameter.type == FLOAT:
         return _decimal(socket.default_value)
     value = list(socket.default_value)[:3]

@@ -22,19 +22,20 @@ from ...reference_py.material.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
 from ...reference_py.material.stack import Stack
 from ..blender.versions import node_tree
 from ..shader.inputs import BASE, layer_owner
-from ..shader.nodes.stock_nodes import closure_count, left_out, stock_tables
+from ..shader.nodes.stock_nodes import closure_count, eevee_stock_tables, left_out, stock_tables
 from ..shader.osl.generate import generate
 from .backend import AUTO, NODES, OSL, branches_here, notice
 from .base_kind import change_kind, lost_by_change
+from .eevee_output import follow_eevee_output
 from .elements import bring_up_to_date, carry_metal, fill_element, find_node, kind_of, node_of, show_name, structure_dict
 from .hand_over import follow_hand_over
 from .live_values import live_in_nodes, live_values
 from .osl_setting import prefer_osl
 from .properties import follow, quietly
-from .reading import require_editable, require_layered, stack_of
+from .reading import measure_means, require_editable, require_layered, stack_of
 from .record import keep_record, keep_structure, take_structure
-from .roles import node_with
-from .shader_node import Surface, backend_of, replacing_branches, shading_of
+from .roles import EEVEE, node_with
+from .shader_node import Surface, backend_of, replacing_branches, shading_of, surface_of
 from .snapshot import restore, snapshot
 from .state import HELD_VALUES, SETTLED, note_of, wanted_lobes, wanted_stock
 
@@ -179,11 +180,13 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
     """
     require_editable(material)
     owners = _owners(material)
+    measure_means(material)
     shown = _shown(material, settle, progress)
     with replacing_branches(material) as surface:
         _write_branches(surface, material, shown, owners, settle)
     _keep_facts(material.lamina, shown)
     hand_over(material, settle)
+    follow_eevee_output(material, surface_of(material))
     _arrange(material.lamina, node_with(material, branches_here(material.lamina.backend)[0]))
     keep_record(material)
 
@@ -248,10 +251,12 @@ def refresh_stock(material: bpy.types.Material, settle: bool = False) -> None:
     Of tiers that compute first they are those of the tier analytic where nothing is computed yet, but for `settle`.
     """
     require_editable(material)
+    measure_means(material)
     owners, lobes = _owners(material), _stock_lobes(material, settle)
     with replacing_branches(material) as surface:
         surface.keep(OSL)
         _make_stock(surface, material, owners, *lobes)
+    follow_eevee_output(material, surface_of(material))
     keep_record(material)
 
 
@@ -288,6 +293,7 @@ def _make_stock(surface: Surface, material, owners, lobe_set, key: str):
         tier = material.lamina.tier
         lobe_set = make_lobe_set(stack, PROVISIONAL_METHOD if holds_values(tier) else tier)
     tables = stock_tables(lobe_set)
+    surface.stock(eevee_stock_tables(lobe_set), owners, EEVEE)
     _note(surface.stock(tables, owners), stack_key(stack, live_in_nodes(material, stack)), key)
     return tables
 

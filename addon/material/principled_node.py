@@ -2,7 +2,7 @@
 """A Principled node that shows a stack: its values, and links from what feeds the layers.
 
 A texture of the base color goes through nodes that keep the mean albedo. The last of them is a factor, which glTF takes
-along with the texture; it is exact at the color that the layer's socket has beside its link.
+along with the texture; it is exact at the mean of the texture.
 """
 
 from collections.abc import Callable, Iterator
@@ -13,8 +13,7 @@ import numpy as np
 from ...reference_py.exchange.matching import ColorMap
 from ...reference_py.exchange.principled import PLACES, WRITTEN
 from ...reference_py.material.schema import Parameter
-from ..shader.working_space import out_of_working
-from .elements import kind_of, node_of, used_features
+from .elements import kind_of, node_of, used_features, value_of
 from .kind_groups import KIND_KEY
 from .properties import LaminaElement
 from .roles import Roles, give
@@ -84,14 +83,14 @@ def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values:
             continue
         fed.add(name)
         if name == COLOR and (colors is not None or roles.get(_COLOR_ROLES[0])):
-            own = out_of_working(node_of(element).inputs[parameter.label].default_value[:3])
+            own = np.asarray(value_of(element, parameter))
             source = _through_color(roles, source, target, colors, own)
             kept_roles |= set(_COLOR_ROLES)
             notes.append(f"kept: {COLOR} texture: through nodes that keep the mean albedo")
         else:
             if parameter.name == "tint":
                 gamma = roles.make(_TINT_ROLE, "ShaderNodeGamma", "Lamina round trip", (principled.location.x - _APART, principled.location.y - 2 * _APART))
-                give(gamma.inputs["Gamma"], 2.0 * node_of(element).inputs["Thickness"].default_value)
+                give(gamma.inputs["Gamma"], 2.0 * value_of(element, kind_of(element).parameter("thickness")))
                 roles.link(source, gamma.inputs["Color"])
                 source = gamma.outputs["Color"]
                 kept_roles.add(_TINT_ROLE)

@@ -8,7 +8,8 @@ import bpy
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.schema import SCHEMA_VERSION
 from ...reference_py.material.stack import Stack
-from .elements import kind_of, read_element
+from .elements import find_node, kind_of, read_element
+from .means import measure_node
 
 
 def require_editable(material: bpy.types.Material) -> None:
@@ -31,7 +32,7 @@ def require_layered(material: bpy.types.Material) -> None:
 
 
 def stack_of(material: bpy.types.Material, hidden: bool = False) -> Stack:
-    """The stack that the sockets hold; layers that are not shown only if asked for. A linked socket counts with its own value.
+    """The stack that the sockets hold; layers that are not shown only if asked for. A linked socket counts with the mean that is kept.
 
     Raises LaminaError when a socket holds what the schema does not allow.
     """
@@ -49,3 +50,21 @@ def stack_of(material: bpy.types.Material, hidden: bool = False) -> Stack:
         },
         f"material {material.name}",
     )
+
+
+def measure_means(material: bpy.types.Material) -> bool:
+    """Keep the means of all that is linked to a material's values; whether one changed. A material of another file keeps those that it has.
+
+    Raises LaminaError where Blender cannot bake now.
+    """
+    if not is_own(material):
+        return False
+    elements = [*material.lamina.layers, material.lamina.base]
+    return sum(measure_node(node, kind_of(e).sockets) for e in elements if (node := find_node(e)) is not None) > 0  # all of them, not the first alone
+
+
+def measured_stack(material: bpy.types.Material) -> Stack:
+    """The stack that the sockets hold, after the means of what is linked were measured. Raises LaminaError."""
+    require_layered(material)
+    measure_means(material)
+    return stack_of(material)

@@ -11,6 +11,8 @@ from .backend import NODES, OSL
 ROLE = "lamina_role"
 # The Mix Shader over both branches, and what asks whether the script runs; the branches themselves have the names of their backends.
 SWITCH, TEST = "switch", "test"
+# The stock nodes with EEVEE's own weights, and the output that shows them there alone.
+EEVEE, EEVEE_OUTPUT = "eevee", "eevee output"
 _TYPES = {OSL: "ShaderNodeScript", NODES: "ShaderNodeGroup"}
 
 

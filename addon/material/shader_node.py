@@ -23,13 +23,13 @@ from ..shader.working_space import primaries
 from .backend import NODES, OSL
 from .entry import entry_of
 from .hand_over import MIX, tail
-from .roles import ROLE, SWITCH, TEST, give, node_with
+from .roles import EEVEE, ROLE, SWITCH, TEST, give, node_with
 from .script_node import drop_text, holds, set_script
 
-_LABELS = {OSL: "Lamina Shader", NODES: "Lamina Stock Nodes", TEST: "Lamina OSL Runs", SWITCH: "Lamina OSL or Stock Nodes"}
-_TYPES = {OSL: "ShaderNodeScript", NODES: "ShaderNodeGroup", TEST: "ShaderNodeMath", SWITCH: "ShaderNodeMixShader"}
+_LABELS = {OSL: "Lamina Shader", NODES: "Lamina Stock Nodes", EEVEE: "Lamina EEVEE", TEST: "Lamina OSL Runs", SWITCH: "Lamina OSL or Stock Nodes"}
+_TYPES = {OSL: "ShaderNodeScript", NODES: "ShaderNodeGroup", EEVEE: "ShaderNodeGroup", TEST: "ShaderNodeMath", SWITCH: "ShaderNodeMixShader"}
 # Places left of the output.
-_PLACES = {OSL: (-900, 0), NODES: (-900, -320), TEST: (-660, 120), SWITCH: (-460, 0)}
+_PLACES = {OSL: (-900, 0), NODES: (-900, -320), EEVEE: (-900, -520), TEST: (-660, 120), SWITCH: (-460, 0)}
 _TANGENT_NODE = "Lamina Tangent"
 # Schema 2 showed EEVEE stock nodes at an output of its own.
 _FORMER_PREVIEW = ("Lamina Preview", "Lamina Preview Output")
@@ -111,10 +111,10 @@ class Surface:
         self._wire(node, shader.inputs, owners)
         return node
 
-    def stock(self, lobe_set: TableLobes | PatchLobes, owners: dict[str, bpy.types.Node]) -> bpy.types.Node:
-        """The group node of this lobe set, wired to the nodes of the values that it reads live."""
+    def stock(self, lobe_set: TableLobes | PatchLobes, owners: dict[str, bpy.types.Node], role: str = NODES) -> bpy.types.Node:
+        """The group node of this lobe set, wired to the nodes of the values that it reads live; of a role, NODES or EEVEE."""
         group = lobe_group(lobe_set)
-        node = self._branch(NODES, lambda node: node.node_tree == group, lambda node: setattr(node, "node_tree", group))
+        node = self._branch(role, lambda node: node.node_tree == group, lambda node: setattr(node, "node_tree", group))
         self._wire(node, group_inputs(lobe_set), owners)
         return node
 

@@ -16,11 +16,12 @@ from ..shader.inputs import PRIMARIES
 from ..shader.nodes.node_groups import is_in_working_space as group_is_in_working_space
 from ..shader.working_space import REC709, is_current, working_space
 from .backend import NODES, OSL, branches_here
+from .eevee_output import is_off
 from .limits import require_shader
 from .live_values import live_in_nodes, live_values
 from .reading import stack_of
 from .roles import node_with
-from .shader_node import shader_of
+from .shader_node import shader_of, surface_of
 
 # Of a branch's node: a hash of the values that it holds, empty where it reads them, and what it was computed for in
 # tiers that compute first, empty until that is done.
@@ -115,7 +116,7 @@ def lags(material: bpy.types.Material) -> bool:
 
     They stay what they are while a socket holds what the schema does not allow, which Check names.
     """
-    if lacks_branch(material):
+    if lacks_branch(material) or is_off(material, surface_of(material)):
         return True
     stock = node_with(material, NODES)
     if stock is None or stock == shader_of(material):

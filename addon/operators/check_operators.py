@@ -6,6 +6,7 @@ from bpy.props import StringProperty
 
 from ...reference_py.errors import LaminaError
 from ..check import check
+from ..material.reading import measure_means
 from .material_operators import LayeredOperator, material_of
 
 
@@ -24,6 +25,7 @@ class LAMINA_OT_check(LayeredOperator, bpy.types.Operator):
     bl_options = {"REGISTER"}
 
     def run(self, context):
+        measure_means(material_of(context))
         found = _found(context)
         for finding in found:
             self.report({"INFO" if finding.level == check.NOTE else "WARNING"}, f"Lamina: {_said(finding)}")

@@ -17,6 +17,7 @@ from ..exchange import conversion, materialx_import
 from ..exchange.sources import principled_of
 from ..material import material as materials
 from ..material.holders import can_hold_material
+from ..material.reading import measured_stack
 from . import material_operators as ops
 
 REPORT_TEXT = "Lamina Conversion"
@@ -118,10 +119,9 @@ class LAMINA_OT_export_mtlx(ops.LayeredOperator, ExportHelper, bpy.types.Operato
 
     def run(self, context):
         material = ops.material_of(context)
-        converted = to_openpbr(materials.stack_of(material))
+        converted = to_openpbr(measured_stack(material))
         save_mtlx(converted.values, material.name, self.filepath)
-        notes = [f"lost: {name} texture: the socket's own value is written" for name in materialx_import.linked_sockets(material)]
-        tell(self, Path(self.filepath).name, converted.report, notes)
+        tell(self, Path(self.filepath).name, converted.report, materialx_import.lost_textures(material))
 
 
 class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator):

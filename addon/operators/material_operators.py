@@ -20,6 +20,7 @@ from ..material.entry import find_entry, surface_output
 from ..material.holders import can_hold_material
 from ..material.live_values import live_values
 from ..material.osl_setting import enable_osl
+from ..material.reading import measured_stack
 
 _JSON = "*.json"
 _UNNAMED = "Lamina"
@@ -182,7 +183,7 @@ class LAMINA_OT_export_stack(LayeredOperator, ExportHelper, bpy.types.Operator):
 
     def run(self, context):
         material = material_of(context)
-        materials.stack_of(material).save(self.filepath)
+        measured_stack(material).save(self.filepath)
         hidden = len(material.lamina.layers) - len(material.lamina.shown_layers)
         sentence = rpt_("Lamina: stack written to {path}").format(path=self.filepath)
         if hidden:

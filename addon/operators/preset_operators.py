@@ -15,6 +15,7 @@ from ..library.preset_catalogues import CATALOGUES, OWN, catalogue_id
 from ..library.preset_icons import preset_icon, user_preset_icon
 from ..library.thumbnails import pixels_of, render_thumbnail
 from ..material import material as materials
+from ..material.reading import measured_stack
 from . import material_operators as ops
 
 _DIALOG_WIDTH = 400  # pixels: for the sentences of what a preset leaves out
@@ -45,7 +46,7 @@ class LAMINA_OT_save_preset(ops.LayeredOperator, bpy.types.Operator):
 
     def run(self, context):
         material = ops.material_of(context)
-        stack = materials.stack_of(material)
+        stack = measured_stack(material)
         stack = replace(stack, name=self.name.strip(), source=_source(stack.source))
         preset_assets.require_savable(material)
         sentences = preset_assets.left_out(material)

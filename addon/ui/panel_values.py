@@ -11,6 +11,7 @@ from ...reference_py.optics.microfacet import slope_deg_from_roughness
 from ..blender import environment
 from ..material.backend import OSL
 from ..material.elements import kind_of, node_of, shown_parameters, use_of, used_features
+from ..material.means import kept_mean, mean_name
 
 _MARGIN, _CHARACTER = 60, 6.4  # pixels at scale 1: what borders and the icon take, and a mean letter
 # By the schema's unit. A column for it would shift the value from under the others.
@@ -49,6 +50,10 @@ def _draw_socket(layout, element, node, parameter: Parameter):
     if socket is None:  # a file of an older version has it once its shader is made anew
         return None
     layout.template_node_view(element.id_data.node_tree, node, socket)
+    mean = kept_mean(socket)
+    if mean is not None:
+        text = f"{mean:.3g}" if isinstance(mean, float) else " ".join(f"{v:.3g}" for v in mean)
+        draw_fact(layout, "", iface_("Mean of {source}: {value}").format(source=mean_name(socket), value=text))
     if parameter.unit and not socket.is_linked:
         draw_fact(layout, "", iface_(UNITS[parameter.unit]))
     return socket

@@ -5,7 +5,7 @@
 CHARTS = {
     "lobes": "lobe_errors", "presets": "preset_errors", "tiers": "tiers", "error": "error", "stress": "stress_chart", "suite": "suite_chart",
     "pareto": "pareto_chart", "pair": "pair", "cost_factors": "cost_factors", "fit": "fit_charts", "scale": "scale", "viewport": "viewport_chart",
-    "base_color": "base_color", "exchange": "exchange",
+    "base_color": "base_color", "exchange": "exchange", "eevee": "eevee_energy",
 }  # fmt: skip
 # Names that charts had before, and still answer to.
 OLD_NAMES = {"network": "lobes", "levers": "cost_factors"}
@@ -28,7 +28,7 @@ def add_commands(commands) -> None:
             "cost_factors (also levers): what lobes and closures cost in Cycles; "
             "scale: time and memory over the number of materials, layers, samples and pictures; "
             "fit: how well stacks are found from measurements, and a blue paint by other models; "
-            "viewport: how EEVEE shows every preset; LAMINA_BLENDER names a Blender that has it; "
+            "viewport: how EEVEE shows every preset, and eevee: how bright; LAMINA_BLENDER names a Blender that has it; "
             "base_color: a bake that follows the base's color, at nine colors; "
             "exchange: what becomes of the MaterialX files in the folders of --files; "
             "pair: one car paint by Cycles' layer(), by Lamina and as explicit geometry"
@@ -36,7 +36,7 @@ def add_commands(commands) -> None:
     )
     chart.add_argument("-o", "--output", default=".", metavar="FOLDER", help="folder for table and picture (default: %(default)s)")
     chart.add_argument(
-        "--surface", nargs="+", metavar="NAME", help="pareto, viewport: presets or stacks of the suite (default: six surface types; all presets)"
+        "--surface", nargs="+", metavar="NAME", help="pareto, viewport, eevee: presets or stacks of the suite (default: six surface types; all presets)"
     )
     chart.add_argument("--files", nargs="+", metavar="FOLDER", help="exchange: folders with MaterialX files, such as those of MaterialX and OpenPBR")
     chart.add_argument("--rounds", type=int, metavar="N", help="pareto: rounds of timing (default: 5)")

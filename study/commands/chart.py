@@ -8,7 +8,7 @@ from ...reference_py.atomic import output_folder
 from ...reference_py.errors import LaminaError
 from . import CHARTS
 
-_TAKING = {"surface": ("pareto", "viewport"), "rounds": ("pareto",), "files": ("exchange",)}
+_TAKING = {"surface": ("pareto", "viewport", "eevee"), "rounds": ("pareto",), "files": ("exchange",)}
 
 
 def chart(options) -> None:

@@ -17,7 +17,7 @@ from lamina.addon.material.roles import ROLE
 from lamina.addon.material.shader_node import shader_of
 from lamina.addon.material.state import is_settled, is_stale, lags, wanted_lobes
 from lamina.addon.shader.nodes.node_groups import lobe_group
-from lamina.addon.shader.nodes.stock_nodes import stock_tables
+from lamina.addon.shader.nodes.stock_nodes import eevee_stock_tables
 from lamina.reference_py.lobes import cache
 from lamina.reference_py.material.place import Place
 from lamina.study.suite import suite_stack
@@ -72,12 +72,14 @@ def test_a_material_is_live_until_its_bake_is_done(window):
 
 
 def shown_by(owner, engine: str):
-    """The branch that an engine shows: EEVEE and Cycles have one output, and EEVEE gets 0 for the factor of the Mix Shader."""
+    """The branch that an engine shows: EEVEE has an output of its own, beside the one for all renderers."""
+    if engine == "EEVEE":
+        return owner.node_tree.get_output_node(engine).inputs["Surface"].links[0].from_node
     hand_over = owner.node_tree.get_output_node(engine).inputs["Surface"].links[0].from_node
     assert hand_over[ROLE] == MIX and not hand_over.inputs[0].is_linked and hand_over.inputs[0].default_value == 0.0
     mix = hand_over.inputs[1].links[0].from_node
     assert mix.inputs[0].default_value == 0.0 and mix.inputs[0].links[0].from_node.inputs[0].links[0].from_socket.name == "Live"
-    return mix.inputs[2 if engine == "CYCLES" else 1].links[0].from_node
+    return mix.inputs[2].links[0].from_node
 
 
 def test_eevee_shows_the_same_lobes_in_stock_nodes(window):
@@ -86,7 +88,7 @@ def test_eevee_shows_the_same_lobes_in_stock_nodes(window):
     preview = shown_by(owner, "EEVEE")
     assert preview.bl_idname == "ShaderNodeGroup" and shown_by(owner, "CYCLES") == shader_of(owner)
     tables = preview.node_tree.name  # a removed group's place may be the next one's
-    assert preview.node_tree == lobe_group(stock_tables(wanted_lobes(owner).make()))
+    assert preview.node_tree == lobe_group(eevee_stock_tables(wanted_lobes(owner).make()))
     elements.node_of(owner.lamina.base).inputs["Color"].default_value = (0.1, 0.1, 0.1, 1.0)
     rest(owner)
     assert shown_by(owner, "EEVEE").node_tree.name != tables

@@ -55,6 +55,16 @@ def sound() -> None:
         assert findings(each) == []
 
 
+def assert_of_facts(stack: Stack, facts: dict) -> None:
+    """A stack is that of a file, with the mean of the checker in the place of the tint that it is linked to."""
+    rows = stack.to_dict()["layers"]
+    for row, former in zip(rows, facts["layers"]):
+        if row.get("name") == "Glaze":
+            assert row["tint"] == pytest.approx([0.5, 0.5, 0.5], abs=0.02)  # of .8 and .2
+            row["tint"] = former["tint"]
+    assert Stack.from_dict(stack.to_dict() | {"layers": rows}) == Stack.from_dict(facts)
+
+
 @pytest.mark.parametrize("version", range(1, SCHEMA_VERSION + 1))
 def test_a_golden_file_opens_migrates_and_renders_the_same(blender, tmp_path, version):
     facts = json.loads((DATA / f"schema_{version}.json").read_text(encoding="utf-8"))
@@ -70,7 +80,7 @@ def test_a_golden_file_opens_migrates_and_renders_the_same(blender, tmp_path, ve
         material.regenerate(each)
     for each in layered():
         assert each.lamina.schema_version == SCHEMA_VERSION
-        assert material.stack_of(each, hidden=True) == Stack.from_dict(facts["stacks"][each.name])
+        assert_of_facts(material.stack_of(each, hidden=True), facts["stacks"][each.name])
     sound()
     after = picture(tmp_path / "after.exr")
     apart = np.abs(after - before).max(axis=-1) / before.max()

@@ -17,8 +17,8 @@ from support.sunlit_ball import AGREE, means, picture, stage
 
 import lamina as package
 
-# Largest difference of a channel's mean in EEVEE from Cycles.
-EEVEE_AGREES = 0.05
+# Largest difference of a channel's mean in EEVEE from Cycles. It keeps light in numbers that lose up to 1.6 % of red and green, 3.1 % of blue.
+EEVEE_AGREES = 0.035
 BLENDER = os.environ.get("LAMINA_BLENDER", "")
 pytestmark = [pytest.mark.blender, pytest.mark.skipif(not BLENDER, reason="LAMINA_BLENDER names no Blender")]
 
@@ -114,7 +114,7 @@ def test_ctrl_c_is_130_as_in_the_wheel(profile, tmp_path):
 
 
 def test_one_file_in_the_wheel_and_there_in_cycles_and_in_eevee(registered_lamina, tmp_path):
-    """A Blender without Lamina, and maybe without OSL, opens what the wheel saved. EEVEE has no rim of rough coats: it is near."""
+    """A Blender without Lamina, and maybe without OSL, opens what the wheel saved."""
     import bpy
 
     from lamina.addon.material.material import apply_stack

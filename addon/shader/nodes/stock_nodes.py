@@ -11,6 +11,7 @@ from functools import cached_property, reduce
 import bpy
 import numpy as np
 
+from ....reference_py.lobes.eevee import eevee_tables
 from ....reference_py.lobes.patch_lobes import PatchLobes
 from ....reference_py.lobes.tabulate import is_grey_dielectric, tabulate
 from ....reference_py.lobes.view_table import AZIMUTH_PLACES, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
@@ -44,6 +45,11 @@ _SOME_DIRECTION = (5.7e-7, 3.1e-7, 7.6e-7)
 def stock_tables(made) -> TableLobes | PatchLobes:
     """A lobe set in tables of the lobes that this Blender's nodes have."""
     return tabulate(made.lobe_set, HAS_DIELECTRIC, DIFFUSE_POWER)
+
+
+def eevee_stock_tables(made) -> TableLobes | PatchLobes:
+    """A lobe set in tables whose energies are right in EEVEE."""
+    return eevee_tables(made.lobe_set)
 
 
 def group_inputs(lobe_set: TableLobes | PatchLobes) -> tuple[ShaderInput, ...]:

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The means of what is linked to a material's values, kept on the nodes of the values.
+
+They count wherever a link cannot be followed: in stock nodes, for what exporters find, in reports. They are measured where the user waits
+anyway, before a shader is made, a save, a check and a conversion; whatever else reads them, a panel for instance, reads what is kept.
+"""
+
+import json
+
+import bpy
+
+from ...reference_py.material.schema import COLOR, FLOAT, Parameter
+from .source_mean import is_painted, mean_of, name_of, source_of_socket, state_of
+
+MEANS = "lamina_means"
+
+
+def kept_mean(socket: bpy.types.NodeSocket) -> float | list[float] | None:
+    """The mean that is kept of what is linked to a value's socket; None where nothing is linked, or nothing was measured."""
+    source = source_of_socket(socket)
+    row = _rows(socket.node).get(socket.name) if source is not None else None
+    return row["mean"] if row is not None and row["of"] == _address(source) else None
+
+
+def mean_name(socket: bpy.types.NodeSocket) -> str:
+    """What a value's socket shows the mean of; empty where it shows its own value."""
+    return name_of(source_of_socket(socket)) if kept_mean(socket) is not None else ""
+
+
+def measure_node(node: bpy.types.Node, parameters: tuple[Parameter, ...]) -> bool:
+    """Keep the means of what is linked to a value node's sockets; whether one changed. Only what is not known is measured."""
+    former, rows = _rows(node), {}
+    for parameter in parameters:
+        socket = node.inputs.get(parameter.label)
+        source = source_of_socket(socket) if socket is not None and parameter.type in (FLOAT, COLOR) else None
+        if source is None:
+            continue
+        row, state = former.get(parameter.label), state_of(source, parameter)
+        if row is None or row["state"] != state or is_painted(source):
+            row = {"of": _address(source), "state": state, "mean": mean_of(source, parameter)}
+        rows[parameter.label] = row
+    if rows == former:
+        return False
+    if rows:
+        node[MEANS] = json.dumps(rows)
+    else:
+        del node[MEANS]
+    return {label: row["mean"] for label, row in rows.items()} != {label: row["mean"] for label, row in former.items()}
+
+
+def _address(source: bpy.types.NodeSocket) -> list[str]:
+    return [source.node.name, source.identifier]
+
+
+def _rows(node: bpy.types.Node) -> dict:
+    try:
+        return json.loads(node.get(MEANS, "{}"))
+    except (ValueError, TypeError):
+        return {}
