@@ -9,7 +9,7 @@ from ..errors import LaminaError
 from ..material.stack import Stack
 from .matching import ColorMap, color_key, color_map, compared, mean, recolored, rendered_by, solve, truth
 from .report import APPROXIMATED, LOST, Loss, Match, Report, shown
-from .slots import MOST_REFLECTANCE, Slots, from_stack, to_stack
+from .slots import BASE, MOST_REFLECTANCE, Slots, from_stack, to_stack
 
 # A mean albedo that is further off than this could not be reached.
 _REACHED = 5e-4
@@ -20,7 +20,7 @@ class Converted:
     """`owners`: the index of the layer, or -1 for the base, that each slot ("base", "gloss", "coat") is in the stack.
 
     `values` are the model's parameters by name. `colors` maps base colors of what is converted to those of the result,
-    for textures; None unless asked for, or where the original's base has no color.
+    for textures; None unless asked for, or where what is the base has no color or is an opaque layer.
     """
 
     stack: Stack
@@ -39,7 +39,7 @@ def stack_to_slots(stack: Stack, model: str, name: str, room=frozenset(), textur
     color, found = solve(rendered, mean(wanted), placed.slots.color)
     match = compared(wanted, found, _has_film(placed.slots))
     losses = [*placed.losses, *_unmatched("base color", color, match)]
-    colors = color_map(original, rendered) if textured and color_key(stack.base) in stack.base else None
+    colors = color_map(original, rendered) if textured and placed.owners[BASE] < 0 and color_key(stack.base) in stack.base else None
     return placed.slots.with_color(color), placed.owners, Report(tuple(losses), match), colors
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lobes of a stack with covered layers: those of its patches, weighted by their shares."""
+"""The lobes of a stack with covered or opaque layers: those of its patches, weighted by their shares."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -102,7 +102,7 @@ def test_too_many_covered_layers_leave_all_as_it_was(blender):
     new = layered([{**GLAZE, "coverage": 0.5}] * 3 + [GLAZE], GREY, "weidlich_wilkie")
     script = shader_of(new).script
     new.lamina.layers[3].use_coverage = True
-    assert "4 layers have a coverage (layers 0, 1, 2, 3); choose at most 3" in new.lamina.problem
+    assert "4 clear layers have a coverage (layers 0, 1, 2, 3); choose at most 3" in new.lamina.problem
     assert shader_of(new).script == script
     with pytest.raises(LaminaError, match="choose at most 3"):
         make_lobe_set(material.stack_of(new), "analytic")

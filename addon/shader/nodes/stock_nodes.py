@@ -5,8 +5,9 @@ Tables are Color Ramps. Cycles samples a ramp at 256 even steps and is linear be
 a place, so a ramp is the table itself, up to float32. A ramp holds a weight, a color, or two numbers of a lobe's shape.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property, reduce
+from types import MappingProxyType
 
 import bpy
 import numpy as np
@@ -19,7 +20,7 @@ from ....reference_py.material.stack import Stack
 from ....reference_py.optics.diffuse import fujii_roughness, oren_nayar_albedo, oren_nayar_color
 from ....reference_py.optics.microfacet import SPECULAR_ALPHA
 from ...blender.versions import DIFFUSE_POWER, HAS_DIELECTRIC
-from ..inputs import BASE_COLOR_INPUT, TANGENT, TANGENT_INPUT, ShaderInput, shader_inputs
+from ..inputs import BASE, TANGENT, TANGENT_INPUT, ShaderInput, base_color_input, layer_owner, owners_of, shader_inputs
 from ..working_space import REC709, into_working, out_of_working, primaries, working_space
 from .node_builder import Builder
 
@@ -46,13 +47,16 @@ def stock_tables(made) -> TableLobes | PatchLobes:
     return tabulate(made.lobe_set, HAS_DIELECTRIC, DIFFUSE_POWER)
 
 
-def group_inputs(lobe_set: TableLobes | PatchLobes) -> tuple[ShaderInput, ...]:
-    """What the group reads live: the coverage of every layer that has one, the base's color where tables follow it, and the tangent."""
+def group_inputs(lobe_set: TableLobes | PatchLobes, owner: str = BASE) -> tuple[ShaderInput, ...]:
+    """What the group reads live: the coverage of every layer that has one, a base's color where tables follow it, and the tangent.
+
+    `owner` is whose the base's color is.
+    """
     if isinstance(lobe_set, TableLobes):
         framed = any(getattr(table, "axis", None) is not None or getattr(table, "frame", None) is not None for table in lobe_set.tables)
-        return (*([TANGENT_INPUT] if framed else []), *([BASE_COLOR_INPUT] if lobe_set.followed else []))
+        return (*([TANGENT_INPUT] if framed else []), *([base_color_input(owner)] if lobe_set.followed else []))
     covers = [i for i in shader_inputs(lobe_set.stack) if i.parameter in COVERAGE.parameters]
-    return (*covers, *dict.fromkeys(i for _, part in lobe_set.parts for i in group_inputs(part)))
+    return (*covers, *dict.fromkeys(i for patch, part in lobe_set.parts for i in group_inputs(part, owners_of(patch)[-1])))
 
 
 def left_out(stack: Stack) -> str:
@@ -77,11 +81,13 @@ def build_group(tree: bpy.types.NodeTree, lobe_set: TableLobes | PatchLobes) -> 
     if inputs:
         node = build.node("NodeGroupInput")
         sockets = {given.osl_name: node.outputs[given.osl_name] for given in inputs}
-    view = _View(build, sockets.pop(TANGENT, None), sockets.pop(BASE_COLOR_INPUT.osl_name, None))
+    view = _View(build, sockets.get(TANGENT), sockets)
     if isinstance(lobe_set, TableLobes):
-        closure = _closure_of(build, view, lobe_set)
+        closure = _closure_of(build, view, lobe_set, BASE)
     else:
-        closure = _mixed(build, list(sockets.values()), [_closure_of(build, view, part) for _, part in lobe_set.parts])
+        shares = {i.owner: sockets[i.osl_name] for i in inputs if i.parameter in COVERAGE.parameters}
+        closures = [_closure_of(build, view, part, owners_of(patch)[-1]) for patch, part in lobe_set.parts]
+        closure = _mixed(build, shares, [(patch.covered, closure) for (patch, _), closure in zip(lobe_set.parts, closures)])
     tree.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
     output = build.node("NodeGroupOutput")
     build.link(closure, output.inputs["BSDF"])
@@ -95,17 +101,19 @@ def _mark_space(node: bpy.types.Node) -> None:
     node.outputs[0].default_value = (*into_working((1.0, 0.0, 0.0)), 1.0)
 
 
-def _closure_of(build: Builder, view: "_View", lobe_set: TableLobes) -> bpy.types.NodeSocket:
+def _closure_of(build: Builder, view: "_View", lobe_set: TableLobes, owner: str) -> bpy.types.NodeSocket:
+    view.base_owner = owner
     return _sum(build, [_LOBES[type(table)](build, view, table) for table in lobe_set.tables])
 
 
-def _mixed(build: Builder, coverages: list, patches: list) -> bpy.types.NodeSocket:
-    """Patches as `coverage.patches` orders them: the first half has the first covered layer."""
-    if not coverages:
-        return patches[0]
-    half = len(patches) // 2
-    there, gone = (_mixed(build, coverages[1:], part) for part in (patches[:half], patches[half:]))
-    mix = build.shader("ShaderNodeMixShader", coverages[0], gone)
+def _mixed(build: Builder, shares: dict[str, bpy.types.NodeSocket], patches: list) -> bpy.types.NodeSocket:
+    """Patches, each the layers that decide about it and its closure: the first layer divides them, and so on down."""
+    (covered, closure), *others = patches
+    if not others:
+        return closure
+    layer, _ = covered[0]
+    there, gone = (_mixed(build, shares, [(c[1:], closure) for c, closure in patches if c[0] == (layer, side)]) for side in (True, False))
+    mix = build.shader("ShaderNodeMixShader", shares[layer_owner(layer)], gone)
     build.link(there, mix.node.inputs[2])
     return mix
 
@@ -118,8 +126,10 @@ def _sum(build: Builder, closures: list[bpy.types.NodeSocket]) -> bpy.types.Node
 class _View:
     """What lobes need of the view, made when the first of them asks."""
 
-    def __init__(self, build: Builder, given_tangent: bpy.types.NodeSocket | None = None, given_color: bpy.types.NodeSocket | None = None):
-        self._build, self.given_tangent, self._given_color = build, given_tangent, given_color
+    def __init__(self, build: Builder, given_tangent: bpy.types.NodeSocket | None = None, sockets: Mapping[str, bpy.types.NodeSocket] = MappingProxyType({})):
+        self._build, self.given_tangent, self._sockets = build, given_tangent, sockets
+        self.base_owner = BASE
+        self._base_colors: dict[str, bpy.types.NodeSocket] = {}
         self._azimuths: dict[float, list[bpy.types.NodeSocket]] = {}
 
     @cached_property
@@ -160,11 +170,14 @@ class _View:
         along_normal = self._build.vector("SCALE", self.normal, scale=self._cosine)
         return self._build.vector("SUBTRACT", self._incoming, along_normal)
 
-    @cached_property
+    @property
     def base_color(self) -> bpy.types.NodeSocket:
-        """The base's color in Rec.709, from 0 to 1."""
-        color = _in_space(self._build, self._given_color, np.linalg.inv(primaries()))
-        return self._build.vector("MINIMUM", self._build.vector("MAXIMUM", color, 0.0), 1.0)
+        """The color of the base of `base_owner` in Rec.709, from 0 to 1."""
+        if self.base_owner not in self._base_colors:
+            given = self._sockets[base_color_input(self.base_owner).osl_name]
+            color = _in_space(self._build, given, np.linalg.inv(primaries()))
+            self._base_colors[self.base_owner] = self._build.vector("MINIMUM", self._build.vector("MAXIMUM", color, 0.0), 1.0)
+        return self._base_colors[self.base_owner]
 
     def azimuth_shares(self, axis: float) -> list[bpy.types.NodeSocket]:
         """How much of each sheet of a table with this axis a view takes (`reference_py.lobes.view_table`)."""

@@ -115,22 +115,29 @@ def is_rough(base: Base) -> bool:
     return "sigma_deg" in base
 
 
-def diffuse_closures(base: Base, surface: Surface) -> BaseClosures:
-    """Those of a diffuse base: of a rough one two, as its color counts otherwise from Blender 5.3 on (osl/oren_nayar.h)."""
+def base_name(owner: str, value: str) -> str:
+    """The variable that holds a value of a base whose shader parameters begin with `owner`: "base_sigma"."""
+    return f"{owner.lower()}_{value}"
+
+
+def diffuse_closures(base: Base, surface: Surface, owner: str) -> BaseClosures:
+    """Those of a diffuse base whose shader parameters begin with `owner`: of a rough one two, as its color counts otherwise from Blender 5.3 on (osl/oren_nayar.h)."""
     if not is_rough(base):
-        return BaseClosures((Closure("BaseColor", f"diffuse({surface.normal})"),))
+        return BaseClosures((Closure(f"{owner}Color", f"diffuse({surface.normal})"),))
+    sigma, white_color = base_name(owner, "sigma"), f"white_{owner.lower()}"
     white, dark = (
-        Closure(weight, f"oren_nayar_diffuse_bsdf({surface.normal}, color({color:g}), base_sigma)")
-        for weight, color in (("white_base", 1.0), (f"(BaseColor - white_base) * {1.0 / DARK:g}", DARK))
+        Closure(weight, f"oren_nayar_diffuse_bsdf({surface.normal}, color({color:g}), {sigma})")
+        for weight, color in ((white_color, 1.0), (f"({owner}Color - {white_color}) * {1.0 / DARK:g}", DARK))
     )
-    common = "float base_sigma = oren_nayar_sigma(BaseSigmaDeg);", "color white_base = oren_nayar_white(BaseColor, base_sigma);"
+    common = f"float {sigma} = oren_nayar_sigma({owner}SigmaDeg);", f"color {white_color} = oren_nayar_white({owner}Color, {sigma});"
     return BaseClosures((white, dark), ("oren_nayar.h",), common)
 
 
-def metal_closure(base: Base, weight: str, closure: str, is_local: bool = False) -> BaseClosures:
-    """That of a metal base, and the statements that declare its index: `base_eta` and `base_k`."""
+def metal_closure(base: Base, owner: str, weight: str, closure: str, is_local: bool = False) -> BaseClosures:
+    """That of a metal base, and the statements that declare its index: `base_name` of "eta" and "k"."""
+    eta, k = base_name(owner, "eta"), base_name(owner, "k")
     closures = (Closure(weight, closure, is_local),)
     if "reflectance" in base:
-        common = "color base_eta;", "color base_k;", "artist_index(BaseReflectance, BaseEdgeColor, base_eta, base_k);"
+        common = f"color {eta};", f"color {k};", f"artist_index({owner}Reflectance, {owner}EdgeColor, {eta}, {k});"
         return BaseClosures(closures, ("artist_index.h",), common)
-    return BaseClosures(closures, (), ("color base_eta = (color)BaseEta;", "color base_k = (color)BaseK;"))
+    return BaseClosures(closures, (), (f"color {eta} = (color){owner}Eta;", f"color {k} = (color){owner}K;"))

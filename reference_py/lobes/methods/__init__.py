@@ -5,7 +5,7 @@
 """
 
 from ...errors import LaminaError
-from ...material.coverage import Patch, patches
+from ...material.coverage import Patch, is_plain, patches
 from ...material.place import Place, in_words
 from ...material.schema import THIN_FILM
 from ...material.stack import Stack
@@ -71,7 +71,7 @@ def make_lobe_set(stack: Stack, method: str = DEFAULT_METHOD, **options) -> Made
         if asked.progress is not None:
             own = Options(own.live, own.tolerance, own.glossy, lambda share, done=done: asked.report((done + share) / len(parts)))
         made.append((patch, _made(row, patch.stack, own)))
-    if len(made) == 1:
+    if is_plain(stack):
         return made[0][1]
     reasons = dict.fromkeys(part.reason for _, part in made if part.reason)
     return Made(method, stack, PatchLobes(stack, tuple(made)), "; ".join(reasons))
@@ -84,8 +84,14 @@ def key_of(stack: Stack, method: str, **options) -> str:
 
 
 def followed_by_nodes(stack: Stack, method: str, live: tuple[Place, ...]) -> tuple[Place, ...]:
-    """Those of the live values that a method's stock nodes follow."""
-    return in_tables(stack, live) if holds_values(method) and not not_bakeable(stack) else ()
+    """Those of the live values that a method's stock nodes follow, in every patch that has them."""
+    return tuple(place for place in live if all(_is_followed(patch, place) for patch in patches(stack))) if holds_values(method) else ()
+
+
+def _is_followed(patch: Patch, place: Place) -> bool:
+    """Whether the stock nodes of a patch follow a live value of the whole stack; what it has not does not matter."""
+    own = patch.place(place)
+    return own is None or own in in_tables(patch.stack, (own,)) and not not_bakeable(patch.stack)
 
 
 def is_cached(stack: Stack, method: str, **options) -> bool:
