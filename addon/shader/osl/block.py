@@ -54,7 +54,7 @@ def shader_text(title: str, note: str, parts: Sequence[tuple[Share, Block]], inp
     """The text of a shader, its name still @SHADER@, and its number of closures."""
     blocks = [block for _, block in parts]
     body, terms = _alone(blocks[0]) if len(parts) == 1 else _mixed(parts)
-    covers = [f"float cover_{owner} = clamp({owner}Coverage, 0.0, 1.0);" for owner, _ in parts[0][0].covered]
+    covers = [f"float cover_{owner} = clamp({owner}Coverage, 0.0, 1.0);" for owner in dict.fromkeys(owner for share, _ in parts for owner, _ in share.covered)]
     colors = [i.osl_name for i in inputs if i.parameter.type == COLOR]
     read = [f"color {name}_rec709 = from_working({name}, {PRIMARY_ARGUMENTS});" for name in colors]
     common = _once([*covers, *(text for block in blocks for text in block.common)])
