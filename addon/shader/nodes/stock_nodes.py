@@ -6,6 +6,7 @@ a place, so a ramp is the table itself, up to float32. A ramp holds a weight, a 
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from functools import cached_property, reduce
 from types import MappingProxyType
 
@@ -67,8 +68,10 @@ def left_out(stack: Stack) -> str:
 
 
 def closure_count(lobe_set: TableLobes | PatchLobes) -> int:
-    """Closures of the group: patches share none."""
-    return lobe_set.lobe_count if isinstance(lobe_set, TableLobes) else sum(part.lobe_count for _, part in lobe_set.parts)
+    """Closures of the group: patches share none but for pools."""
+    if isinstance(lobe_set, PatchLobes) and not lobe_set.pools:
+        return sum(part.lobe_count for _, part in lobe_set.parts)
+    return lobe_set.lobe_count
 
 
 def build_group(tree: bpy.types.NodeTree, lobe_set: TableLobes | PatchLobes) -> None:
@@ -86,8 +89,7 @@ def build_group(tree: bpy.types.NodeTree, lobe_set: TableLobes | PatchLobes) -> 
         closure = _closure_of(build, view, lobe_set, BASE)
     else:
         shares = {i.owner: sockets[i.osl_name] for i in inputs if i.parameter in COVERAGE.parameters}
-        closures = [_closure_of(build, view, part, owners_of(patch)[-1]) for patch, part in lobe_set.parts]
-        closure = _mixed(build, shares, [(patch.covered, closure) for (patch, _), closure in zip(lobe_set.parts, closures)])
+        closure = _pooled(build, view, lobe_set, shares) if lobe_set.pools else _patched(build, view, lobe_set, shares)
     tree.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
     output = build.node("NodeGroupOutput")
     build.link(closure, output.inputs["BSDF"])
@@ -104,6 +106,11 @@ def _mark_space(node: bpy.types.Node) -> None:
 def _closure_of(build: Builder, view: "_View", lobe_set: TableLobes, owner: str) -> bpy.types.NodeSocket:
     view.base_owner = owner
     return _sum(build, [_LOBES[type(table)](build, view, table) for table in lobe_set.tables])
+
+
+def _patched(build: Builder, view: "_View", lobe_set: PatchLobes, shares: dict[str, bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
+    closures = [_closure_of(build, view, part, owners_of(patch)[-1]) for patch, part in lobe_set.parts]
+    return _mixed(build, shares, [(patch.covered, closure) for (patch, _), closure in zip(lobe_set.parts, closures)])
 
 
 def _mixed(build: Builder, shares: dict[str, bpy.types.NodeSocket], patches: list) -> bpy.types.NodeSocket:
@@ -206,12 +213,16 @@ def _lambert(build: Builder, view: _View, table: DiffuseTable) -> bpy.types.Node
 
 
 def _base(build: Builder, view: _View, table: BaseColorTable) -> bpy.types.NodeSocket:
+    return build.shader("ShaderNodeBsdfDiffuse", Color=_base_weight(build, view, table), Roughness=0.0)
+
+
+def _base_weight(build: Builder, view: _View, table: BaseColorTable) -> bpy.types.NodeSocket:
     """own + through c / (1 - back c), channel by channel of Rec.709: numbers, which Blender would convert if they were colors."""
     color = view.base_color
     once = build.vector("DIVIDE", color, build.vector("MULTIPLY_ADD", color, tuple(map(float, -table.back)), 1.0))
     columns = _columns(build, view, np.column_stack([table.through, table.own]))
     weight = build.vector("MULTIPLY_ADD", once, build.combined(columns[:3]), build.combined(columns[3:]))
-    return build.shader("ShaderNodeBsdfDiffuse", Color=_in_space(build, weight, primaries()), Roughness=0.0)
+    return _in_space(build, weight, primaries())
 
 
 def _in_space(build: Builder, color: bpy.types.NodeSocket, rows: np.ndarray) -> bpy.types.NodeSocket:
@@ -298,6 +309,80 @@ def _kept_apart(build: Builder, anisotropy, alphas: np.ndarray):
     if np.max(across) < _NEARLY_ISOTROPIC:
         return build.math("MINIMUM", anisotropy, -_LEAST_ANISOTROPY)
     return anisotropy
+
+
+def _pooled(build: Builder, view: _View, lobe_set: PatchLobes, covers: dict[str, bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
+    """Many patches as few closures: one Lambert of all, one of each pool (`reference_py.lobes.pools`), and one of equal tables."""
+    lambert, pools, alone = [], {}, []
+    for number, ((patch, part), share) in enumerate(zip(lobe_set.parts, _shares(build, covers, lobe_set))):
+        view.base_owner = owners_of(patch)[-1]
+        for i, table in enumerate(part.tables):
+            if isinstance(table, BaseColorTable):
+                lambert.append(_part_of(build, _base_weight(build, view, table), share))
+            elif isinstance(table, DiffuseTable):
+                lambert.append(_part_of(build, _weight(build, view, table.weight, table.axis), share))
+            elif (number, i) in lobe_set.pools:
+                pools.setdefault(lobe_set.pools[number, i], []).append((table, share))
+            else:
+                place = next((n for n, (known, _) in enumerate(alone) if _is_equal(known, table)), len(alone))
+                alone[place:] = [(table, build.math("ADD", alone[place][1], share) if place < len(alone) else share), *alone[place + 1 :]]
+    closures = [build.shader("ShaderNodeBsdfDiffuse", Color=_total(build, lambert), Roughness=0.0)] if lambert else []
+    closures += [_pool(build, view, members) for members in pools.values()]
+    for table, share in alone:
+        mix = build.shader("ShaderNodeMixShader", share)
+        build.link(_LOBES[type(table)](build, view, table), mix.node.inputs[2])
+        closures.append(mix)
+    return _sum(build, closures)
+
+
+def _shares(build: Builder, covers: dict[str, bpy.types.NodeSocket], lobe_set: PatchLobes) -> list[bpy.types.NodeSocket]:
+    """The share of each patch; what patches begin with alike is multiplied once."""
+    found: dict[tuple, bpy.types.NodeSocket] = {}
+
+    def share(covered):
+        if covered not in found:
+            layer, there = covered[-1]
+            cover = covers[layer_owner(layer)] if there else build.math("SUBTRACT", 1.0, covers[layer_owner(layer)])
+            found[covered] = build.math("MULTIPLY", share(covered[:-1]), cover) if covered[:-1] else cover
+        return found[covered]
+
+    return [share(patch.covered) for patch, _ in lobe_set.parts]
+
+
+def _part_of(build: Builder, weight, share) -> bpy.types.NodeSocket:
+    return build.vector("SCALE", weight if isinstance(weight, bpy.types.NodeSocket) else weight[:3], scale=share)
+
+
+def _total(build: Builder, parts: list[bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
+    return reduce(lambda a, b: build.vector("ADD", a, b), parts)
+
+
+def _pool(build: Builder, view: _View, members: list[tuple[GlossyTable, bpy.types.NodeSocket]]) -> bpy.types.NodeSocket:
+    parts = [_part_of(build, _weight(build, view, table.weight, table.axis), share) for table, share in members]
+    energies = [build.vector("DOT_PRODUCT", part, (1.0 / 3.0,) * 3) for part in parts]
+    shapes = [build.combined(_columns(build, view, table.shape)) for table, _ in members]
+    least = build.math("MAXIMUM", reduce(lambda a, b: build.math("ADD", a, b), energies), 1e-20)
+    summed = _total(build, [build.vector("SCALE", shape, scale=energy) for shape, energy in zip(shapes, energies)])
+    separate = build.node("ShaderNodeSeparateXYZ")
+    build.link(build.vector("SCALE", summed, scale=build.math("DIVIDE", 1.0, least)), separate.inputs[0])
+    alpha_x, alpha_y, slope = separate.outputs
+    s = build.math("SQRT", build.math("DIVIDE", alpha_x, build.math("MAXIMUM", alpha_y, 1e-12)))
+    anisotropy = build.math("DIVIDE", build.math("SUBTRACT", 1.0, s), build.math("MAXIMUM", s, 1.0))
+    return build.shader(
+        "ShaderNodeBsdfAnisotropic",
+        settings={"distribution": _DISTRIBUTIONS[members[0][0].distribution]},
+        Color=_total(build, parts),
+        Roughness=build.math("SQRT", build.math("SQRT", build.math("MULTIPLY", alpha_x, alpha_y))),
+        Anisotropy=anisotropy,
+        Tangent=view.tangent,
+        Normal=build.vector("MULTIPLY_ADD", view.side, slope, view.normal),
+    )
+
+
+def _is_equal(first, second) -> bool:
+    if type(first) is not type(second):
+        return False
+    return all(np.array_equal(getattr(first, f.name), getattr(second, f.name)) for f in fields(first))
 
 
 _LOBES = {BaseColorTable: _base, DiffuseTable: _lambert, OrenNayarTable: _oren_nayar, GlossyTable: _glossy}

@@ -169,7 +169,7 @@ def _metal(stack: Stack, surface: Surface, owner: str, energies: Tables) -> tupl
         *lobe.widths,
         f"color weight_base = {energy} / max({lobe.energy}, 1e-3);",
     ]
-    return lines, metal_closure(element, owner, "weight_base", lobe.closure, is_local=True)
+    return lines, metal_closure(element, owner, Closure("weight_base", lobe.closure, is_local=True))
 
 
 def _lobe_nodes(stack: Stack, surface: Surface, owner: str) -> list[str]:

@@ -9,7 +9,7 @@ from ....reference_py.lobes.view_table import KNOTS
 from ....reference_py.material.schema import SCHEMA
 from .block import Block, Closure, numbers
 from .emit_tables import clamped_color
-from .surface import FRAME, FRAME_FUNCTIONS, table_view
+from .frame import FRAME, FRAME_FUNCTIONS, table_view
 
 NOTE = "Tables hold the values that the stack had, but for those with a socket."
 
@@ -84,22 +84,23 @@ class _Writer:
             if lobe.shape is None and lobe_set.base is not None:
                 through, back = self._value("LogThrough", lobe_set.base.log_through), self._value("LogBack", lobe_set.base.log_back)
                 weight = f"({weight} + exp({through}) * {base_color} / (color(1.0) - exp({back}) * {base_color}))"
-            self.closures.append(Closure(weight, self._closure(i, lobe), is_local=True))
+            self.closures.append(Closure(weight, *self._closure(i, lobe)))
 
-    def _closure(self, i: int, lobe: LiveLobe) -> str:
+    def _closure(self, i: int, lobe: LiveLobe) -> tuple[str, bool, tuple[str, ...]]:
+        """The closure, that it is local, and its shape."""
         if lobe.shape is None:
-            return "diffuse(N)"
+            return "diffuse(N)", True, ()
         if lobe.is_specular:
-            return f'microfacet("{lobe.distribution}", N, tangent, 0.0, 0.0, 1.0, 0)'
+            return f'microfacet("{lobe.distribution}", N, tangent, 0.0, 0.0, 1.0, 0)', True, ("0.0",) * 3
         roots = [self._value(f"Root{axis}{i}", lobe.shape[..., column : column + 1], extends=True) for column, axis in enumerate("XY")]
         alphas = [self._name(f"alpha_{axis}{i}") for axis in "xy"]
         for alpha, root in zip(alphas, roots):
             self._say(f"float {alpha} = max({root}, 0.0);", f"{alpha} = clamp({alpha} * {alpha}, {MIN_ALPHA:g}, 1.0);")
         if isinstance(lobe.fresnel, DielectricCurve):
             curve = f'{lobe.fresnel.eta:.9g}, "{lobe.distribution}"'
-            return f"interface_bsdf(N, tangent, {alphas[0]}, break_isotropy({alphas[0]}), {curve})"
+            return f"interface_bsdf(N, tangent, {alphas[0]}, break_isotropy({alphas[0]}), {curve})", True, ()
         slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
-        return f'microfacet("{lobe.distribution}", normalize(bent_normal + {slope} * side), along, {", ".join(alphas)}, 1.0, 0)'
+        return f'microfacet("{lobe.distribution}", normalize(bent_normal + {slope} * side), along, {", ".join(alphas)}, 1.0, 0)', True, (*alphas, slope)
 
 
 def _entry(value: float) -> str:

@@ -107,7 +107,7 @@ def _base_closures(stack: Stack, surface: Surface, owner: str) -> BaseClosures:
     above = f"{_interfaces(stack)}, {surface.view}"
     if is_metal(stack):
         weight = f"weight_metal(Nodes, {count}, {surface.alpha}, {beckmann(base)}, {above}, {base_name(owner, 'eta')}, {base_name(owner, 'k')})"
-        return metal_closure(base, owner, weight, surface.microfacet(base["distribution"]))
+        return metal_closure(base, owner, Closure(weight, surface.microfacet(base["distribution"])))
     diffuse = diffuse_closures(base, surface, owner)
     sigma = base_name(owner, "sigma") if is_rough(base) else "0.0"
     return diffuse.below(f"weight_diffuse(Nodes, {count}, {above}, {sigma})") if count else diffuse

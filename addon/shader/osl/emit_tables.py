@@ -13,7 +13,7 @@ from ....reference_py.lobes.lobe import DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
 from ..inputs import base_color_input
 from .block import Block, Closure, numbers
-from .surface import FRAME, FRAME_FUNCTIONS, table_view
+from .frame import FRAME, FRAME_FUNCTIONS, table_view
 
 NOTE = "Tables hold the values that the stack had."
 
@@ -53,7 +53,7 @@ def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable
         frame, alpha_y = "N, tangent", f"break_isotropy({alpha_x})"
     else:
         frame = f"normalize(bent_normal + {slope} * side), along"
-    return Closure(weight, f'microfacet("{table.distribution}", {frame}, {alpha_x}, {alpha_y}, 1.0, 0)')
+    return Closure(weight, f'microfacet("{table.distribution}", {frame}, {alpha_x}, {alpha_y}, 1.0, 0)', shape=(alpha_x, alpha_y, slope))
 
 
 def _base_weight(arrays: list[str], name: str, table: BaseColorTable, owner: str) -> str:

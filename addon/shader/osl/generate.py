@@ -59,15 +59,18 @@ def generate(made: Made, schema: Schema = SCHEMA) -> Shader:
     stack = made.stack
     if isinstance(made.lobe_set, PatchLobes):
         parts = [(owners_of(patch), patch.covered, part.lobe_set) for patch, part in made.lobe_set.parts]
+        pools = made.lobe_set.pools
     else:
         parts = [([*map(layer_owner, range(len(stack.layers))), BASE], (), made.lobe_set)]
+        pools = {}
     emitters = [_EMITTERS[type(part)] for *_, part in parts]
     is_live = any(emitter.reads_all for emitter in emitters)
     followed = {place for owners, _, part in parts if isinstance(part, (LiveLobes, TableLobes)) for place in _followed(part, owners)}
     inputs = tuple(i for i in shader_inputs(stack, schema) if is_live or i.parameter.name in ALWAYS_LIVE or (i.owner, i.parameter.name) in followed)
     blocks = []
     for number, ((owners, covered, part), emitter) in enumerate(zip(parts, emitters)):
-        share = Share(tuple((layer_owner(i), there) for i, there in covered))
+        own = {i: pool for (patch, i), pool in pools.items() if patch == number}
+        share = Share(tuple((layer_owner(i), there) for i, there in covered), own)
         blocks.append((share, emitter.block(part, owners, f"{number}_" if len(parts) > 1 else "")))
     title = f"Lamina shader, tier {made.method}, from the top: {_words(stack)}." if is_live else f"Lamina shader, tier {made.method}."
     body, closures = shader_text(title, " ".join(dict.fromkeys(emitter.note for emitter in emitters)), blocks, inputs)
