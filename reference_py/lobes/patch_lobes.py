@@ -11,7 +11,7 @@ import numpy as np
 from ..material.coverage import Patch
 from ..material.stack import Stack
 from .lobe import DiffuseLobe, GlossyLobe, SchlickCurve
-from .pools import MAX_CLOSURES, MAX_NODE_CLOSURES, Pool, pooled, pools_of
+from .pools import MAX_CLOSURES, MAX_NODE_CLOSURES, Energy, Pool, pooled, pools_of
 
 
 @dataclass(frozen=True)
@@ -21,8 +21,8 @@ class PatchLobes:
     stack: Stack
     parts: tuple[tuple[Patch, Any], ...]
     """What was made of each patch (`Made`), or, of `tabulate`, its tables."""
-    in_nodes: bool = False
-    """Whether they are for stock nodes, which have no table of energies, but room for MAX_NODE_CLOSURES."""
+    energy: Energy | None = None
+    """Of glossy closures of weight 1, to pool lobes by; None for stock nodes, which have no table of it, but room for MAX_NODE_CLOSURES."""
 
     name = "patches"
 
@@ -41,12 +41,12 @@ class PatchLobes:
                     pools.setdefault(self.pools[number, i], []).append(own)
                 else:
                     scaled.append(own)
-        return [*merged(scaled), *(pooled(members, cos_theta_o, not self.in_nodes) for members in pools.values())]
+        return [*merged(scaled), *(pooled(members, cos_theta_o, self.energy) for members in pools.values())]
 
     @cached_property
     def pools(self) -> Mapping[tuple[int, int], Pool]:
         """The pools of lobes that share one (`pools.pools_of`)."""
-        return pools_of(self.parts, MAX_NODE_CLOSURES if self.in_nodes else MAX_CLOSURES)
+        return pools_of(self.parts, MAX_NODE_CLOSURES if self.energy is None else MAX_CLOSURES)
 
 
 def merged(lobes: Sequence[GlossyLobe | DiffuseLobe]) -> list[GlossyLobe | DiffuseLobe]:

@@ -9,7 +9,7 @@ share pools; lobes with a Fresnel curve, with a normal of their own, and those o
 as their widths are not known before.
 """
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,8 +17,6 @@ import numpy as np
 from ..material.coverage import Patch
 from ..material.schema import NORMAL
 from ..optics.diffuse import oren_nayar_albedo
-from .analytic import AnalyticLobes
-from .analytic.tables import closure_energy
 from .live_grid import LiveLobes
 from .lobe import DiffuseLobe, GlossyLobe
 from .view_table import TableLobes
@@ -32,6 +30,10 @@ _OREN_NAYAR = "oren_nayar"
 
 Pool = tuple[str, int]
 """The distribution, or that it is Oren-Nayar, and a number."""
+
+
+Energy = Callable[[np.ndarray, np.ndarray, str], np.ndarray]
+"""Energy (...) of a glossy closure of weight 1, for cosines and alphas (...) and a distribution."""
 
 
 def pools_of(parts: Sequence[tuple[Patch, Any]], most: int = MAX_CLOSURES) -> Mapping[tuple[int, int], Pool]:
@@ -69,7 +71,7 @@ def _may_share(patch: Patch, lobe_set, lobe) -> bool:
     if any(element.has(NORMAL) for element in (*patch.stack.layers, patch.stack.base)):
         return False
     if isinstance(lobe, DiffuseLobe):
-        return lobe.color is not None and isinstance(lobe_set, AnalyticLobes) and not patch.layers
+        return lobe.color is not None and not isinstance(lobe_set, TableLobes) and not patch.layers
     return isinstance(lobe_set, TableLobes | LiveLobes) and lobe.fresnel is None and lobe.frame is None
 
 
@@ -101,31 +103,31 @@ def _by_width(lobes: Mapping[int, list[tuple[float, int]]], room: int) -> dict[t
     return found
 
 
-def pooled(members: Sequence[GlossyLobe | DiffuseLobe], cos_theta_o: np.ndarray, keeps_energy: bool = True) -> GlossyLobe | DiffuseLobe:
-    """The one lobe of a pool's members at views of cosine cos_theta_o (...); without `keeps_energy` glossy weights are summed as they are."""
+def pooled(members: Sequence[GlossyLobe | DiffuseLobe], cos_theta_o: np.ndarray, energy: Energy | None) -> GlossyLobe | DiffuseLobe:
+    """The one lobe of a pool's members at views of cosine cos_theta_o (...); without `energy`, that of closures of weight 1, glossy weights are summed as they are."""
     weights = [np.asarray(lobe.weight) for lobe in members]
     energies = [np.mean(weight, axis=-1) for weight in weights]
     total = np.maximum(sum(energies), 1e-20)
 
     def mean(values):
-        return sum(energy * np.asarray(value) for energy, value in zip(energies, values)) / total
+        return sum(own * np.asarray(value) for own, value in zip(energies, values)) / total
 
     first = members[0]
     if isinstance(first, DiffuseLobe):
         # the weights of a bare base do not depend on the view
         sigma_deg = float(np.mean(mean([lobe.sigma_deg for lobe in members])))
         cos_o, color = np.asarray(cos_theta_o, float), np.array(first.color)
-        energy = sum(weight * oren_nayar_albedo(cos_o, color, lobe.sigma_deg, lobe.power) for weight, lobe in zip(weights, members))
-        return DiffuseLobe(energy / oren_nayar_albedo(cos_o, color, sigma_deg, first.power), first.color, sigma_deg, first.power)
+        reflected = sum(weight * oren_nayar_albedo(cos_o, color, lobe.sigma_deg, lobe.power) for weight, lobe in zip(weights, members))
+        return DiffuseLobe(reflected / oren_nayar_albedo(cos_o, color, sigma_deg, first.power), first.color, sigma_deg, first.power)
     alpha_x, alpha_y = mean([lobe.alpha_x for lobe in members]), mean([lobe.alpha_y for lobe in members])
     tilt = np.arctan(mean([np.tan(lobe.tilt) for lobe in members]))
     weight = sum(weights)
-    if keeps_energy:
-        weight = sum(w * _unit(lobe.alpha_x, lobe.alpha_y, cos_theta_o, first.distribution) for w, lobe in zip(weights, members))
-        weight = weight / _unit(alpha_x, alpha_y, cos_theta_o, first.distribution)
+    if energy is not None:
+        weight = sum(w * _unit(energy, lobe.alpha_x, lobe.alpha_y, cos_theta_o, first.distribution) for w, lobe in zip(weights, members))
+        weight = weight / _unit(energy, alpha_x, alpha_y, cos_theta_o, first.distribution)
     return GlossyLobe(first.distribution, weight, alpha_x, alpha_y, tilt)
 
 
-def _unit(alpha_x, alpha_y, cos_theta_o, distribution: str) -> np.ndarray:
+def _unit(energy: Energy, alpha_x, alpha_y, cos_theta_o, distribution: str) -> np.ndarray:
     """The energy (..., 1) of a closure of weight 1."""
-    return np.maximum(closure_energy(cos_theta_o, np.sqrt(np.asarray(alpha_x) * alpha_y), distribution)[..., None], 1e-3)
+    return np.maximum(energy(cos_theta_o, np.sqrt(np.asarray(alpha_x) * alpha_y), distribution)[..., None], 1e-3)

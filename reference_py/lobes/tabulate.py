@@ -32,7 +32,7 @@ def tabulate(lobe_set, keep_dielectrics: bool = False, power: int = OREN_NAYAR_P
     `lobe_set` has `lobes(cos_theta_o)`, the same list of kinds at every view. Lobes of no weight are left out, but one stays.
     """
     if isinstance(lobe_set, PatchLobes):
-        return PatchLobes(lobe_set.stack, tuple((patch, tabulate(part.lobe_set, keep_dielectrics, power)) for patch, part in lobe_set.parts), in_nodes=True)
+        return PatchLobes(lobe_set.stack, tuple((patch, tabulate(part.lobe_set, keep_dielectrics, power)) for patch, part in lobe_set.parts))
     tables = lobe_set.tables if isinstance(lobe_set, TableLobes) else _tables(lobe_set, power)
     tables = [table if keep_dielectrics and _has_seen_curve(table) else _without_curve(table) for table in tables]
     return TableLobes(tuple([t for t in tables if isinstance(t, BaseColorTable) or np.any(t.weight > 0.0)] or tables[-1:]))

@@ -11,6 +11,7 @@ from ...material.schema import THIN_FILM
 from ...material.stack import Stack
 from ...optics.optical_stack import OpticalStack
 from ..analytic import AnalyticLobes
+from ..analytic.tables import closure_energy
 from ..baked import in_tables
 from ..cache import ALWAYS_LIVE
 from ..made import Made, Options
@@ -79,7 +80,7 @@ def make_lobe_set(stack: Stack, method: str = DEFAULT_METHOD, **options) -> Made
     if is_plain(stack):
         return made[0][1]
     reasons = dict.fromkeys(part.reason for _, part in made if part.reason)
-    return Made(method, stack, PatchLobes(stack, tuple(made)), "; ".join(reasons))
+    return Made(method, stack, PatchLobes(stack, tuple(made), closure_energy), "; ".join(reasons))
 
 
 def key_of(stack: Stack, method: str, **options) -> str:
