@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 
 from ....reference_py.lobes.patch_lobes import PatchLobes
+from ....reference_py.lobes.pools import MAX_NODE_CLOSURES
 from ....reference_py.lobes.tabulate import is_grey_dielectric, tabulate
 from ....reference_py.lobes.view_table import AZIMUTH_PLACES, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
 from ....reference_py.material.schema import COLOR, COVERAGE, FLOAT, NORMAL, VECTOR
@@ -68,10 +69,15 @@ def left_out(stack: Stack) -> str:
 
 
 def closure_count(lobe_set: TableLobes | PatchLobes) -> int:
-    """Closures of the group: patches share none but for pools."""
-    if isinstance(lobe_set, PatchLobes) and not lobe_set.pools:
-        return sum(part.lobe_count for _, part in lobe_set.parts)
-    return lobe_set.lobe_count
+    """Closures of the group: patches share none unless they are too many."""
+    if isinstance(lobe_set, TableLobes) or _is_crowded(lobe_set):
+        return lobe_set.lobe_count
+    return sum(part.lobe_count for _, part in lobe_set.parts)
+
+
+def _is_crowded(lobe_set: PatchLobes) -> bool:
+    """Whether patches cannot each have closures of their own."""
+    return sum(part.lobe_count for _, part in lobe_set.parts) > MAX_NODE_CLOSURES
 
 
 def build_group(tree: bpy.types.NodeTree, lobe_set: TableLobes | PatchLobes) -> None:
@@ -89,7 +95,7 @@ def build_group(tree: bpy.types.NodeTree, lobe_set: TableLobes | PatchLobes) -> 
         closure = _closure_of(build, view, lobe_set, BASE)
     else:
         shares = {i.owner: sockets[i.osl_name] for i in inputs if i.parameter in COVERAGE.parameters}
-        closure = _pooled(build, view, lobe_set, shares) if lobe_set.pools else _patched(build, view, lobe_set, shares)
+        closure = _pooled(build, view, lobe_set, shares) if _is_crowded(lobe_set) else _patched(build, view, lobe_set, shares)
     tree.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
     output = build.node("NodeGroupOutput")
     build.link(closure, output.inputs["BSDF"])
