@@ -15,7 +15,7 @@ from typing import Any
 
 from .errors import LaminaError
 from .lobes.methods.closure_model import ClosureModel
-from .material.coverage import covered_layers, patches
+from .material.coverage import is_plain, patches
 from .material.stack import Stack
 from .models.adding import Adding
 from .models.baselines import BASELINES
@@ -32,7 +32,7 @@ OLD_NAMES = {"mirror": ClosureModel.name}
 
 
 def make_model(name: str, stack: Stack, **options: str) -> Any:
-    """Build a model (`models.model.Model`) by name; of a stack with covered layers, the mixture of its patches.
+    """Build a model (`models.model.Model`) by name; of a stack with covered or opaque layers, the mixture of its patches.
 
     Raises LaminaError on an unknown name or option, what is no Stack, or what the model does not know (`OpticalStack.of`).
     """
@@ -41,7 +41,7 @@ def make_model(name: str, stack: Stack, **options: str) -> Any:
         raise LaminaError(f"unknown model {name!r}; choose {', '.join(MODELS)}")
     if not isinstance(stack, Stack):
         raise LaminaError(f"model {name} needs a Stack, not {type(stack).__name__}: see Stack.load, Stack.from_dict, presets.load")
-    if ClosureModel.name == name or not covered_layers(stack):  # its lobe set is a mixture itself
+    if ClosureModel.name == name or is_plain(stack):  # its lobe set is a mixture itself
         return MODELS[name](stack, **options)
     parts = [(patch, MODELS[name](patch.stack, **options)) for patch in patches(stack) if patch.share > 0.0]
     return parts[0][1] if len(parts) == 1 else PatchModel(parts)

@@ -13,7 +13,7 @@ from math import isfinite
 import bpy
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.material.schema import COLOR, FLOAT, NORMAL, SCHEMA, Parameter
+from ...reference_py.material.schema import COLOR, FLOAT, NORMAL, Parameter
 from ..blender import environment
 from ..jobs import bakes
 from ..material import state
@@ -156,7 +156,7 @@ def _machine(material, scene, preferences) -> Iterator[Finding]:
 def _elements(material) -> Iterator[Finding]:
     lamina, tree = material.lamina, material.node_tree
     links, seen = _links_into(tree), set()
-    sound = cache(lambda group, kind: hands_on(group, SCHEMA.layers.get(kind) or SCHEMA.bases[kind]))
+    sound = cache(hands_on)
     for element in (*lamina.layers, lamina.base):
         name = {"layer": element.name}
         node = find_node(element)
@@ -170,7 +170,7 @@ def _elements(material) -> Iterator[Finding]:
         if node.mute and is_shown:
             yield Finding("node_muted", name, element.node)
         group = node.node_tree
-        if group is None or not sound(group, element.kind):
+        if group is None or not sound(group, kind_of(element)):
             words = {"group": group.name if group else "?", "count": group.users if group else 1}
             yield Finding("group_broken", name | words, element.node)
             continue

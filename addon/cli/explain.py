@@ -12,7 +12,7 @@ from ...reference_py.lobes.baked import MAX_GLOSSY
 from ...reference_py.lobes.cache import truth_of
 from ...reference_py.lobes.error_estimate import SOFT_LIGHT_DEG
 from ...reference_py.lobes.made import DEFAULT_TOLERANCE, Options
-from ...reference_py.lobes.methods import PaperLobes, glossy_of_each
+from ...reference_py.lobes.methods import MAX_CLOSURES, PaperLobes, glossy_of_each
 from ...reference_py.lobes.methods.auto import COMPUTED, Choice, choose, with_anisotropy
 from ...reference_py.lobes.methods.not_bakeable import bakeable, not_bakeable
 from ...reference_py.material.coverage import Patch, patches
@@ -38,17 +38,20 @@ def explain(options) -> None:
     tolerance = DEFAULT_TOLERANCE if options.tolerance is None else 0.01 * options.tolerance
     parts = patches(stack)
     glossy = min(MAX_GLOSSY, glossy_of_each(len(parts)))
+    bakes_all = len(parts) >= MAX_CLOSURES
     choices = [(patch, _choice(patch.stack, tolerance, glossy, sight, tenths(report))) for patch in parts]
     if options.json:
         rows = [{**_where_json(patch), **_json(choice)} for patch, choice in choices]
         seen = None if sight is None else {"theta_deg": np.degrees(np.arccos(sight.cosines)).tolist(), "pixels": sight.pixels}
-        print(json.dumps({**(rows[0] if len(rows) == 1 else {"patches": rows}), "sight": seen}))
+        print(json.dumps({**(rows[0] if len(rows) == 1 else {"patches": rows, "all_baked": bakes_all}), "sight": seen}))
         return
     if sight is not None:
         low, high = np.degrees(np.arccos([sight.cosines.max(), sight.cosines.min()]))
         print(f"{options.object} shows views of {low:.0f} to {high:.0f} degrees on {sight.pixels:.0f} pixels")
     for patch, choice in choices:
         _print(patch, choice)
+    if bakes_all:
+        print(f"all {len(parts)} patches are baked, whatever is chosen for each, as only lobes of bakes share closures")
     print(
         "cost: CPU time over a plain glossy node, estimated. albedo: worst view. soft light and shape (L1 of f): mean over the pixels. The larger of albedo and soft light counts."
     )
@@ -90,7 +93,7 @@ def _sight(file: str, name: str):
 
 
 def _where_json(patch: Patch) -> dict:
-    return {"layers": list(patch.layers)} if patch.covered else {}
+    return {"layers": list(patch.layers), "base": patch.base} if patch.covered else {}
 
 
 def _json(choice: Choice) -> dict:

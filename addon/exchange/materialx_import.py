@@ -17,6 +17,7 @@ from ...reference_py.optics.colour import canonical, is_known
 from ..material import material as materials
 from ..material.backend import OSL
 from ..material.elements import kind_of, node_of, shown_parameters
+from ..material.means import mean_name
 from ..material.principled_node import link_through, parameter_of
 from ..material.shader_node import backend_of
 

@@ -13,7 +13,16 @@ CATALOGUES = {
     "Lacquer and Varnish": ("piano_lacquer", "urushi_lacquer", "satin_varnish", "waxed_wood", "varnished_gold_leaf", "lacquered_brass"),
     "Glaze and Plastic": ("glazed_porcelain", "glazed_mug", "tinted_glaze", "enamel_on_silver", "glossy_plastic"),
     "Metal": ("polished_chrome", "brushed_nickel", "clean_copper", "metal_foil", "frosted_metal", "anodised_aluminium", "anodised_titanium"),
-    "Weathered and Wet": ("patina_copper", "blued_steel", "oil_filmed_metal", "rusted_steel", "wet_asphalt"),
+    "Weathered and Wet": (
+        "patina_copper",
+        "blued_steel",
+        "oil_filmed_metal",
+        "rusted_steel",
+        "chipped_painted_steel",
+        "rusted_painted_steel",
+        "dusty_piano",
+        "wet_asphalt",
+    ),
 }
 
 # That of the presets which users save.

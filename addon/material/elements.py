@@ -17,7 +17,7 @@ from ...reference_py.optics.colour import artist_color, artist_index, conductor_
 from ..shader.inputs import BASE, layer_owner
 from ..shader.working_space import REC709, out_of_working, working_space
 from .backend import OSL
-from .kind_groups import KIND_KEY, declare_missing, give_value, group_of
+from .kind_groups import KIND_KEY, declare_missing, give_value, group_key, group_of
 from .means import kept_mean
 from .roles import node_with
 
@@ -31,7 +31,7 @@ _CONVERTED_DIGITS = 4
 
 def kind_of(element) -> Kind:
     """The schema's kind of a layer's or base's property group."""
-    return SCHEMA.layers.get(element.kind) or SCHEMA.bases[element.kind]
+    return (SCHEMA.bases if element == element.id_data.lamina.base else SCHEMA.layers)[element.kind]
 
 
 def find_node(element) -> bpy.types.ShaderNodeGroup | None:
@@ -57,7 +57,11 @@ def _node_by_links(element) -> bpy.types.ShaderNodeGroup | None:
         wanted = {owner + p.osl_name for p in kind_of(element).sockets}
         nodes = [link.from_node for s in script.inputs if s.identifier in wanted for link in s.links]
     return next(
-        (n for n in nodes if n.bl_idname == "ShaderNodeGroup" and n.node_tree is not None and n.node_tree.get(KIND_KEY) == element.kind and ID_KEY not in n),
+        (
+            n
+            for n in nodes
+            if n.bl_idname == "ShaderNodeGroup" and n.node_tree is not None and n.node_tree.get(KIND_KEY) == group_key(kind_of(element)) and ID_KEY not in n
+        ),
         None,
     )
 

@@ -7,16 +7,21 @@ there whatever happens to the order. Interfaces are append-only, so files of old
 
 import bpy
 
-from ...reference_py.material.schema import COLOR, FLOAT, NORMAL, Kind, Parameter
+from ...reference_py.material.schema import COLOR, FLOAT, NORMAL, SCHEMA, Kind, Parameter
 from ..shader.working_space import into_working
 
 KIND_KEY = "lamina_kind"
 _SOCKET_TYPES = {FLOAT: "NodeSocketFloat", COLOR: "NodeSocketColor"}
 
 
+def group_key(kind: Kind) -> str:
+    """What names the group of a kind: that of an opaque layer is another than that of the base, which has no coverage."""
+    return f"{kind.name}_layer" if kind.name in SCHEMA.bases and kind is not SCHEMA.bases[kind.name] else kind.name
+
+
 def group_of(kind: Kind) -> bpy.types.NodeTree:
     """The node group of a kind in this file, made or extended to the schema's parameters as needed."""
-    own = (g for g in bpy.data.node_groups if g.get(KIND_KEY) == kind.name and g.library is None)
+    own = (g for g in bpy.data.node_groups if g.get(KIND_KEY) == group_key(kind) and g.library is None)
     tree = next((g for g in own if hands_on(g, kind)), None)
     if tree is None:
         return fresh_group(kind)
@@ -27,7 +32,7 @@ def group_of(kind: Kind) -> bpy.types.NodeTree:
 def fresh_group(kind: Kind) -> bpy.types.NodeTree:
     """A new node group of a kind."""
     tree = bpy.data.node_groups.new(f"Lamina {kind.label}", "ShaderNodeTree")
-    tree[KIND_KEY] = kind.name
+    tree[KIND_KEY] = group_key(kind)
     tree.nodes.new("NodeGroupInput").location = (-200, 0)
     tree.nodes.new("NodeGroupOutput").location = (200, 0)
     declare_missing(tree, kind)

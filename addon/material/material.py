@@ -98,11 +98,12 @@ def make_renderable(material: bpy.types.Material, scene: bpy.types.Scene) -> lis
 
 
 @follow
-def structure_changed(material: bpy.types.Material, name: str) -> None:
-    """What setting the property `name` calls: a metal's sockets, if it concerns them, and the shader follow.
+def structure_changed(group: bpy.types.PropertyGroup, name: str) -> None:
+    """What setting the property `name` of a material's or an element's group calls: a metal's sockets, if it concerns them, and the shader follow.
 
     In a material of another file all properties become again what they were. Update functions cannot report to the user, so an error is kept for the panel to show.
     """
+    material = group.id_data
     lamina = material.lamina
     if not lamina.is_layered:
         return
@@ -118,8 +119,8 @@ def structure_changed(material: bpy.types.Material, name: str) -> None:
         keep_structure(material)
         return
     try:
-        if name in ("given", "metal") and lamina.base.kind == CONDUCTOR.name:
-            carry_metal(lamina.base, CONDUCTOR)
+        if name in ("given", "metal") and group.kind == CONDUCTOR.name:
+            carry_metal(group, CONDUCTOR)
         regenerate(material)
     except LaminaError as error:
         lamina.problem = str(error)

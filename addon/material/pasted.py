@@ -6,7 +6,7 @@ import bpy
 from ...reference_py.errors import LaminaError
 from .backend import NODES, OSL
 from .elements import find_node, kind_of
-from .kind_groups import KIND_KEY, group_of
+from .kind_groups import KIND_KEY, group_key, group_of
 from .material import refresh
 from .reading import is_own
 from .record import give_recorded, is_of_another, take_structure
@@ -35,7 +35,7 @@ def _bring_back_groups(material) -> None:
     """Groups and texts that this file has not, or has others by their names: Blender looks for names. Values are the recorded ones."""
     lamina = material.lamina
     nodes = [(element, find_node(element)) for element in (*lamina.layers, lamina.base)]
-    emptied = [(e, n) for e, n in nodes if n is not None and (n.node_tree is None or n.node_tree.get(KIND_KEY) != e.kind)]
+    emptied = [(e, n) for e, n in nodes if n is not None and (n.node_tree is None or n.node_tree.get(KIND_KEY) != group_key(kind_of(e)))]
     for element, node in emptied:
         node.node_tree = group_of(kind_of(element))
         give_recorded(element, node)

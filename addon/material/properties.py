@@ -22,11 +22,11 @@ _ACRONYMS = {"ggx": "GGX"}
 _BACKEND_LABELS = {AUTO: "Automatic", OSL: "OSL", NODES: "Stock Nodes"}
 
 _quiet = False
-_followers: list[Callable[[bpy.types.Material, str], None]] = []
+_followers: list[Callable[[bpy.types.PropertyGroup, str], None]] = []
 
 
-def follow(function: Callable[[bpy.types.Material, str], None]) -> Callable[[bpy.types.Material, str], None]:
-    """A decorator: call the function with a material and the name of each property that is set in it."""
+def follow(function: Callable[[bpy.types.PropertyGroup, str], None]) -> Callable[[bpy.types.PropertyGroup, str], None]:
+    """A decorator: call the function with the property group and the name of each property that is set."""
     _followers.append(function)
     return function
 
@@ -48,7 +48,7 @@ def _update(name: str) -> Callable:
     def update(group, _context) -> None:
         if not _quiet:
             for follower in _followers:
-                follower(group.id_data, name)
+                follower(group, name)
 
     return update
 

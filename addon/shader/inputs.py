@@ -4,6 +4,7 @@
 from dataclasses import dataclass
 
 from ...reference_py.errors import LaminaError
+from ...reference_py.material.coverage import Patch
 from ...reference_py.material.schema import ANISOTROPY, LAMBERT, SCHEMA, VECTOR, Parameter, Schema
 from ...reference_py.material.stack import Base, Layer, Stack
 
@@ -25,12 +26,21 @@ class ShaderInput:
     parameter: Parameter
 
 
-BASE_COLOR_INPUT = ShaderInput(BASE + LAMBERT.parameter("color").osl_name, BASE, LAMBERT.parameter("color"))
 TANGENT_INPUT = ShaderInput(TANGENT, TANGENT, Parameter("tangent", VECTOR, (0.0, 0.0, 0.0), TANGENT, "Direction that anisotropic surfaces are rougher along"))
 
 
 def layer_owner(index: int) -> str:
     return f"Layer{index + 1}"
+
+
+def owners_of(patch: Patch) -> list[str]:
+    """Whose the parameters of a patch's layers, from the top, and of its base are."""
+    return [*map(layer_owner, patch.layers), BASE if patch.base is None else layer_owner(patch.base)]
+
+
+def base_color_input(owner: str) -> ShaderInput:
+    """The color of a Lambert base, which is the material's or an opaque layer."""
+    return ShaderInput(owner + LAMBERT.parameter("color").osl_name, owner, LAMBERT.parameter("color"))
 
 
 def used_sockets(element: Layer | Base, kind) -> tuple[Parameter, ...]:

@@ -32,11 +32,11 @@ def layer_picture(transmitted: tuple[float, float, float], thickness: float, rou
     return picture
 
 
-def base_picture(color: tuple[float, float, float], roughness: float, distribution: str) -> np.ndarray:
-    """An opaque base seen from the side: (SIZE, SIZE, 4), as `layer_picture`; `color` is what it reflects, linear RGB."""
+def base_picture(color: tuple[float, float, float], roughness: float, distribution: str, coverage: float = 1.0) -> np.ndarray:
+    """A base or an opaque layer seen from the side: (SIZE, SIZE, 4), as `layer_picture`; `color` is what it reflects, linear RGB."""
     x, y = _places()
     picture = np.zeros((SIZE, SIZE, 4))
-    inside = y < _outline(x, 0.75, roughness, distribution)
+    inside = (y < _outline(x, 0.75, roughness, distribution)) & (x < coverage)
     picture[inside] = (*_srgb(np.asarray(color, float)), 1.0)
     return picture
 

@@ -5,7 +5,7 @@ import bpy
 import bpy.utils.previews
 import numpy as np
 
-from ...reference_py.material.schema import COLOR, CONDUCTOR, COVERAGE
+from ...reference_py.material.schema import COLOR, CONDUCTOR, COVERAGE, SCHEMA
 from ..material.elements import find_node, kind_of
 from ..shader.working_space import out_of_working
 from .swatch import SIZE, base_picture, layer_picture
@@ -52,11 +52,11 @@ def _look(element, node) -> tuple:
     roughness = node.inputs.get("Roughness")
     rough = round(_STEPS * roughness.default_value) / _STEPS if roughness is not None else 0.0
     distribution = getattr(element, "distribution", "ggx")
-    if element == element.id_data.lamina.base:
-        return ("base", color, rough, distribution)
+    coverage = round(_STEPS * node.inputs[COVERAGE.parameters[0].label].default_value) / _STEPS if element.use_coverage else 1.0
+    if SCHEMA.is_opaque(element.kind):
+        return ("base", color, rough, distribution, coverage)
     thickness = round(0.25 * _STEPS * min(node.inputs["Thickness"].default_value, 8.0)) / (0.25 * _STEPS)
-    coverage = node.inputs[COVERAGE.parameters[0].label].default_value if element.use_coverage else 1.0
-    return ("layer", color, thickness, rough, distribution, round(_STEPS * coverage) / _STEPS)
+    return ("layer", color, thickness, rough, distribution, coverage)
 
 
 def register() -> None:

@@ -11,7 +11,7 @@ from ..material.stack import Stack
 from .appearance import Appearance
 from .matching import Albedos, ColorMap, color_key, color_map, compared, mean, recolored, solve, truth
 from .report import APPROXIMATED, LOST, Loss, Report, shown
-from .slots import MOST_REFLECTANCE, Slots, from_stack, to_stack
+from .slots import BASE, MOST_REFLECTANCE, Slots, from_stack, to_stack
 
 # A mean albedo that is further off than this could not be reached.
 _REACHED = 5e-4
@@ -24,7 +24,7 @@ class Converted:
     """`owners`: the index of the layer, or -1 for the base, that each slot ("base", "gloss", "coat") is in the stack.
 
     `values` are the model's parameters by name. `colors` maps base colors of what is converted to those of the result,
-    for textures; None unless asked for, or where the original's base has no color.
+    for textures; None unless asked for, or where what is the base has no color or is an opaque layer.
     """
 
     stack: Stack
@@ -45,7 +45,7 @@ def stack_to_slots(
     color, found = solve(shown_as, mean(wanted), placed.slots.color)
     match = compared(wanted, found, _has_film(placed.slots))
     losses = [*placed.losses, *_unmatched("base color", color, match.mean_error)]
-    colors = color_map(original, shown_as) if textured and color_key(stack.base) in stack.base else None
+    colors = color_map(original, shown_as) if textured and placed.owners[BASE] < 0 and color_key(stack.base) in stack.base else None
     return placed.slots.with_color(color), placed.owners, Report(tuple(losses), match), colors
 
 

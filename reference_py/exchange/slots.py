@@ -138,13 +138,14 @@ def from_stack(stack: Stack, name: str, room: frozenset[str] = frozenset()) -> P
     """Put a stack into slots of the model called `name`; its base color is still that of the stack.
 
     `room`: what this model's coat has of the features beside the others, such as "anisotropy". One clear layer over a
-    diffuse base is its gloss, any other top layer the coat; a layer that covers less than half and is no coat is left out.
+    diffuse base is its gloss, any other top layer the coat; a layer that covers less than half and is no coat is left out. An
+    opaque layer that covers half or more is the base.
     """
     losses: list[Loss] = []
-    layers = [(i, e) for i, e in enumerate(stack.layers) if _is_there(i, e, losses, name)]
+    layers, place, base = _above_base(stack, losses, name)
     working = [(i, e) for n, (i, e) in enumerate(layers) if e["ior"] != (layers[n - 1][1]["ior"] if n else 1.0)]
     tau = sum((optical_depth(e["tint"], e["thickness"]) for _, e in layers), np.zeros(3))
-    is_metal = isinstance(OpticalStack.of(stack).base, ConductorBase)
+    is_metal = isinstance(OpticalStack.of(base).base, ConductorBase)
     tinted = bool(np.max(tau) > _WHITE)
     as_gloss = (
         not is_metal and len(working) == 1 and not working[0][1].has(COVERAGE) and (not tinted or any(working[0][1].has(f) for f in (ANISOTROPY, THIN_FILM)))
@@ -152,9 +153,9 @@ def from_stack(stack: Stack, name: str, room: frozenset[str] = frozenset()) -> P
     coat = None if as_gloss or not layers else (working or layers)[0]
     rest = working[1:] if coat and working else working if as_gloss else []
     gloss = rest[0] if rest and not is_metal else None
-    owners = {BASE: -1} | ({COAT: coat[0]} if coat else {}) | ({GLOSS: gloss[0]} if gloss else {})
-    above = stack.layers[coat[0]]["ior"] if coat else 1.0
-    slots = _base_slots(stack, _medium_above_base(layers), losses, name)
+    owners = {BASE: place} | ({COAT: coat[0]} if coat else {}) | ({GLOSS: gloss[0]} if gloss else {})
+    above = coat[1]["ior"] if coat else 1.0
+    slots = _base_slots(base, _medium_above_base(layers), losses, name)
     if coat:
         tint = tuple(np.exp(-2.0 * tau))
         slots = replace(
@@ -171,8 +172,23 @@ def from_stack(stack: Stack, name: str, room: frozenset[str] = frozenset()) -> P
     return Placed(slots, tuple(losses), owners)
 
 
-def _is_there(index: int, layer: Layer, losses: list[Loss], name: str) -> bool:
-    if index == 0 or not layer.has(COVERAGE) or layer["coverage"] == 1.0:
+def _above_base(stack: Stack, losses: list[Loss], name: str) -> tuple[list[tuple[int, Layer]], int, Stack]:
+    """The clear layers, each with its index, above what the base is, where that is (-1: the stack's own), and it as a stack."""
+    layers: list[tuple[int, Layer]] = []
+    for index, layer in enumerate(stack.layers):
+        if not _is_there(index, layer, losses, name, is_coat=not layers and not layer.is_opaque):
+            continue
+        if layer.is_opaque:
+            for hidden in range(index + 1, len(stack.layers)):
+                losses.append(Loss(f"layer {hidden} kind", stack.layers[hidden].kind, LOST, f"it is below layer {index}, which is opaque"))
+            losses.append(Loss("base kind", stack.base.kind, LOST, f"it is below layer {index}, which is opaque"))
+            return layers, index, Stack((), layer.as_base())
+        layers.append((index, layer))
+    return layers, -1, Stack((), stack.base)
+
+
+def _is_there(index: int, layer: Layer, losses: list[Loss], name: str, is_coat: bool) -> bool:
+    if is_coat or not layer.has(COVERAGE) or layer["coverage"] == 1.0:
         return True
     there = layer["coverage"] >= _HALF
     becomes = "counts as whole" if there else "is left out"

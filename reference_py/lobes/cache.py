@@ -18,7 +18,7 @@ from typing import NamedTuple, TypeVar
 
 from ..atomic import write_text
 from ..errors import LaminaError
-from ..material.coverage import covered_layers
+from ..material.coverage import is_plain
 from ..material.place import Place, places
 from ..material.schema import ANISOTROPY, COVERAGE, NORMAL, THIN_FILM
 from ..material.stack import Stack
@@ -197,9 +197,9 @@ def stack_key(stack: Stack, live: tuple[Place, ...] = ()) -> str:
 
 
 def truth_of(stack: Stack):
-    """The deterministic truth of a stack, its f a draft (`Adding`); it has no normals. Raises LaminaError for coverage and other features."""
-    if covered_layers(stack):
-        raise LaminaError("a stack with coverage has one truth for each of its patches; judge them one by one")
+    """The deterministic truth of a stack, its f a draft (`Adding`); it has no normals. Raises LaminaError for several patches and for features that it does not know."""
+    if not is_plain(stack):
+        raise LaminaError("a stack with coverage or opaque layers has one truth for each of its patches; judge them one by one")
     for where, element in [*((f"layer {i}", e) for i, e in enumerate(stack.layers)), ("the base", stack.base)]:
         for feature in (ANISOTROPY, THIN_FILM):
             if element.has(feature):

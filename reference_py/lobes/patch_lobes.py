@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lobes of a stack with covered layers: those of its patches, weighted by their shares."""
+"""The lobes of a stack with covered or opaque layers: those of its patches, weighted by their shares."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -10,15 +11,18 @@ import numpy as np
 from ..material.coverage import Patch
 from ..material.stack import Stack
 from .lobe import DiffuseLobe, GlossyLobe, SchlickCurve
+from .pools import MAX_CLOSURES, MAX_NODE_CLOSURES, Energy, Pool, pooled, pools_of
 
 
 @dataclass(frozen=True)
 class PatchLobes:
-    """The lobe sets of a stack's patches; lobes that differ in their weight alone are one."""
+    """The lobe sets of a stack's patches; lobes that differ in their weight alone are one, and so are those of a pool."""
 
     stack: Stack
     parts: tuple[tuple[Patch, Any], ...]
     """What was made of each patch (`Made`), or, of `tabulate`, its tables."""
+    energy: Energy | None = None
+    """Of glossy closures of weight 1, to pool lobes by; None for stock nodes, which have no table of it, but room for MAX_NODE_CLOSURES."""
 
     name = "patches"
 
@@ -29,13 +33,20 @@ class PatchLobes:
 
     def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
         """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
-        scaled = [
-            replace(lobe, weight=patch.share * np.asarray(lobe.weight))
-            for patch, lobe_set in self.parts
-            if patch.share > 0.0
-            for lobe in lobe_set.lobes(cos_theta_o, phi)
-        ]
-        return merged(scaled)
+        scaled, pools = [], {}
+        for number, (patch, lobe_set) in enumerate(self.parts):
+            for i, lobe in enumerate(lobe_set.lobes(cos_theta_o, phi) if patch.share > 0.0 else ()):
+                own = replace(lobe, weight=patch.share * np.asarray(lobe.weight))
+                if (number, i) in self.pools:
+                    pools.setdefault(self.pools[number, i], []).append(own)
+                else:
+                    scaled.append(own)
+        return [*merged(scaled), *(pooled(members, cos_theta_o, self.energy) for members in pools.values())]
+
+    @cached_property
+    def pools(self) -> Mapping[tuple[int, int], Pool]:
+        """The pools of lobes that share one (`pools.pools_of`)."""
+        return pools_of(self.parts, MAX_NODE_CLOSURES if self.energy is None else MAX_CLOSURES)
 
 
 def merged(lobes: Sequence[GlossyLobe | DiffuseLobe]) -> list[GlossyLobe | DiffuseLobe]:

@@ -6,13 +6,13 @@ A default or a range is written here and nowhere else.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from types import MappingProxyType
 
 from ..errors import LaminaError
 
-SCHEMA_VERSION = 3
+SCHEMA_VERSION = 4
 
 FLOAT, COLOR, VECTOR, CHOICE = "float", "color", "vector", "choice"
 
@@ -137,10 +137,14 @@ class Kind:
 
 @dataclass(frozen=True)
 class Schema:
-    """The kinds of layers and of bases, by name."""
+    """The kinds of layers and of bases, by name. A layer of a base's kind is opaque: it hides what is below."""
 
     layers: Mapping[str, Kind]
     bases: Mapping[str, Kind]
+
+    def is_opaque(self, kind: str) -> bool:
+        """Whether a layer of a kind hides what is below."""
+        return kind in self.bases
 
     def layer(self, kind, where: str) -> Kind:
         """The kind of a layer. Raises LaminaError on an unknown one, naming `where` and the choices."""
@@ -272,7 +276,9 @@ CONDUCTOR = Kind(
     features=(ANISOTROPY, THIN_FILM, NORMAL),
 )
 
+_BASES = (LAMBERT, OREN_NAYAR, CONDUCTOR)
+
 SCHEMA = Schema(
-    layers=MappingProxyType({k.name: k for k in (DIELECTRIC,)}),
-    bases=MappingProxyType({k.name: k for k in (LAMBERT, OREN_NAYAR, CONDUCTOR)}),
+    layers=MappingProxyType({k.name: k for k in (DIELECTRIC, *(replace(kind, features=(COVERAGE, *kind.features)) for kind in _BASES))}),
+    bases=MappingProxyType({k.name: k for k in _BASES}),
 )

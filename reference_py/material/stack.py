@@ -12,9 +12,10 @@ from typing import Self, TypeVar
 from ..atomic import write_text
 from ..errors import LaminaError
 from .json_input import parse_json, read_text
-from .schema import SCHEMA, SCHEMA_VERSION, Feature, Kind, Schema
+from .schema import COVERAGE, SCHEMA, SCHEMA_VERSION, Feature, Kind, Schema
 
 MAX_LAYERS = 64
+_COVERAGE = {p.name for p in COVERAGE.parameters}
 
 
 def _frozen(mapping: Mapping) -> Mapping:
@@ -50,7 +51,16 @@ class _Part:
 
 
 class Layer(_Part):
-    """A layer: the interface at its top and the medium below that."""
+    """A layer: the interface at its top and the medium below that, or, of a base's kind, an opaque one that hides what is below."""
+
+    @property
+    def is_opaque(self) -> bool:
+        """Whether nothing below it is seen where it is."""
+        return SCHEMA.is_opaque(self.kind)
+
+    def as_base(self) -> "Base":
+        """The base that an opaque layer is where it is there."""
+        return Base(self.kind, _frozen({k: v for k, v in self.values.items() if k not in _COVERAGE}), self.unknown)
 
 
 class Base(_Part):
@@ -74,7 +84,8 @@ class Stack:
     def from_dict(cls, data, where: str = "stack", schema: Schema = SCHEMA) -> "Stack":
         """Validate a plain dictionary. Missing keys take the schema's defaults, unknown keys are kept.
 
-        Keys of a version-1 stack that meant nothing then and would now are kept under another name, "coverage_v1".
+        Keys of a version-1 stack that meant nothing then and would now are kept under another name, "coverage_v1". Without
+        a base the lowest layer is it, where that is opaque and covers all.
         Raises LaminaError naming `where`, the key, the value and the choices.
         """
         if not isinstance(data, Mapping):
@@ -84,8 +95,6 @@ class Stack:
             raise LaminaError(f"{where}: schema_version {version!r} is no version; this Lamina reads 1 to {SCHEMA_VERSION}")
         if version > SCHEMA_VERSION:
             raise LaminaError(f"{where}: schema_version {version} is newer than this Lamina, which reads 1 to {SCHEMA_VERSION}")
-        if "base" not in data:
-            raise LaminaError(f"{where}: the stack is empty, it has no 'base'; choose one of {', '.join(schema.bases)}")
         layers = data.get("layers", [])
         if not isinstance(layers, (list, tuple)):
             raise LaminaError(f"{where}: 'layers' must be a list, not {type(layers).__name__}")
@@ -95,9 +104,14 @@ class Stack:
             if not isinstance(data.get(key, ""), str):
                 raise LaminaError(f"{where}: {key} must be text, not {data[key]!r}")
         known = {"schema_version", "name", "source", "layers", "base"}
+        parts = tuple(_part(Layer, d, f"{where}: layer {i}", schema.layer, version) for i, d in enumerate(layers))
+        if "base" in data:
+            base = _part(Base, data["base"], f"{where}: base", schema.base, version)
+        else:
+            *parts, base = _with_lowest_as_base(parts, where, schema)
         return cls(
-            layers=tuple(_part(Layer, d, f"{where}: layer {i}", schema.layer, version) for i, d in enumerate(layers)),
-            base=_part(Base, data["base"], f"{where}: base", schema.base, version),
+            layers=tuple(parts),
+            base=base,
             name=data.get("name", ""),
             source=data.get("source", ""),
             unknown=_frozen({k: v for k, v in data.items() if k not in known}),
@@ -141,6 +155,19 @@ class Stack:
     def save(self, path: str | os.PathLike) -> None:
         """Write the stack as JSON, whole or not at all. Raises LaminaError when the path is not writable."""
         write_text(path, self.to_json())
+
+
+def _with_lowest_as_base(layers: tuple[Layer, ...], where: str, schema: Schema) -> tuple[Layer | Base, ...]:
+    """The layers with the lowest as the base. Raises LaminaError where that does not hide what would be below."""
+    advice = f"choose one of {', '.join(schema.bases)}"
+    if not layers:
+        raise LaminaError(f"{where}: the stack is empty, it has no 'base'; {advice}")
+    lowest = layers[-1]
+    if not lowest.is_opaque:
+        raise LaminaError(f"{where}: there is no 'base', and the lowest layer, {lowest.kind}, is clear; {advice}")
+    if lowest.has(COVERAGE) and lowest["coverage"] < 1.0:
+        raise LaminaError(f"{where}: there is no 'base', and the lowest layer, {lowest.kind}, covers {lowest['coverage']:g} of the surface; {advice}")
+    return (*layers[:-1], lowest.as_base())
 
 
 def _no_effect(where: str, key: str, known) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A model of a stack with covered layers: the mixture of the models of its patches (`coverage`)."""
+"""A model of a stack with covered or opaque layers: the mixture of the models of its patches (`coverage`)."""
 
 from collections.abc import Callable, Sequence
 

@@ -54,7 +54,10 @@ def supports(role: str, **what) -> Callable[[Any], Any]:
 
 @dataclass(frozen=True)
 class OpticalStack:
-    """Interfaces from the top, vacuum above the first, each with the medium below it; and the base."""
+    """Interfaces from the top, vacuum above the first, each with the medium below it; and the base.
+
+    Of a stack with opaque layers each patch has one (`material.coverage`).
+    """
 
     interfaces: tuple[Interface, ...]
     base: DiffuseBase | ConductorBase
@@ -97,6 +100,8 @@ def rough_surfaces(stack: Stack) -> list[tuple[str, float]]:
 
 
 def _class_of(element: Layer | Base, where: str, classes: dict[str, Any]) -> Any:
+    if isinstance(element, Layer) and element.is_opaque:
+        raise LaminaError(f"{where} is an opaque {element.kind}: such a stack is several patches, each one of its own; see registry.make_model")
     if element.kind not in classes:
         raise LaminaError(f"{where}: the kind {element.kind} has no optics; choose {', '.join(classes)}")
     return classes[element.kind]

@@ -6,6 +6,7 @@ import pytest
 
 pytest.importorskip("bpy")
 
+from support.covered import GLAZE, GOLD, GREY, VARNISH, layered, picture
 from support.goniometer import TOLERANCE, parity
 
 from lamina.addon.material import elements, material
@@ -16,29 +17,9 @@ from lamina.addon.shader.nodes.stock_nodes import stock_tables
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.lobes.closure import lobe_f
 from lamina.reference_py.lobes.methods import make_lobe_set
-from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.registry import make_model
 
 pytestmark = pytest.mark.blender
-
-VARNISH = {"kind": "dielectric", "ior": 1.5, "roughness": 0.5, "tint": [0.9, 0.5, 0.3]}
-GLAZE = {"kind": "dielectric", "ior": 1.8, "roughness": 0.6, "distribution": "beckmann"}
-GREY = {"kind": "lambert", "color": [0.5, 0.4, 0.3]}
-GOLD = {"kind": "conductor", "metal": "gold", "roughness": 0.5}
-
-
-def layered(layers, base, tier, backend="osl"):
-    """A material that shows the lobe set of its tier, baked if it must be."""
-    import bpy
-
-    new = bpy.data.materials.new("covered")
-    material.apply_stack(new, Stack.from_dict({"layers": layers, "base": base}), tier, backend)
-    material.refresh(new, settle=tier == "baked")
-    return new
-
-
-def picture(layers, base, tier, backend="osl"):
-    return render_sun_sphere(layered(layers, base, tier, backend), 45.0, 48)["radiance"]
 
 
 # A bake has a lobe set for each of the four patches.
@@ -102,7 +83,7 @@ def test_too_many_covered_layers_leave_all_as_it_was(blender):
     new = layered([{**GLAZE, "coverage": 0.5}] * 3 + [GLAZE], GREY, "weidlich_wilkie")
     script = shader_of(new).script
     new.lamina.layers[3].use_coverage = True
-    assert "4 layers have a coverage (layers 0, 1, 2, 3); choose at most 3" in new.lamina.problem
+    assert "4 clear layers have a coverage (layers 0, 1, 2, 3); choose at most 3" in new.lamina.problem
     assert shader_of(new).script == script
     with pytest.raises(LaminaError, match="choose at most 3"):
         make_lobe_set(material.stack_of(new), "analytic")

@@ -38,6 +38,13 @@ FEATURED = {
     "layers": [{"kind": "dielectric", "roughness": 0.3, "coverage": 0.5, "tint": [0.4, 0.7, 0.5]}],
     "base": {"kind": "conductor", "metal": "gold", "roughness": 0.4},
 }
+# What only version 4 has.
+CHIPPED = {
+    "name": "Chipped",
+    "layers": [{"kind": "conductor", "metal": "iron", "roughness": 0.4, "coverage": 0.25}, {"kind": "dielectric", "roughness": 0.2},
+               {"kind": "oren_nayar", "color": [0.3, 0.1, 0.05], "sigma_deg": 30.0, "coverage": 0.6}],
+    "base": {"kind": "lambert", "color": [0.1, 0.4, 0.2]},
+}  # fmt: skip
 
 
 def build() -> None:
@@ -47,7 +54,7 @@ def build() -> None:
     scene.render.engine, scene.cycles.shading_system = "CYCLES", True
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 3 * SIZE, SIZE, 100
     scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling, scene.cycles.seed = SAMPLES, False, False, 1
-    stacks = STACKS | ({"featured": FEATURED} if SCHEMA_VERSION > 1 else {})
+    stacks = STACKS | ({"featured": FEATURED} if SCHEMA_VERSION > 1 else {}) | ({"chipped": CHIPPED} if SCHEMA_VERSION > 3 else {})
     for place, (name, data) in enumerate(stacks.items()):
         bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16, radius=0.95, location=(2.0 * place, 0.0, 0.0))
         bpy.ops.object.shade_smooth()

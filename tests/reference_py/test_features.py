@@ -56,7 +56,7 @@ def test_patches_have_the_layers_that_are_there():
     assert [p.layers for p in parts] == [(0, 1, 2), (0, 1), (1, 2), (1,)]
     assert [p.share for p in parts] == [0.125, 0.125, 0.375, 0.375]
     assert not any(layer.has(COVERAGE) for p in parts for layer in p.stack.layers)
-    with pytest.raises(LaminaError, match="4 layers have a coverage .*choose at most 3"):
+    with pytest.raises(LaminaError, match="4 clear layers have a coverage .*choose at most 3"):
         patches(stack([{**COAT, "coverage": 0.5}] * 4, WHITE))
 
 

@@ -11,7 +11,6 @@ import numpy as np
 
 from ....reference_py.lobes.patch_lobes import PatchLobes
 from ....reference_py.lobes.view_table import TableLobes
-from ..inputs import BASE_COLOR_INPUT
 from ..working_space import REC709, is_current, working_space
 from .stock_nodes import SPACE_MARK, build_group
 
@@ -85,7 +84,7 @@ def is_in_working_space(tree: bpy.types.NodeTree) -> bool:
 
     What follows a color converts it by numbers, which Blender leaves as they are.
     """
-    if BASE_COLOR_INPUT.osl_name in tree.interface.items_tree:
+    if any(item.in_out == "INPUT" and item.socket_type == "NodeSocketColor" for item in tree.interface.items_tree):
         return _space_of(tree) == working_space()
     mark = tree.nodes.get(SPACE_MARK)
     return working_space() == REC709 if mark is None else is_current(mark.outputs[0].default_value[:3], 0)

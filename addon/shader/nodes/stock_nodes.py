@@ -5,14 +5,17 @@ Tables are Color Ramps. Cycles samples a ramp at 256 even steps and is linear be
 a place, so a ramp is the table itself, up to float32. A ramp holds a weight, a color, or two numbers of a lobe's shape.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from functools import cached_property, reduce
+from types import MappingProxyType
 
 import bpy
 import numpy as np
 
 from ....reference_py.lobes.eevee import eevee_tables
 from ....reference_py.lobes.patch_lobes import PatchLobes
+from ....reference_py.lobes.pools import MAX_NODE_CLOSURES
 from ....reference_py.lobes.tabulate import is_grey_dielectric, tabulate
 from ....reference_py.lobes.view_table import AZIMUTH_PLACES, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
 from ....reference_py.material.schema import COLOR, COVERAGE, FLOAT, NORMAL, VECTOR
@@ -20,7 +23,7 @@ from ....reference_py.material.stack import Stack
 from ....reference_py.optics.diffuse import fujii_roughness, oren_nayar_albedo, oren_nayar_color
 from ....reference_py.optics.microfacet import SPECULAR_ALPHA
 from ...blender.versions import DIFFUSE_POWER, HAS_DIELECTRIC
-from ..inputs import BASE_COLOR_INPUT, TANGENT, TANGENT_INPUT, ShaderInput, shader_inputs
+from ..inputs import BASE, TANGENT, TANGENT_INPUT, ShaderInput, base_color_input, layer_owner, owners_of, shader_inputs
 from ..working_space import REC709, into_working, out_of_working, primaries, working_space
 from .node_builder import Builder
 
@@ -52,13 +55,16 @@ def eevee_stock_tables(made) -> TableLobes | PatchLobes:
     return eevee_tables(made.lobe_set)
 
 
-def group_inputs(lobe_set: TableLobes | PatchLobes) -> tuple[ShaderInput, ...]:
-    """What the group reads live: the coverage of every layer that has one, the base's color where tables follow it, and the tangent."""
+def group_inputs(lobe_set: TableLobes | PatchLobes, owner: str = BASE) -> tuple[ShaderInput, ...]:
+    """What the group reads live: the coverage of every layer that has one, a base's color where tables follow it, and the tangent.
+
+    `owner` is whose the base's color is.
+    """
     if isinstance(lobe_set, TableLobes):
         framed = any(getattr(table, "axis", None) is not None or getattr(table, "frame", None) is not None for table in lobe_set.tables)
-        return (*([TANGENT_INPUT] if framed else []), *([BASE_COLOR_INPUT] if lobe_set.followed else []))
+        return (*([TANGENT_INPUT] if framed else []), *([base_color_input(owner)] if lobe_set.followed else []))
     covers = [i for i in shader_inputs(lobe_set.stack) if i.parameter in COVERAGE.parameters]
-    return (*covers, *dict.fromkeys(i for _, part in lobe_set.parts for i in group_inputs(part)))
+    return (*covers, *dict.fromkeys(i for patch, part in lobe_set.parts for i in group_inputs(part, owners_of(patch)[-1])))
 
 
 def left_out(stack: Stack) -> str:
@@ -69,8 +75,15 @@ def left_out(stack: Stack) -> str:
 
 
 def closure_count(lobe_set: TableLobes | PatchLobes) -> int:
-    """Closures of the group: patches share none."""
-    return lobe_set.lobe_count if isinstance(lobe_set, TableLobes) else sum(part.lobe_count for _, part in lobe_set.parts)
+    """Closures of the group: patches share none unless they are too many."""
+    if isinstance(lobe_set, TableLobes) or _is_crowded(lobe_set):
+        return lobe_set.lobe_count
+    return sum(part.lobe_count for _, part in lobe_set.parts)
+
+
+def _is_crowded(lobe_set: PatchLobes) -> bool:
+    """Whether patches cannot each have closures of their own."""
+    return sum(part.lobe_count for _, part in lobe_set.parts) > MAX_NODE_CLOSURES
 
 
 def build_group(tree: bpy.types.NodeTree, lobe_set: TableLobes | PatchLobes) -> None:
@@ -83,11 +96,12 @@ def build_group(tree: bpy.types.NodeTree, lobe_set: TableLobes | PatchLobes) -> 
     if inputs:
         node = build.node("NodeGroupInput")
         sockets = {given.osl_name: node.outputs[given.osl_name] for given in inputs}
-    view = _View(build, sockets.pop(TANGENT, None), sockets.pop(BASE_COLOR_INPUT.osl_name, None))
+    view = _View(build, sockets.get(TANGENT), sockets)
     if isinstance(lobe_set, TableLobes):
-        closure = _closure_of(build, view, lobe_set)
+        closure = _closure_of(build, view, lobe_set, BASE)
     else:
-        closure = _mixed(build, list(sockets.values()), [_closure_of(build, view, part) for _, part in lobe_set.parts])
+        shares = {i.owner: sockets[i.osl_name] for i in inputs if i.parameter in COVERAGE.parameters}
+        closure = _pooled(build, view, lobe_set, shares) if _is_crowded(lobe_set) else _patched(build, view, lobe_set, shares)
     tree.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
     output = build.node("NodeGroupOutput")
     build.link(closure, output.inputs["BSDF"])
@@ -101,17 +115,24 @@ def _mark_space(node: bpy.types.Node) -> None:
     node.outputs[0].default_value = (*into_working((1.0, 0.0, 0.0)), 1.0)
 
 
-def _closure_of(build: Builder, view: "_View", lobe_set: TableLobes) -> bpy.types.NodeSocket:
+def _closure_of(build: Builder, view: "_View", lobe_set: TableLobes, owner: str) -> bpy.types.NodeSocket:
+    view.base_owner = owner
     return _sum(build, [_LOBES[type(table)](build, view, table) for table in lobe_set.tables])
 
 
-def _mixed(build: Builder, coverages: list, patches: list) -> bpy.types.NodeSocket:
-    """Patches as `coverage.patches` orders them: the first half has the first covered layer."""
-    if not coverages:
-        return patches[0]
-    half = len(patches) // 2
-    there, gone = (_mixed(build, coverages[1:], part) for part in (patches[:half], patches[half:]))
-    mix = build.shader("ShaderNodeMixShader", coverages[0], gone)
+def _patched(build: Builder, view: "_View", lobe_set: PatchLobes, shares: dict[str, bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
+    closures = [_closure_of(build, view, part, owners_of(patch)[-1]) for patch, part in lobe_set.parts]
+    return _mixed(build, shares, [(patch.covered, closure) for (patch, _), closure in zip(lobe_set.parts, closures)])
+
+
+def _mixed(build: Builder, shares: dict[str, bpy.types.NodeSocket], patches: list) -> bpy.types.NodeSocket:
+    """Patches, each the layers that decide about it and its closure: the first layer divides them, and so on down."""
+    (covered, closure), *others = patches
+    if not others:
+        return closure
+    layer, _ = covered[0]
+    there, gone = (_mixed(build, shares, [(c[1:], closure) for c, closure in patches if c[0] == (layer, side)]) for side in (True, False))
+    mix = build.shader("ShaderNodeMixShader", shares[layer_owner(layer)], gone)
     build.link(there, mix.node.inputs[2])
     return mix
 
@@ -124,8 +145,10 @@ def _sum(build: Builder, closures: list[bpy.types.NodeSocket]) -> bpy.types.Node
 class _View:
     """What lobes need of the view, made when the first of them asks."""
 
-    def __init__(self, build: Builder, given_tangent: bpy.types.NodeSocket | None = None, given_color: bpy.types.NodeSocket | None = None):
-        self._build, self.given_tangent, self._given_color = build, given_tangent, given_color
+    def __init__(self, build: Builder, given_tangent: bpy.types.NodeSocket | None = None, sockets: Mapping[str, bpy.types.NodeSocket] = MappingProxyType({})):
+        self._build, self.given_tangent, self._sockets = build, given_tangent, sockets
+        self.base_owner = BASE
+        self._base_colors: dict[str, bpy.types.NodeSocket] = {}
         self._azimuths: dict[float, list[bpy.types.NodeSocket]] = {}
 
     @cached_property
@@ -166,11 +189,14 @@ class _View:
         along_normal = self._build.vector("SCALE", self.normal, scale=self._cosine)
         return self._build.vector("SUBTRACT", self._incoming, along_normal)
 
-    @cached_property
+    @property
     def base_color(self) -> bpy.types.NodeSocket:
-        """The base's color in Rec.709, from 0 to 1."""
-        color = _in_space(self._build, self._given_color, np.linalg.inv(primaries()))
-        return self._build.vector("MINIMUM", self._build.vector("MAXIMUM", color, 0.0), 1.0)
+        """The color of the base of `base_owner` in Rec.709, from 0 to 1."""
+        if self.base_owner not in self._base_colors:
+            given = self._sockets[base_color_input(self.base_owner).osl_name]
+            color = _in_space(self._build, given, np.linalg.inv(primaries()))
+            self._base_colors[self.base_owner] = self._build.vector("MINIMUM", self._build.vector("MAXIMUM", color, 0.0), 1.0)
+        return self._base_colors[self.base_owner]
 
     def azimuth_shares(self, axis: float) -> list[bpy.types.NodeSocket]:
         """How much of each sheet of a table with this axis a view takes (`reference_py.lobes.view_table`)."""
@@ -199,12 +225,16 @@ def _lambert(build: Builder, view: _View, table: DiffuseTable) -> bpy.types.Node
 
 
 def _base(build: Builder, view: _View, table: BaseColorTable) -> bpy.types.NodeSocket:
+    return build.shader("ShaderNodeBsdfDiffuse", Color=_base_weight(build, view, table), Roughness=0.0)
+
+
+def _base_weight(build: Builder, view: _View, table: BaseColorTable) -> bpy.types.NodeSocket:
     """own + through c / (1 - back c), channel by channel of Rec.709: numbers, which Blender would convert if they were colors."""
     color = view.base_color
     once = build.vector("DIVIDE", color, build.vector("MULTIPLY_ADD", color, tuple(map(float, -table.back)), 1.0))
     columns = _columns(build, view, np.column_stack([table.through, table.own]))
     weight = build.vector("MULTIPLY_ADD", once, build.combined(columns[:3]), build.combined(columns[3:]))
-    return build.shader("ShaderNodeBsdfDiffuse", Color=_in_space(build, weight, primaries()), Roughness=0.0)
+    return _in_space(build, weight, primaries())
 
 
 def _in_space(build: Builder, color: bpy.types.NodeSocket, rows: np.ndarray) -> bpy.types.NodeSocket:
@@ -291,6 +321,80 @@ def _kept_apart(build: Builder, anisotropy, alphas: np.ndarray):
     if np.max(across) < _NEARLY_ISOTROPIC:
         return build.math("MINIMUM", anisotropy, -_LEAST_ANISOTROPY)
     return anisotropy
+
+
+def _pooled(build: Builder, view: _View, lobe_set: PatchLobes, covers: dict[str, bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
+    """Many patches as few closures: one Lambert of all, one of each pool (`reference_py.lobes.pools`), and one of equal tables."""
+    lambert, pools, alone = [], {}, []
+    for number, ((patch, part), share) in enumerate(zip(lobe_set.parts, _shares(build, covers, lobe_set))):
+        view.base_owner = owners_of(patch)[-1]
+        for i, table in enumerate(part.tables):
+            if isinstance(table, BaseColorTable):
+                lambert.append(_part_of(build, _base_weight(build, view, table), share))
+            elif isinstance(table, DiffuseTable):
+                lambert.append(_part_of(build, _weight(build, view, table.weight, table.axis), share))
+            elif (number, i) in lobe_set.pools:
+                pools.setdefault(lobe_set.pools[number, i], []).append((table, share))
+            else:
+                place = next((n for n, (known, _) in enumerate(alone) if _is_equal(known, table)), len(alone))
+                alone[place:] = [(table, build.math("ADD", alone[place][1], share) if place < len(alone) else share), *alone[place + 1 :]]
+    closures = [build.shader("ShaderNodeBsdfDiffuse", Color=_total(build, lambert), Roughness=0.0)] if lambert else []
+    closures += [_pool(build, view, members) for members in pools.values()]
+    for table, share in alone:
+        mix = build.shader("ShaderNodeMixShader", share)
+        build.link(_LOBES[type(table)](build, view, table), mix.node.inputs[2])
+        closures.append(mix)
+    return _sum(build, closures)
+
+
+def _shares(build: Builder, covers: dict[str, bpy.types.NodeSocket], lobe_set: PatchLobes) -> list[bpy.types.NodeSocket]:
+    """The share of each patch; what patches begin with alike is multiplied once."""
+    found: dict[tuple, bpy.types.NodeSocket] = {}
+
+    def share(covered):
+        if covered not in found:
+            layer, there = covered[-1]
+            cover = covers[layer_owner(layer)] if there else build.math("SUBTRACT", 1.0, covers[layer_owner(layer)])
+            found[covered] = build.math("MULTIPLY", share(covered[:-1]), cover) if covered[:-1] else cover
+        return found[covered]
+
+    return [share(patch.covered) for patch, _ in lobe_set.parts]
+
+
+def _part_of(build: Builder, weight, share) -> bpy.types.NodeSocket:
+    return build.vector("SCALE", weight if isinstance(weight, bpy.types.NodeSocket) else weight[:3], scale=share)
+
+
+def _total(build: Builder, parts: list[bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
+    return reduce(lambda a, b: build.vector("ADD", a, b), parts)
+
+
+def _pool(build: Builder, view: _View, members: list[tuple[GlossyTable, bpy.types.NodeSocket]]) -> bpy.types.NodeSocket:
+    parts = [_part_of(build, _weight(build, view, table.weight, table.axis), share) for table, share in members]
+    energies = [build.vector("DOT_PRODUCT", part, (1.0 / 3.0,) * 3) for part in parts]
+    shapes = [build.combined(_columns(build, view, table.shape)) for table, _ in members]
+    least = build.math("MAXIMUM", reduce(lambda a, b: build.math("ADD", a, b), energies), 1e-20)
+    summed = _total(build, [build.vector("SCALE", shape, scale=energy) for shape, energy in zip(shapes, energies)])
+    separate = build.node("ShaderNodeSeparateXYZ")
+    build.link(build.vector("SCALE", summed, scale=build.math("DIVIDE", 1.0, least)), separate.inputs[0])
+    alpha_x, alpha_y, slope = separate.outputs
+    s = build.math("SQRT", build.math("DIVIDE", alpha_x, build.math("MAXIMUM", alpha_y, 1e-12)))
+    anisotropy = build.math("DIVIDE", build.math("SUBTRACT", 1.0, s), build.math("MAXIMUM", s, 1.0))
+    return build.shader(
+        "ShaderNodeBsdfAnisotropic",
+        settings={"distribution": _DISTRIBUTIONS[members[0][0].distribution]},
+        Color=_total(build, parts),
+        Roughness=build.math("SQRT", build.math("SQRT", build.math("MULTIPLY", alpha_x, alpha_y))),
+        Anisotropy=anisotropy,
+        Tangent=view.tangent,
+        Normal=build.vector("MULTIPLY_ADD", view.side, slope, view.normal),
+    )
+
+
+def _is_equal(first, second) -> bool:
+    if type(first) is not type(second):
+        return False
+    return all(np.array_equal(getattr(first, f.name), getattr(second, f.name)) for f in fields(first))
 
 
 _LOBES = {BaseColorTable: _base, DiffuseTable: _lambert, OrenNayarTable: _oren_nayar, GlossyTable: _glossy}

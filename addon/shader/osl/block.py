@@ -2,11 +2,19 @@
 """Blocks: what a tier writes for one stack, and how one or several of them, for the patches of a surface, make a shader."""
 
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
 
+import numpy as np
+
+from ....reference_py.lobes.analytic.tables import UNIT, tables
+from ....reference_py.lobes.lobe import DARK
+from ....reference_py.lobes.pools import Pool
 from ....reference_py.material.schema import COLOR, FLOAT, Parameter
+from ....reference_py.optics.microfacet import DISTRIBUTIONS
 from ..inputs import PRIMARIES, ShaderInput
+from .frame import FRAME, FRAME_FUNCTIONS, view
 from .parts import functions
 
 PRIMARY_ARGUMENTS = ", ".join(PRIMARIES)
@@ -25,6 +33,9 @@ class Closure:
     weight: str
     closure: str
     is_local: bool = False
+    shape: tuple[str, ...] = ()
+    """Of a closure that may share a pool: of a microfacet lobe its alphas along and across the plane of incidence and its slope
+    towards the view, of Oren-Nayar the slope deviation in degrees."""
 
 
 @dataclass(frozen=True)
@@ -41,9 +52,11 @@ class Block:
 
 @dataclass(frozen=True)
 class Share:
-    """Which share of the surface a block has: layers by owner, and whether they are there."""
+    """Which share of the surface a block has: the layers that decide, by owner, and whether they are there."""
 
     covered: tuple[tuple[str, bool], ...]
+    pools: Mapping[int, Pool] = field(default_factory=dict)
+    """The pools of its block's closures that share one, by their numbers."""
 
     @property
     def expression(self) -> str:
@@ -54,18 +67,30 @@ def shader_text(title: str, note: str, parts: Sequence[tuple[Share, Block]], inp
     """The text of a shader, its name still @SHADER@, and its number of closures."""
     blocks = [block for _, block in parts]
     body, terms = _alone(blocks[0]) if len(parts) == 1 else _mixed(parts)
-    covers = [f"float cover_{owner} = clamp({owner}Coverage, 0.0, 1.0);" for owner, _ in parts[0][0].covered]
+    pools = [pool for share, _ in parts for pool in share.pools.values()]
+    covers = [f"float cover_{owner} = clamp({owner}Coverage, 0.0, 1.0);" for owner in dict.fromkeys(owner for share, _ in parts for owner, _ in share.covered)]
     colors = [i.osl_name for i in inputs if i.parameter.type == COLOR]
     read = [f"color {name}_rec709 = from_working({name}, {PRIMARY_ARGUMENTS});" for name in colors]
-    common = _once([*covers, *(text for block in blocks for text in block.common)])
+    common = _once([*covers, *(text for block in blocks for text in block.common), *((*view(), *FRAME) if pools else ())])
     primaries = [f"    color {name} = color({numbers([float(i == j) for j in range(3)])})," for i, name in enumerate(PRIMARIES)]
     declared = [_declaration(i.osl_name, i.parameter) for i in inputs]
-    arrays = [f"    {array}," for array in _once([array for block in blocks for array in block.arrays])]
+    arrays = [
+        f"    {array},"
+        for array in _once(
+            [*(array for block in blocks for array in block.arrays), *map(_pool_energies, sorted({kind for kind, _ in pools} & set(DISTRIBUTIONS)))]
+        )
+    ]
     lines = [
         "// SPDX-License-Identifier: GPL-3.0-or-later",
         f"// {title}",
         f"// Generated; edit the stack, not this text. {note}",
-        functions(["working_space.h", *(name for block in blocks for name in block.functions)]),
+        functions(
+            [
+                "working_space.h",
+                *(name for block in blocks for name in block.functions),
+                *((*FRAME_FUNCTIONS, "oren_nayar.h", "oren_nayar_albedo.h", "analytic_tables.h") if pools else ()),
+            ]
+        ),
         "shader @SHADER@(",
         *primaries,
         *declared,
@@ -122,11 +147,14 @@ def _alone(block: Block) -> tuple[list[str], list[str]]:
 def _mixed(parts: Sequence[tuple[Share, Block]]) -> tuple[list[str], list[str]]:
     """Patches of no share are not evaluated; what differs in its weight alone is one closure."""
     shared: dict[str, str] = {}
+    pools: dict[Pool, str] = {}
     declarations, bodies, local = [], [], []
     for share, block in parts:
         sums = []
-        for closure in block.closures:
-            if closure.is_local:
+        for number, closure in enumerate(block.closures):
+            if number in share.pools:
+                sums += _into_pool(pools.setdefault(share.pools[number], f"pool_{len(pools)}"), share.pools[number], closure)
+            elif closure.is_local:
                 name = f"lobe_{len(local)}"
                 local.append(name)
                 declarations.append(f"closure color {name} = 0;")
@@ -137,7 +165,55 @@ def _mixed(parts: Sequence[tuple[Share, Block]]) -> tuple[list[str], list[str]]:
         bodies += [f"share = {share.expression};", "if (share > 0.0) {", *(f"    {line}" for line in (*block.body, *sums)), "}"]
     declarations += [f"color {name} = color(0.0);" for name in shared.values()]
     ends = [f"closure color shared_{name} = {_working(name)} * {closure};" for closure, name in shared.items()]
-    return ["float share;", *declarations, *bodies, *ends], [*(f"shared_{name}" for name in shared.values()), *local]
+    for pool, name in pools.items():
+        declarations += [f"color {name} = color(0.0);", f"color {name}_shape = color(0.0);", f"float {name}_energy = 0.0;"]
+        ends += _of_pool(name, pool)
+    terms = [*(f"shared_{name}" for name in shared.values()), *local, *(f"lobe_{name}" for name in pools.values())]
+    return ["float share;", *(["color part;"] if pools else []), *declarations, *bodies, *ends], terms
+
+
+def _into_pool(name: str, pool: Pool, closure: Closure) -> list[str]:
+    """Statements that add a closure to its pool."""
+    shape = f"color({', '.join((*closure.shape, '0.0', '0.0')[:3])})"
+    return [
+        f"part = {_product('share', closure.weight)};",
+        f"{name} += part * {_unit(pool, *closure.shape[:2])};",
+        f"{name}_energy += (part[0] + part[1] + part[2]) / 3.0;",
+        f"{name}_shape += (part[0] + part[1] + part[2]) / 3.0 * {shape};",
+    ]
+
+
+def _of_pool(name: str, pool: Pool) -> list[str]:
+    """Statements that declare the closure of a pool."""
+    (kind, which), shape = pool, f"{name}_shape"
+    lines = [f"{shape} /= max({name}_energy, 1e-20);"]
+    if kind in DISTRIBUTIONS:
+        sides = f"{shape}[0]", f"{shape}[1]"
+        closure = f'microfacet("{kind}", normalize(bent_normal + {shape}[2] * side), along, {shape}[0], break_isotropy({shape}[1]), 1.0, 0)'
+    else:
+        sides = (f"{shape}[0]",)
+        closure = f"oren_nayar_diffuse_bsdf(N, {_grey(which)}, oren_nayar_sigma({shape}[0]))"
+    lines.append(f"{name} /= {_unit(pool, *sides)};")
+    return [*lines, f"closure color lobe_{name} = {_working(name)} * {closure};"]
+
+
+def _unit(pool: Pool, *shape: str) -> str:
+    """The energy of a closure of weight 1, of these alphas or this slope deviation; of Oren-Nayar's dark color that over the color."""
+    kind, which = pool
+    if kind in DISTRIBUTIONS:
+        return f"max(closure_energy(Pool{kind.title()}, -CLOSURE, view_z, sqrt({shape[0]} * {shape[1]})), 1e-3)"
+    return f"(oren_nayar_albedo(view_z, {_grey(which)}, oren_nayar_sigma({shape[0]})) * {1.0 if which else 1.0 / DARK:g})"
+
+
+@cache
+def _pool_energies(distribution: str) -> str:
+    """The array parameter of the energies of a distribution's closures."""
+    entries = np.rint(tables()[distribution]["closure"].ravel() / UNIT).astype(int).tolist()
+    return f"float Pool{distribution.title()}[{len(entries)}] = {{{','.join(map(str, entries))}}}"
+
+
+def _grey(which: int) -> str:
+    return f"color({1.0 if which else DARK:g})"
 
 
 def _product(*factors: str) -> str:

@@ -12,21 +12,20 @@ from ....reference_py.lobes.analytic import base
 from ....reference_py.lobes.analytic.lobe_set import ALBEDO_NODES
 from ....reference_py.material.schema import ANISOTROPY
 from ....reference_py.material.stack import Base, Layer, Stack
-from ..inputs import BASE
 from .analytic_layers import Tables, beam_of, for_each, layers_lines, roughest, view_lines
 from .block import Block, Closure
-from .surface import BaseClosures, Surface, beckmann, diffuse_closures, is_metal, is_rough, metal_closure, surface_of, top_closure, top_function
+from .surface import BaseClosures, Surface, base_name, beckmann, diffuse_closures, is_metal, is_rough, metal_closure, surface_of, top_closure, top_function
 
 NOTE = "Adding over the interfaces at every shading point."
 
 
 def analytic_block(stack: Stack, owners: Sequence[str]) -> Block:
-    """The block of a stack whose layers' shader parameters begin with `owners`."""
-    surfaces = [surface_of(element, owner) for element, owner in zip((*stack.layers, stack.base), (*owners, BASE))]
+    """The block of a stack whose shader parameters begin with `owners`, those of the layers and of the base."""
+    surfaces = [surface_of(element, owner) for element, owner in zip((*stack.layers, stack.base), owners)]
     energies = Tables.of(stack)
     body, closures = [], []
     if stack.layers:
-        body += layers_lines(stack, owners, surfaces, energies)
+        body += layers_lines(stack, owners[:-1], surfaces, energies)
         top, seen = surfaces[0], "alpha_0"
         if stack.layers[0].has(ANISOTROPY):
             seen = "alpha_seen"
@@ -39,7 +38,7 @@ def analytic_block(stack: Stack, owners: Sequence[str]) -> Block:
         lines, closure = _deeper_interfaces(stack.layers[1], surfaces[1], owners[1], energies)
         body += lines
         closures.append(closure)
-    lines, base_closures = _metal(stack, surfaces[-1], energies) if is_metal(stack) else _diffuse(stack, surfaces[-1])
+    lines, base_closures = _metal(stack, surfaces[-1], owners[-1], energies) if is_metal(stack) else _diffuse(stack, surfaces[-1], owners[-1])
     return Block(
         functions=(*(name for surface in surfaces for name in surface.functions), *base_closures.functions, *_functions(stack)),
         arrays=energies.arrays,
@@ -70,7 +69,7 @@ def _functions(stack: Stack) -> list[str]:
 
 
 def _azimuths(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface]) -> list[str]:
-    elements = zip((*stack.layers, stack.base), (*owners, BASE), surfaces)
+    elements = zip((*stack.layers, stack.base), owners, surfaces)
     return [
         f"float cos_2phi_{owner} = cos_twice_azimuth(I, {surface.normal}, {surface.tangent});"
         for element, owner, surface in elements
@@ -119,25 +118,25 @@ def _deeper_interfaces(layer: Layer, surface: Surface, owner: str, energies: Tab
     return lines, Closure("weight_inner", lobe.closure, is_local=True)
 
 
-def _diffuse(stack: Stack, surface: Surface) -> tuple[list[str], BaseClosures]:
+def _diffuse(stack: Stack, surface: Surface, owner: str) -> tuple[list[str], BaseClosures]:
     """Statements for the weight of a diffuse base, and its closures."""
-    closures = diffuse_closures(stack.base, surface)
+    closures, color, sigma = diffuse_closures(stack.base, surface, owner), f"{owner}Color", base_name(owner, "sigma")
     if not stack.layers:
         return [], closures
     beam = beam_of(surface.view)
     if not is_rough(stack.base):
-        return [], closures.below(f"{beam}.transmitted * escaped / (1.0 - BaseColor * reflected)")
-    terms = [f"{2.0 * w * u:.9g} * oren_nayar_albedo({u:.9g}, BaseColor, base_sigma)" for u, w in zip(*base.gauss(ALBEDO_NODES))]
+        return [], closures.below(f"{beam}.transmitted * escaped / (1.0 - {color} * reflected)")
+    terms = [f"{2.0 * w * u:.9g} * oren_nayar_albedo({u:.9g}, {color}, {sigma})" for u, w in zip(*base.gauss(ALBEDO_NODES))]
     lines = [
         f"color mean_albedo = {' + '.join(terms)};",
-        f"color below_layers = oren_nayar_albedo(min(cosine({beam}.p, n_{len(stack.layers)}), 1.0), BaseColor, base_sigma);",
-        f"color bare = max(oren_nayar_albedo({surface.view}, BaseColor, base_sigma), color(1e-12));",
+        f"color below_layers = oren_nayar_albedo(min(cosine({beam}.p, n_{len(stack.layers)}), 1.0), {color}, {sigma});",
+        f"color bare = max(oren_nayar_albedo({surface.view}, {color}, {sigma}), color(1e-12));",
         f"color weight_base = {beam}.transmitted * below_layers * escaped / (1.0 - mean_albedo * reflected) / bare;",
     ]
     return lines, closures.below("weight_base")
 
 
-def _metal(stack: Stack, surface: Surface, energies: Tables) -> tuple[list[str], BaseClosures]:
+def _metal(stack: Stack, surface: Surface, owner: str, energies: Tables) -> tuple[list[str], BaseClosures]:
     """The same of a metal base."""
     element, count = stack.base, len(stack.layers)
     table = energies.arguments(element["distribution"])
@@ -149,20 +148,20 @@ def _metal(stack: Stack, surface: Surface, energies: Tables) -> tuple[list[str],
     else:
         n, arrives, energy = "1.0", f"sqrt(1.0 - {surface.view} * {surface.view}), 0.0", "(lobe.once * keep + facets)"
         alpha = surface.alpha
-    lobe = _Lobe.of(element, surface, BASE, "base", n if count else None, energies)
+    lobe = _Lobe.of(element, surface, owner, "base", n if count else None, energies)
     facet_energy, planar = f"closure_energy({table}, lobe.c, {surface.alpha})", []
     if element.has(ANISOTROPY):
-        facet_energy = _anisotropic_energy(table, "lobe.c", BASE, surface)
+        facet_energy = _anisotropic_energy(table, "lobe.c", owner, surface)
         planar = [f"facets = later_anisotropic_facets(facets, lobe, facet_energy, {surface.alpha_x}, {surface.alpha_y});"]
     lines = [
-        f"color eta = base_eta / {n};",
-        f"color k = base_k / {n};",
+        f"color eta = {base_name(owner, 'eta')} / {n};",
+        f"color k = {base_name(owner, 'k')} / {n};",
         "Lobe lobe;",
         "color node_share;",
         "float radius;",
         "float keep;",
         f"start_lobe(lobe, {arrives}, {n}, {surface.alpha});",
-        *_lobe_nodes(stack, surface),
+        *_lobe_nodes(stack, surface, owner),
         f"float facet_energy = {facet_energy};",
         f"color facets = later_facets(lobe, facet_energy, {surface.alpha}, eta, k, keep);",
         *planar,
@@ -170,15 +169,15 @@ def _metal(stack: Stack, surface: Surface, energies: Tables) -> tuple[list[str],
         *lobe.widths,
         f"color weight_base = {energy} / max({lobe.energy}, 1e-3);",
     ]
-    return lines, metal_closure(element, "weight_base", lobe.closure, is_local=True)
+    return lines, metal_closure(element, owner, Closure("weight_base", lobe.closure, is_local=True))
 
 
-def _lobe_nodes(stack: Stack, surface: Surface) -> list[str]:
+def _lobe_nodes(stack: Stack, surface: Surface, owner: str) -> list[str]:
     above = stack.layers[-1] if stack.layers else stack.base
     nodes = {f"node_{name}": values for name, values in zip(("u", "weight", "x", "y", "cell"), base.lobe_nodes())}
     sides = f"{surface.alpha}, {surface.alpha}"
     if stack.base.has(ANISOTROPY):
-        sides = ", ".join([f"side_alpha({surface.alpha_x}, {surface.alpha_y}, {sign}cos_2phi_{BASE})" for sign in ("", "-")])
+        sides = ", ".join([f"side_alpha({surface.alpha_x}, {surface.alpha_y}, {sign}cos_2phi_{owner})" for sign in ("", "-")])
     given = f"@node_u@, @node_weight@, @node_x@, @node_y@, {sides}, {beckmann(stack.base)}, {beckmann(above)}"
     body = [f"lobe_node(lobe, {given}, eta, k, node_share, radius);"]
     if stack.layers:

@@ -7,16 +7,15 @@ from ....reference_py.lobes.live_grid import MIN_ALPHA, MIN_ENERGY, LiveLobe, Li
 from ....reference_py.lobes.lobe import DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS
 from ....reference_py.material.schema import SCHEMA
-from ..inputs import BASE
 from .block import Block, Closure, numbers
-from .emit_tables import CLAMPED_COLOR
-from .surface import FRAME, FRAME_FUNCTIONS, table_view
+from .emit_tables import clamped_color
+from .frame import FRAME, FRAME_FUNCTIONS, table_view
 
 NOTE = "Tables hold the values that the stack had, but for those with a socket."
 
 
 def grid_block(lobe_set: LiveLobes, owners: list[str], prefix: str = "") -> Block:
-    """The block of a lobe set; what it declares ends with `prefix`."""
+    """The block of a lobe set of a stack whose shader parameters begin with `owners`; what it declares ends with `prefix`."""
     writer = _Writer(lobe_set, owners, prefix)
     return Block(
         functions=(*FRAME_FUNCTIONS, "grid.h"),
@@ -38,7 +37,7 @@ class _Writer:
         for i, axis in enumerate(lobe_set.axes):
             place, is_base = axis.parameter, axis.parameter.layer is None
             kinds = SCHEMA.bases if is_base else SCHEMA.layers
-            value = (BASE if is_base else owners[place.layer]) + kinds[place.element(lobe_set.stack).kind].parameter(place.name).osl_name
+            value = (owners[-1] if is_base else owners[place.layer]) + kinds[place.element(lobe_set.stack).kind].parameter(place.name).osl_name
             self._array("float", f"Knots{i}", [f"{knot:.9g}" for knot in axis.knots])
             knots, cell, along = (self._name(word) for word in (f"Knots{i}", f"knot{i}", f"along{i}"))
             self._say(f"int {cell};", f"float {along};", f"knot_place({knots}, {len(axis.knots)}, {value}, {cell}, {along});")
@@ -48,7 +47,7 @@ class _Writer:
         place = [self._name("at"), *map(str, steps)]
         self._free = ", ".join([*place, *alongs, "between"])
         self._bounded = ", ".join([*place, *(f"max({along}, 0.0)" for along in alongs), "between"])
-        self._lobes(lobe_set)
+        self._lobes(lobe_set, clamped_color(owners[-1]))
 
     def _name(self, word: str) -> str:
         return f"{word}_{self._prefix}" if self._prefix else word
@@ -69,7 +68,7 @@ class _Writer:
         self._array("color" if color else "float", name, entries)
         return f"grid({self._name(name)}, {self._free if extends else self._bounded})"
 
-    def _lobes(self, lobe_set: LiveLobes) -> None:
+    def _lobes(self, lobe_set: LiveLobes, base_color: str) -> None:
         shared = []
         for i, lobe in enumerate(lobe_set.grid):
             if lobe.unit is not None:
@@ -84,23 +83,24 @@ class _Writer:
                 weight = f"{self._name(f'energy{i}')} * {self._name('scale')} / {self._value(f'Unit{i}', lobe.unit)}"
             if lobe.shape is None and lobe_set.base is not None:
                 through, back = self._value("LogThrough", lobe_set.base.log_through), self._value("LogBack", lobe_set.base.log_back)
-                weight = f"({weight} + exp({through}) * {CLAMPED_COLOR} / (color(1.0) - exp({back}) * {CLAMPED_COLOR}))"
-            self.closures.append(Closure(weight, self._closure(i, lobe), is_local=True))
+                weight = f"({weight} + exp({through}) * {base_color} / (color(1.0) - exp({back}) * {base_color}))"
+            self.closures.append(Closure(weight, *self._closure(i, lobe)))
 
-    def _closure(self, i: int, lobe: LiveLobe) -> str:
+    def _closure(self, i: int, lobe: LiveLobe) -> tuple[str, bool, tuple[str, ...]]:
+        """The closure, that it is local, and its shape."""
         if lobe.shape is None:
-            return "diffuse(N)"
+            return "diffuse(N)", True, ()
         if lobe.is_specular:
-            return f'microfacet("{lobe.distribution}", N, tangent, 0.0, 0.0, 1.0, 0)'
+            return f'microfacet("{lobe.distribution}", N, tangent, 0.0, 0.0, 1.0, 0)', True, ("0.0",) * 3
         roots = [self._value(f"Root{axis}{i}", lobe.shape[..., column : column + 1], extends=True) for column, axis in enumerate("XY")]
         alphas = [self._name(f"alpha_{axis}{i}") for axis in "xy"]
         for alpha, root in zip(alphas, roots):
             self._say(f"float {alpha} = max({root}, 0.0);", f"{alpha} = clamp({alpha} * {alpha}, {MIN_ALPHA:g}, 1.0);")
         if isinstance(lobe.fresnel, DielectricCurve):
             curve = f'{lobe.fresnel.eta:.9g}, "{lobe.distribution}"'
-            return f"interface_bsdf(N, tangent, {alphas[0]}, break_isotropy({alphas[0]}), {curve})"
+            return f"interface_bsdf(N, tangent, {alphas[0]}, break_isotropy({alphas[0]}), {curve})", True, ()
         slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
-        return f'microfacet("{lobe.distribution}", normalize(bent_normal + {slope} * side), along, {", ".join(alphas)}, 1.0, 0)'
+        return f'microfacet("{lobe.distribution}", normalize(bent_normal + {slope} * side), along, {", ".join(alphas)}, 1.0, 0)', True, (*alphas, slope)
 
 
 def _entry(value: float) -> str:

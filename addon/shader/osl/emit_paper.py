@@ -10,23 +10,22 @@ from ....reference_py.lobes.methods.paper import NODE_COUNT, nodes
 from ....reference_py.material.schema import THIN_FILM
 from ....reference_py.material.stack import Stack
 from ....reference_py.optics.thin_film import sensitivities
-from ..inputs import BASE
 from .block import Block, Closure, numbers
-from .surface import BaseClosures, Surface, beckmann, diffuse_closures, is_metal, is_rough, metal_closure, surface_of, top_closure, top_function
+from .surface import BaseClosures, Surface, base_name, beckmann, diffuse_closures, is_metal, is_rough, metal_closure, surface_of, top_closure, top_function
 
 NOTE = 'Layered after Weidlich and Wilkie 2007, "Arbitrarily Layered Micro-Facet Surfaces".'
 
 
 def weidlich_wilkie_block(stack: Stack, owners: Sequence[str]) -> Block:
-    """The block of a stack whose layers' shader parameters begin with `owners`."""
-    surfaces = [surface_of(element, owner) for element, owner in zip((*stack.layers, stack.base), (*owners, BASE))]
-    base = _base_closures(stack, surfaces[-1])
+    """The block of a stack whose shader parameters begin with `owners`, those of the layers and of the base."""
+    surfaces = [surface_of(element, owner) for element, owner in zip((*stack.layers, stack.base), owners)]
+    base = _base_closures(stack, surfaces[-1], owners[-1])
     return Block(
         functions=(*(name for surface in surfaces for name in surface.functions), *base.functions, *_functions(stack)),
         arrays=(*([_nodes()] if _has_weights(stack) else []), *([_film_table()] if _has_film(stack) else [])),
         common=(*(text for surface in surfaces for text in surface.common), *base.common),
         body=_body(stack, owners, surfaces),
-        closures=(*(_interface_closure(stack, i, *pair) for i, pair in enumerate(zip(surfaces[:-1], owners))), *base.closures),
+        closures=(*(_interface_closure(stack, i, *pair) for i, pair in enumerate(zip(surfaces[:-1], owners[:-1]))), *base.closures),
     )
 
 
@@ -60,13 +59,13 @@ def _body(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface]) -> t
         return ()
     # OSL has no empty arrays: an uncoated metal carries one unused surface
     lines = [
-        _array("float", "n", ["1.0", *(f"{owner}Ior" for owner in owners)]),
+        _array("float", "n", ["1.0", *(f"{owner}Ior" for owner in owners[:-1])]),
         _array("float", "alpha", [surface.alpha for surface in surfaces[:-1]] or ["0.0"]),
         _array("int", "beckmann", [beckmann(layer) for layer in stack.layers] or ["0"]),
-        _array("color", "tau", [f"optical_depth({owner}Tint, {owner}Thickness)" for owner in owners] or ["color(0.0)"]),
+        _array("color", "tau", [f"optical_depth({owner}Tint, {owner}Thickness)" for owner in owners[:-1]] or ["color(0.0)"]),
     ]
     if _has_film(stack):
-        films = [owner if element.has(THIN_FILM) else "" for element, owner in zip((*stack.layers, stack.base), (*owners, BASE))]
+        films = [owner if element.has(THIN_FILM) else "" for element, owner in zip((*stack.layers, stack.base), owners)]
         lines.append(_array("float", "film_nm", [f"{owner}FilmThickness" if owner else "0.0" for owner in films]))
         lines.append(_array("float", "film_ior", [f"{owner}FilmIor" if owner else "1.0" for owner in films]))
     return tuple(lines)
@@ -103,12 +102,12 @@ def _interface_closure(stack: Stack, index: int, surface: Surface, owner: str) -
     return Closure(weight, surface.microfacet(layer["distribution"]))
 
 
-def _base_closures(stack: Stack, surface: Surface) -> BaseClosures:
+def _base_closures(stack: Stack, surface: Surface, owner: str) -> BaseClosures:
     base, count = stack.base, len(stack.layers)
     above = f"{_interfaces(stack)}, {surface.view}"
     if is_metal(stack):
-        weight = f"weight_metal(Nodes, {count}, {surface.alpha}, {beckmann(base)}, {above}, base_eta, base_k)"
-        return metal_closure(base, weight, surface.microfacet(base["distribution"]))
-    diffuse = diffuse_closures(base, surface)
-    sigma = "base_sigma" if is_rough(base) else "0.0"
+        weight = f"weight_metal(Nodes, {count}, {surface.alpha}, {beckmann(base)}, {above}, {base_name(owner, 'eta')}, {base_name(owner, 'k')})"
+        return metal_closure(base, owner, Closure(weight, surface.microfacet(base["distribution"])))
+    diffuse = diffuse_closures(base, surface, owner)
+    sigma = base_name(owner, "sigma") if is_rough(base) else "0.0"
     return diffuse.below(f"weight_diffuse(Nodes, {count}, {above}, {sigma})") if count else diffuse

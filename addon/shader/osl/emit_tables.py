@@ -5,26 +5,29 @@ Tables are array parameters: they stay at their defaults, take no time per shadi
 a shader for each material that has it, in a time that goes with the count of lookups; so a lobe's shape is one table.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ....reference_py.lobes.lobe import DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
-from ..inputs import BASE_COLOR_INPUT
+from ..inputs import base_color_input
 from .block import Block, Closure, numbers
-from .surface import FRAME, FRAME_FUNCTIONS, table_view
+from .frame import FRAME, FRAME_FUNCTIONS, table_view
 
 NOTE = "Tables hold the values that the stack had."
 
 
-# The color of a base that tables follow.
-CLAMPED_COLOR = f"clamp({BASE_COLOR_INPUT.osl_name}, color(0.0), color(1.0))"
+def clamped_color(owner: str) -> str:
+    """The color of a base that tables follow."""
+    return f"clamp({base_color_input(owner).osl_name}, color(0.0), color(1.0))"
 
 
-def table_block(lobe_set: TableLobes, prefix: str = "") -> Block:
-    """The block of a lobe set; its array parameters begin with `prefix`."""
+def table_block(lobe_set: TableLobes, owners: Sequence[str], prefix: str = "") -> Block:
+    """The block of a lobe set of a stack whose shader parameters begin with `owners`; its array parameters begin with `prefix`."""
     arrays: list[str] = []
     widths: list[str] = []
-    closures = tuple([_closure(arrays, widths, f"{prefix}{i}", table) for i, table in enumerate(lobe_set.tables)])
+    closures = tuple([_closure(arrays, widths, f"{prefix}{i}", table, owners[-1]) for i, table in enumerate(lobe_set.tables)])
     glossy = any(isinstance(t, GlossyTable) for t in lobe_set.tables)
     return Block(
         functions=FRAME_FUNCTIONS if glossy else ("bent.h", "view_place.h"),
@@ -35,10 +38,10 @@ def table_block(lobe_set: TableLobes, prefix: str = "") -> Block:
     )
 
 
-def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable | DiffuseTable | BaseColorTable) -> Closure:
+def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable | DiffuseTable | BaseColorTable, owner: str) -> Closure:
     """A lobe; its array parameters are added to `arrays`, the statement of a varying width to `widths`."""
     if isinstance(table, BaseColorTable):
-        return Closure(_base_weight(arrays, name, table), "diffuse(N)")
+        return Closure(_base_weight(arrays, name, table, owner), "diffuse(N)")
     weight = _value(arrays, f"Weight{name}", table.weight)
     if isinstance(table, DiffuseTable):
         return Closure(weight, "diffuse(N)")
@@ -50,11 +53,12 @@ def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable
         frame, alpha_y = "N, tangent", f"break_isotropy({alpha_x})"
     else:
         frame = f"normalize(bent_normal + {slope} * side), along"
-    return Closure(weight, f'microfacet("{table.distribution}", {frame}, {alpha_x}, {alpha_y}, 1.0, 0)')
+    return Closure(weight, f'microfacet("{table.distribution}", {frame}, {alpha_x}, {alpha_y}, 1.0, 0)', shape=(alpha_x, alpha_y, slope))
 
 
-def _base_weight(arrays: list[str], name: str, table: BaseColorTable) -> str:
-    weight = f"{_value(arrays, f'Through{name}', table.through)} * {CLAMPED_COLOR} / (color(1.0) - color({numbers(table.back)}) * {CLAMPED_COLOR})"
+def _base_weight(arrays: list[str], name: str, table: BaseColorTable, owner: str) -> str:
+    color = clamped_color(owner)
+    weight = f"{_value(arrays, f'Through{name}', table.through)} * {color} / (color(1.0) - color({numbers(table.back)}) * {color})"
     return f"({_value(arrays, f'Own{name}', table.own)} + {weight})" if np.any(table.own) else weight
 
 

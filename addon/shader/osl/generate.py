@@ -19,7 +19,7 @@ from ....reference_py.lobes.patch_lobes import PatchLobes
 from ....reference_py.lobes.view_table import TableLobes
 from ....reference_py.material.schema import SCHEMA, Schema
 from ....reference_py.material.stack import Base, Layer, Stack
-from ..inputs import BASE, PRIMARIES, ShaderInput, layer_owner, shader_inputs
+from ..inputs import BASE, PRIMARIES, ShaderInput, layer_owner, owners_of, shader_inputs
 from . import emit_analytic, emit_live_grid, emit_paper, emit_tables
 from .block import Block, Share, shader_text
 
@@ -37,7 +37,7 @@ class Shader:
 
 @dataclass(frozen=True)
 class _Emitter:
-    """How lobe sets of one class are written: their block, for the owners of their layers and a suffix of names, and a note."""
+    """How lobe sets of one class are written: their block, for the owners of their layers and base and a suffix of names, and a note."""
 
     block: Callable[..., Block]
     note: str
@@ -46,7 +46,7 @@ class _Emitter:
 
 
 _EMITTERS = {
-    TableLobes: _Emitter(lambda lobes, owners, suffix: emit_tables.table_block(lobes, suffix), emit_tables.NOTE, False),
+    TableLobes: _Emitter(emit_tables.table_block, emit_tables.NOTE, False),
     LiveLobes: _Emitter(emit_live_grid.grid_block, emit_live_grid.NOTE, False),
     AnalyticLobes: _Emitter(lambda lobes, owners, suffix: emit_analytic.analytic_block(lobes.stack, owners), emit_analytic.NOTE, True),
     AnalyticLobesWithFeatures: _Emitter(lambda lobes, owners, suffix: emit_analytic.analytic_block(lobes.stack, owners), emit_analytic.NOTE, True),
@@ -58,26 +58,29 @@ def generate(made: Made, schema: Schema = SCHEMA) -> Shader:
     """The shader of what `make_lobe_set` made. Raises LaminaError for more layers than Cycles can take."""
     stack = made.stack
     if isinstance(made.lobe_set, PatchLobes):
-        parts = [(patch.layers, patch.covered, part.lobe_set) for patch, part in made.lobe_set.parts]
+        parts = [(owners_of(patch), patch.covered, part.lobe_set) for patch, part in made.lobe_set.parts]
+        pools = made.lobe_set.pools
     else:
-        parts = [(tuple(range(len(stack.layers))), (), made.lobe_set)]
+        parts = [([*map(layer_owner, range(len(stack.layers))), BASE], (), made.lobe_set)]
+        pools = {}
     emitters = [_EMITTERS[type(part)] for *_, part in parts]
     is_live = any(emitter.reads_all for emitter in emitters)
-    followed = {place for layers, _, part in parts if isinstance(part, (LiveLobes, TableLobes)) for place in _followed(part, layers)}
+    followed = {place for owners, _, part in parts if isinstance(part, (LiveLobes, TableLobes)) for place in _followed(part, owners)}
     inputs = tuple(i for i in shader_inputs(stack, schema) if is_live or i.parameter.name in ALWAYS_LIVE or (i.owner, i.parameter.name) in followed)
     blocks = []
-    for number, ((layers, covered, part), emitter) in enumerate(zip(parts, emitters)):
-        share = Share(tuple((layer_owner(i), there) for i, there in covered))
-        blocks.append((share, emitter.block(part, [layer_owner(i) for i in layers], f"{number}_" if len(parts) > 1 else "")))
+    for number, ((owners, covered, part), emitter) in enumerate(zip(parts, emitters)):
+        own = {i: pool for (patch, i), pool in pools.items() if patch == number}
+        share = Share(tuple((layer_owner(i), there) for i, there in covered), own)
+        blocks.append((share, emitter.block(part, owners, f"{number}_" if len(parts) > 1 else "")))
     title = f"Lamina shader, tier {made.method}, from the top: {_words(stack)}." if is_live else f"Lamina shader, tier {made.method}."
     body, closures = shader_text(title, " ".join(dict.fromkeys(emitter.note for emitter in emitters)), blocks, inputs)
     name = "lamina_" + hashlib.sha256(body.encode()).hexdigest()[:12]
     return Shader(name, body.replace("@SHADER@", name), inputs, closures, ("Live", *PRIMARIES))
 
 
-def _followed(lobe_set: LiveLobes | TableLobes, layers: tuple[int, ...]) -> list[tuple[str, str]]:
+def _followed(lobe_set: LiveLobes | TableLobes, owners: list[str]) -> list[tuple[str, str]]:
     """The owners and names of what tables follow."""
-    return [(BASE if place.layer is None else layer_owner(layers[place.layer]), place.name) for place in lobe_set.followed]
+    return [(owners[-1 if place.layer is None else place.layer], place.name) for place in lobe_set.followed]
 
 
 def _words(stack: Stack) -> str:

@@ -9,14 +9,7 @@ from ....reference_py.material.stack import Base, Layer, Stack
 from ....reference_py.optics.bases import ConductorBase
 from ....reference_py.optics.optical_stack import OpticalStack
 from .block import Closure
-
-# Statements that declare the view in tables, and what glossy lobes over it need; they call FRAME_FUNCTIONS.
-FRAME_FUNCTIONS = ("bent.h", "view_place.h", "tangent.h", "incidence.h", "break_isotropy.h", "interface.h")
-FRAME = (
-    "vector tangent = any_tangent(N);",
-    "vector side = tangential_part(I, bent_normal);",
-    "vector along = incidence_tangent(side, tangent);",
-)
+from .frame import view
 
 
 @dataclass(frozen=True)
@@ -41,16 +34,6 @@ class Surface:
     def microfacet(self, distribution: str) -> str:
         """The closure without a Fresnel curve."""
         return f'microfacet("{distribution}", {self.frame}, {self.alpha_x}, {self.alpha_y}, 1.0, 0)'
-
-
-def view(suffix: str = "", normal: str = "N") -> tuple[str, ...]:
-    """The statements that declare `bent_normal` and `view_z`; they call `bent.h`."""
-    return f"normal bent_normal{suffix} = bent({normal}, I, Ng);", f"float view_z{suffix} = view_cosine(bent_normal{suffix}, I);"
-
-
-def table_view() -> tuple[str, ...]:
-    """Those, and the statements that say where tables over the view are read; they call `view_place.h`."""
-    return *view(), "int cell;", "float between;", "view_place(view_z, cell, between);"
 
 
 def surface_of(element: Layer | Base, owner: str) -> Surface:
@@ -115,22 +98,28 @@ def is_rough(base: Base) -> bool:
     return "sigma_deg" in base
 
 
-def diffuse_closures(base: Base, surface: Surface) -> BaseClosures:
-    """Those of a diffuse base: of a rough one two, as its color counts otherwise from Blender 5.3 on (osl/oren_nayar.h)."""
+def base_name(owner: str, value: str) -> str:
+    """The variable that holds a value of a base whose shader parameters begin with `owner`: "base_sigma"."""
+    return f"{owner.lower()}_{value}"
+
+
+def diffuse_closures(base: Base, surface: Surface, owner: str) -> BaseClosures:
+    """Those of a diffuse base whose shader parameters begin with `owner`: of a rough one two, as its color counts otherwise from Blender 5.3 on (osl/oren_nayar.h)."""
     if not is_rough(base):
-        return BaseClosures((Closure("BaseColor", f"diffuse({surface.normal})"),))
+        return BaseClosures((Closure(f"{owner}Color", f"diffuse({surface.normal})"),))
+    sigma, white_color = base_name(owner, "sigma"), f"white_{owner.lower()}"
     white, dark = (
-        Closure(weight, f"oren_nayar_diffuse_bsdf({surface.normal}, color({color:g}), base_sigma)")
-        for weight, color in (("white_base", 1.0), (f"(BaseColor - white_base) * {1.0 / DARK:g}", DARK))
+        Closure(weight, f"oren_nayar_diffuse_bsdf({surface.normal}, color({color:g}), {sigma})", shape=(f"{owner}SigmaDeg",))
+        for weight, color in ((white_color, 1.0), (f"({owner}Color - {white_color}) * {1.0 / DARK:g}", DARK))
     )
-    common = "float base_sigma = oren_nayar_sigma(BaseSigmaDeg);", "color white_base = oren_nayar_white(BaseColor, base_sigma);"
+    common = f"float {sigma} = oren_nayar_sigma({owner}SigmaDeg);", f"color {white_color} = oren_nayar_white({owner}Color, {sigma});"
     return BaseClosures((white, dark), ("oren_nayar.h",), common)
 
 
-def metal_closure(base: Base, weight: str, closure: str, is_local: bool = False) -> BaseClosures:
-    """That of a metal base, and the statements that declare its index: `base_eta` and `base_k`."""
-    closures = (Closure(weight, closure, is_local),)
+def metal_closure(base: Base, owner: str, closure: Closure) -> BaseClosures:
+    """That of a metal base, and the statements that declare its index: `base_name` of "eta" and "k"."""
+    eta, k = base_name(owner, "eta"), base_name(owner, "k")
     if "reflectance" in base:
-        common = "color base_eta;", "color base_k;", "artist_index(BaseReflectance, BaseEdgeColor, base_eta, base_k);"
-        return BaseClosures(closures, ("artist_index.h",), common)
-    return BaseClosures(closures, (), ("color base_eta = (color)BaseEta;", "color base_k = (color)BaseK;"))
+        common = f"color {eta};", f"color {k};", f"artist_index({owner}Reflectance, {owner}EdgeColor, {eta}, {k});"
+        return BaseClosures((closure,), ("artist_index.h",), common)
+    return BaseClosures((closure,), (), (f"color {eta} = (color){owner}Eta;", f"color {k} = (color){owner}K;"))

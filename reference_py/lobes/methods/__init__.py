@@ -5,16 +5,18 @@
 """
 
 from ...errors import LaminaError
-from ...material.coverage import Patch, patches
+from ...material.coverage import Patch, is_plain, patches
 from ...material.place import Place, in_words
 from ...material.schema import THIN_FILM
 from ...material.stack import Stack
 from ...optics.optical_stack import OpticalStack
 from ..analytic import AnalyticLobes
+from ..analytic.tables import closure_energy
 from ..baked import in_tables
 from ..cache import ALWAYS_LIVE
 from ..made import Made, Options
 from ..patch_lobes import PatchLobes
+from ..pools import MAX_CLOSURES
 from . import auto, baking
 from .method import Method
 from .not_bakeable import bakeable, needs_live, not_bakeable
@@ -43,8 +45,6 @@ METHODS = {
 DEFAULT_METHOD = auto.METHOD.name
 # What stands in for a method that takes time until it is there.
 PROVISIONAL_METHOD = AnalyticLobes.name
-# What OptiX's pool holds, and what a shader may have unless its user asks for more.
-MAX_CLOSURES = 8
 
 
 def method_of(name: str) -> Method:
@@ -59,57 +59,69 @@ def holds_values(name: str) -> bool:
     return method_of(name).computed is not None
 
 
+def _row_of(method: str, stack: Stack) -> Method:
+    """The row of a method for a stack: that which chooses leaves many patches to the bake, as lobes of live ones share no pool."""
+    row = method_of(method)
+    return baking.METHOD if row is auto.METHOD and len(patches(stack)) >= MAX_CLOSURES else row
+
+
 def make_lobe_set(stack: Stack, method: str = DEFAULT_METHOD, **options) -> Made:
     """The lobe set of a stack; `options` are those of `Options`.
 
     Raises LaminaError on an unknown method, what it does not support, too many covered layers, and a live value of no layer.
     """
-    row, asked = method_of(method), Options(**options)
+    row, asked = _row_of(method, stack), Options(**options)
     parts = _parts(row, stack, asked)
     made = []
     for done, (patch, own) in enumerate(parts):
         if asked.progress is not None:
             own = Options(own.live, own.tolerance, own.glossy, lambda share, done=done: asked.report((done + share) / len(parts)))
         made.append((patch, _made(row, patch.stack, own)))
-    if len(made) == 1:
+    if is_plain(stack):
         return made[0][1]
     reasons = dict.fromkeys(part.reason for _, part in made if part.reason)
-    return Made(method, stack, PatchLobes(stack, tuple(made)), "; ".join(reasons))
+    return Made(method, stack, PatchLobes(stack, tuple(made), closure_energy), "; ".join(reasons))
 
 
 def key_of(stack: Stack, method: str, **options) -> str:
     """What the lobe set of a method that computes first is kept by; coverages do not matter."""
-    row = method_of(method)
+    row = _row_of(method, stack)
     return "\n".join(row.computed.key(bakeable(patch.stack), own) for patch, own in _parts(row, stack, Options(**options)))
 
 
 def followed_by_nodes(stack: Stack, method: str, live: tuple[Place, ...]) -> tuple[Place, ...]:
-    """Those of the live values that a method's stock nodes follow."""
-    return in_tables(stack, live) if holds_values(method) and not not_bakeable(stack) else ()
+    """Those of the live values that a method's stock nodes follow, in every patch that has them."""
+    return tuple(place for place in live if all(_is_followed(patch, place) for patch in patches(stack))) if holds_values(method) else ()
+
+
+def _is_followed(patch: Patch, place: Place) -> bool:
+    """Whether the stock nodes of a patch follow a live value of the whole stack; what it has not does not matter."""
+    own = patch.place(place)
+    return own is None or own in in_tables(patch.stack, (own,)) and not not_bakeable(patch.stack)
 
 
 def is_cached(stack: Stack, method: str, **options) -> bool:
     """Whether making the lobe set takes no time."""
-    row = method_of(method)
+    row = _row_of(method, stack)
     return row.computed is None or all(row.computed.is_cached(bakeable(patch.stack), own) for patch, own in _parts(row, stack, Options(**options)))
 
 
 def packed(stack: Stack, method: str, **options) -> list[dict]:
     """What a method computes for each patch of a stack, as JSON's types, for `put` in another process."""
-    row, asked = method_of(method), Options(**options)
+    row, asked = _row_of(method, stack), Options(**options)
     return [row.computed.pack(row.computed.result(bakeable(patch.stack), own)) for patch, own in _parts(row, stack, asked)]
 
 
 def put(key: str, stack: Stack, method: str, data: list[dict]) -> None:
     """Keep what `packed` gave in another process under the key that `key_of` gives."""
     for patch, own_key, own in zip(patches(stack), key.split("\n"), data):
-        method_of(method).computed.put(own_key, bakeable(patch.stack), own)
+        _row_of(method, stack).computed.put(own_key, bakeable(patch.stack), own)
 
 
 def glossy_of_each(count: int) -> int:
     """How many glossy lobes the bakes of `count` patches may have each, so that with one diffuse lobe all are within MAX_CLOSURES.
 
-    At least one, which is more than that for the eight patches of three covered layers.
+    At least one, which of eight patches or more share pools (`pools`).
     """
     return max(1, (MAX_CLOSURES - 1) // count)
 
