@@ -82,13 +82,14 @@ class Parameter:
 class Feature:
     """Something that a layer or base may have: it has it where a stack gives any of the feature's parameters.
 
-    It is structure: it changes the generated shader's text, and what lacks it pays nothing for it.
+    It is structure: it changes the generated shader's text, and what lacks it pays nothing for it. `alternatives` are as a kind's.
     """
 
     name: str
     label: str
     help: str
     parameters: tuple[Parameter, ...]
+    alternatives: tuple[tuple[str, ...], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -227,6 +228,29 @@ NORMAL = Feature(
     ),
 )
 
+SCATTERING = Feature(
+    "scattering",
+    "Scattering",
+    "A cloudy medium, such as milk glass, paint or dust",
+    (
+        Parameter(
+            "scatter_g", FLOAT, 0.0, "Forwardness", "Mean cosine of the scattering angle: above 0 light goes on, below 0 back", minimum=-0.99, maximum=0.99
+        ),
+        Parameter("scatter_color", COLOR, (0.8, 0.8, 0.8), "Scatter Color", "Color of a very thick layer, without interface and tint; 1 absorbs nothing"),
+        Parameter("density", FLOAT, 1.0, "Density", "Optical depth of the scattering medium per unit of thickness; 0 is a clear one", maximum=1000.0),
+        Parameter(
+            "extinction",
+            VECTOR,
+            (1.0, 1.0, 1.0),
+            "Scatter Extinction",
+            "Optical depth per unit of thickness, scattering and absorption together, RGB; the tint's comes on top",
+            maximum=1000.0,
+        ),
+        Parameter("scatter_albedo", COLOR, (0.9, 0.9, 0.9), "Scatter Albedo", "Share of the extinction that is scattered; 1 absorbs nothing"),
+    ),
+    alternatives=(("scatter_color", "density"), ("extinction", "scatter_albedo")),
+)
+
 _COLOR = Parameter("color", COLOR, (0.8, 0.8, 0.8), "Color", "Share of light that the opaque base reflects, linear RGB")
 
 DIELECTRIC = Kind(
@@ -240,7 +264,7 @@ DIELECTRIC = Kind(
         Parameter("thickness", FLOAT, 1.0, "Thickness", "Thickness of the medium, in units of the tint's crossing", maximum=1000.0),
         _DISTRIBUTION,
     ),
-    features=(COVERAGE, ANISOTROPY, THIN_FILM, NORMAL),
+    features=(COVERAGE, ANISOTROPY, THIN_FILM, NORMAL, SCATTERING),
 )
 LAMBERT = Kind("lambert", "Lambert", "An ideally diffuse, opaque base", (_COLOR,), features=(NORMAL,))
 OREN_NAYAR = Kind(

@@ -22,10 +22,40 @@ class Layers:
     r_down: np.ndarray
     t_up: np.ndarray
 
-    def over_medium(self, share: np.ndarray) -> "Layers":
-        """With an absorbing medium below, of which one crossing leaves `share` (N,)."""
-        column = share[:, None]
-        return Layers(self.r_up, self.t_down * share, column * self.r_down * share, column * self.t_up)
+    def over_medium(self, medium: "Medium") -> "Layers":
+        """With a medium below."""
+        if isinstance(medium, ScatteringMedium):
+            return add(self, medium.layers)
+        column = medium.share[:, None]
+        return Layers(self.r_up, self.t_down * medium.share, column * self.r_down * medium.share, column * self.t_up)
+
+
+@dataclass(frozen=True)
+class Medium:
+    """A medium that only absorbs, of which one crossing leaves `share` (N,)."""
+
+    share: np.ndarray
+
+    def over(self, below: np.ndarray) -> np.ndarray:
+        """Reflection operator of what is below, seen through the medium."""
+        return below * (self.share[:, None] * self.share)
+
+
+@dataclass(frozen=True)
+class ScatteringMedium(Medium):
+    """A medium that scatters too: the same from above and below. `share` is what it lets pass without an event that turns light
+    (`optics.slab.without_peak`)."""
+
+    reflection: np.ndarray
+    transmission: np.ndarray
+
+    @property
+    def layers(self) -> Layers:
+        return Layers(self.reflection, self.transmission, self.reflection, self.transmission)
+
+    def over(self, below: np.ndarray) -> np.ndarray:
+        """Reflection operator of what is below, seen through the medium."""
+        return self.reflection + self.transmission @ round_trips(below, self.reflection, below @ self.transmission)
 
 
 def empty(count: int, modes: int) -> Layers:
