@@ -16,6 +16,8 @@ cancel in the quotients and leave the ratio of solid angles (`SmoothDielectric.d
 import numpy as np
 
 from ...optics.directions import take
+from .media import ScatteringMedium
+from .rays import Rays
 from .surfaces import Surfaces
 
 
@@ -28,6 +30,7 @@ class LightPaths:
         self._u = [np.asfortranarray(wi, float)]
         self._weight = [(1.0 / wi[:, 2])[:, None] * np.ones(3)]
         self._lower = [np.zeros(len(wi))]
+        self._entering: list[np.ndarray] = []
         energy = np.ones((len(wi), 3))
         for index, surface in enumerate(surfaces.all[:-1]):
             u, lower = self._u[index], self._lower[index]
@@ -36,10 +39,12 @@ class LightPaths:
             # what is turned back carries nothing; its direction only has to be a valid one
             below = np.asfortranarray(np.where(below[:, 2:] > 0.0, below, [0.0, 0.0, 1.0]))
             energy = energy * event.weight
+            # f_t(a, b) / n_b^2 = f_t(b, a) / n_a^2 (Walter07), telescoped over the interfaces
+            spread = surfaces.n_above[index + 1] ** 2 * below[:, 2:]
+            self._entering.append(energy / spread)
             if surfaces.tau[index] is not None:
                 energy = energy * np.exp(-surfaces.tau[index] / np.maximum(below[:, 2:], 1e-12))
-            # f_t(a, b) / n_b^2 = f_t(b, a) / n_a^2 (Walter07), telescoped over the interfaces
-            self._weight.append(energy / (surfaces.n_above[index + 1] ** 2 * below[:, 2:]))
+            self._weight.append(energy / spread)
             self._u.append(below)
             before = surface.density(below, -u, True) * lower + (not surface.is_delta)
             self._lower.append(_quotient(before, surface.density(u, -below, False)))
@@ -56,6 +61,22 @@ class LightPaths:
         if from_below:
             techniques = techniques + surface.density(-target, -rays.w, False) * rays.carry
         self.f[rays.path] += rays.throughput * toward * (self._weight[index][rays.path] / techniques[:, None])
+
+    def connect_medium(self, index: int, medium: ScatteringMedium, rays: Rays) -> None:
+        """Add what rays that an event in the medium below surface `index` meets send to the light; their w is the travel before it.
+
+        Such an event is one technique more, as one on a surface is that rises straight; the chances to fly on are left out of the
+        weights, of which the light path and the walk then use the same.
+        """
+        target = take(self._u[index + 1], rays.path)
+        toward = medium.toward(rays.w, target)
+        techniques = 1.0 + toward * self._lower[index + 1][rays.path]
+        passed = medium.passed(rays.depth, target[:, 2]) * self._entering[index][rays.path]
+        self.f[rays.path] += rays.throughput * passed * (toward / techniques)[:, None]
+
+    def carry_medium(self, medium: ScatteringMedium, w: np.ndarray, cos: np.ndarray) -> np.ndarray:
+        """The deeper techniques' sum for rays that an event in a medium turned by these cosines (n,) into travel w (n, 3)."""
+        return np.where(w[:, 2] > 0.0, 1.0 / medium.phase(cos), 0.0)
 
     def carry(self, index: int, from_below: bool, rays, w: np.ndarray, goes_up: bool) -> np.ndarray:
         """The deeper techniques' sum for rays that leave a surface along w, (n, 3) in the next one's frame."""
