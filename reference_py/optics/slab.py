@@ -11,16 +11,32 @@ It is what doubling (de Hulst; Grant69) tends to from an infinitely thin slab on
   rounding (Grant69 renormalise likewise).
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 # Of the scaling: sums are within this of 1, or the rounds are over.
 _SUMS_TO, _ROUNDS = 1e-14, 200
 
 
-def slab(cos_theta: np.ndarray, weights: np.ndarray, tau: float, albedo: float, g: float, modes: int, terms: int) -> tuple[np.ndarray, np.ndarray]:
-    """(R, T), each (modes, N, N): a radiance g at directions of cosines (N,) becomes R g on its own side and T g on the other.
+@dataclass(frozen=True)
+class Slab:
+    """Operators (modes, N, N): a radiance g becomes `reflection` g on its own side and `transmission` g on the other.
 
-    weights (N,): of a quadrature over the cosines from 0 to 1. Azimuth is that of travel. R_ij / (mu_j w_j) is symmetric.
+    `passed` (N,) is the diagonal part of `transmission` that met nothing; `reflected_once` and `transmitted_once` met one event.
+    """
+
+    passed: np.ndarray
+    reflection: np.ndarray
+    transmission: np.ndarray
+    reflected_once: np.ndarray
+    transmitted_once: np.ndarray
+
+
+def slab(cos_theta: np.ndarray, weights: np.ndarray, tau: float, albedo: float, g: float, modes: int, terms: int) -> Slab:
+    """That of a medium of optical depth `tau` for directions of cosines (N,).
+
+    weights (N,): of a quadrature over the cosines from 0 to 1. Azimuth is that of travel. Operators_ij / (mu_j w_j) are symmetric.
     """
     tau, albedo = without_peak(tau, albedo, g, terms)
     even, odd = _phase(cos_theta, weights, g, modes, terms)
@@ -29,16 +45,34 @@ def slab(cos_theta: np.ndarray, weights: np.ndarray, tau: float, albedo: float, 
     both, opposite = np.linalg.inv(identity + both), np.linalg.inv(identity + opposite)
     to_radiance = np.sqrt(cos_theta * weights)
     scale = to_radiance / to_radiance[:, None]
-    return (both + opposite - identity) * scale, (both - opposite) * scale
+    passed = np.exp(-tau / cos_theta)
+    once = 0.5 * albedo * (cos_theta[:, None] * cos_theta) * scale
+    back, on = single_scattering(cos_theta[:, None], cos_theta, tau)
+    return Slab(passed, (both + opposite - identity) * scale, (both - opposite) * scale, (even - odd) * (back * once), (even + odd) * (on * once))
+
+
+def single_scattering(cos_o, cos_i, tau):
+    """(back, on): f in 1/sr of one event, on the own side and on the other, over albedo times phase function (Chandrasekhar60)."""
+    out, into = np.exp(-tau / cos_o), np.exp(-tau / cos_i)
+    gap = cos_o - cos_i
+    alike = np.abs(gap) < 1e-6 * cos_o
+    on = np.where(alike, tau / (cos_o * cos_i) * into, (out - into) / np.where(alike, 1.0, gap))
+    return -np.expm1(-tau / cos_o - tau / cos_i) / (cos_o + cos_i), on
+
+
+def henyey_greenstein(cos, g: float):
+    """The phase function (...) in 1/sr at cosines of the scattering angle (Henyey41)."""
+    return (1.0 - g * g) / (4.0 * np.pi * (1.0 + g * g - 2.0 * g * cos) ** 1.5)
 
 
 def without_peak(tau, albedo, g: float, terms: int):
     """(tau, albedo) of the medium in which what a cut phase function cannot hold goes on as if nothing had happened."""
-    cut = _cut(g, terms)
+    cut = peak(g, terms)
     return tau * (1.0 - albedo * cut), albedo * (1.0 - cut) / (1.0 - albedo * cut)
 
 
-def _cut(g: float, terms: int) -> float:
+def peak(g: float, terms: int) -> float:
+    """Share of a forward phase function that its first moments do not hold."""
     return max(g, 0.0) ** terms
 
 
@@ -84,7 +118,7 @@ def _phase(cos_theta, weights, g: float, modes: int, terms: int) -> tuple[np.nda
     sqrt(w w' / (mu mu')), the first with sums of 1 over w."""
     count = len(cos_theta)
     even, odd = np.zeros((2, modes, count, count))
-    cut = _cut(g, terms)
+    cut = peak(g, terms)
     moments = (g ** np.arange(terms) - cut) / (1.0 - cut)
     for m in range(min(modes, terms)):
         functions = _associated_legendre(cos_theta, m, terms)

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...optics.slab import Slab
+
 # Light that smooth interfaces trap for good makes the solve singular. It meets no one outside (its couplings are
 # exactly 0), so a loss this small per round trip decides only that it is 0 and not undefined.
 TRAPPED_LOSS = 1e-13
@@ -40,22 +42,32 @@ class Medium:
         """Reflection operator of what is below, seen through the medium."""
         return below * (self.share[:, None] * self.share)
 
+    def once(self, specular: np.ndarray) -> np.ndarray:
+        """Light that met one event in the medium, over something that reflects shares (N,) as a mirror."""
+        return np.zeros(1)
+
 
 @dataclass(frozen=True)
 class ScatteringMedium(Medium):
-    """A medium that scatters too: the same from above and below. `share` is what it lets pass without an event that turns light
-    (`optics.slab.without_peak`)."""
+    """A medium that scatters too, the same from above and below. `share` is what it lets pass as if nothing were met."""
 
-    reflection: np.ndarray
-    transmission: np.ndarray
+    slab: Slab
 
     @property
     def layers(self) -> Layers:
-        return Layers(self.reflection, self.transmission, self.reflection, self.transmission)
+        """As layers without interface."""
+        return Layers(self.slab.reflection, self.slab.transmission, self.slab.reflection, self.slab.transmission)
 
     def over(self, below: np.ndarray) -> np.ndarray:
         """Reflection operator of what is below, seen through the medium."""
-        return self.reflection + self.transmission @ round_trips(below, self.reflection, below @ self.transmission)
+        back, on = self.slab.reflection, self.slab.transmission
+        return back + on @ round_trips(below, back, below @ on)
+
+    def once(self, specular: np.ndarray) -> np.ndarray:
+        """One event, over something that reflects shares (N,) as a mirror: before it, after it, both or neither."""
+        mirrored = self.share * specular
+        back, on = self.slab.reflected_once, self.slab.transmitted_once
+        return back + mirrored[:, None] * on + on * mirrored + mirrored[:, None] * back * mirrored
 
 
 def empty(count: int, modes: int) -> Layers:

@@ -79,6 +79,10 @@ class EffectiveStack:
             groups.setdefault(key, []).append(c)
         return [(members[0], members) for members in groups.values()]
 
+    def is_smooth_above(self, k: int) -> bool:
+        """Whether light reaches the medium above interface k by smooth interfaces alone."""
+        return all(is_specular(interface.alpha) for interface in self.interfaces[:k])
+
     def medium(self, k: int, channel: int, grid: Grid, modes: int) -> Medium:
         """The medium above interface k, or above the base if there are k interfaces."""
         if k == 0:

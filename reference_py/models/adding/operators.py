@@ -16,7 +16,7 @@ from ...optics.diffuse import oren_nayar
 from ...optics.frame import spherical
 from ...optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
 from ...optics.microfacet import is_specular
-from ...optics.slab import slab, without_peak
+from ...optics.slab import slab
 from .assembly import Layers, ScatteringMedium
 from .bounces import ENERGY, Microsurface, detail_of
 from .direction_grid import Grid, gauss_legendre, legendre
@@ -129,9 +129,13 @@ def scattering_medium(n: float, tau: float, albedo: float, g: float, grid: Grid,
     """A medium of index n, among grid.breaks, that scatters this share of what it does not let pass."""
     cosines, count = grid.cosines(n), grid.count(n)
     weights = grid.weights[:count] / (2.0 * np.pi * n * n * cosines)
-    terms = 2 * count
-    passed = transmittance(grid, n, without_peak(tau, albedo, g, terms)[0])
-    return ScatteringMedium(passed, *slab(cosines, weights, tau, albedo, g, modes, terms))
+    own = slab(cosines, weights, tau, albedo, g, modes, phase_terms(grid, n))
+    return ScatteringMedium(own.passed, own)
+
+
+def phase_terms(grid: Grid, n: float) -> int:
+    """Legendre moments of a phase function in a medium of index n: as many as its directions carry."""
+    return 2 * grid.count(n)
 
 
 def lambert_rows(color: float, n: float, count: int, grid: Grid, modes: int) -> np.ndarray:

@@ -13,6 +13,7 @@ from ...errors import LaminaError
 from ...optics.directions import components, vectors
 from ...optics.frame import dot
 from ...optics.interface import Interface
+from ...optics.slab import henyey_greenstein
 from .rays import Rays
 
 # Events of a mean walk in a medium, above which walks are refused.
@@ -82,8 +83,7 @@ class ScatteringMedium:
 
     def phase(self, cos: np.ndarray) -> np.ndarray:
         """Density (n,) in 1/sr of turning by these cosines."""
-        g = self.g
-        return (1.0 - g * g) / (4.0 * np.pi * (1.0 + g * g - 2.0 * g * cos) ** 1.5)
+        return henyey_greenstein(cos, self.g)
 
     def toward(self, w: np.ndarray, target: np.ndarray) -> np.ndarray:
         """Density (n,) in 1/sr of turning from travel w to the target, both (n, 3)."""

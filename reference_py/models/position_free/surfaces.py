@@ -153,16 +153,16 @@ class Diffuse:
 
 
 class SmoothConductor:
-    """A mirror-like metal; `fresnel` is its reflectance (n, 3) at cosines (n,)."""
+    """A mirror-like metal; `reflectance` is its reflectance (n, 3) at cosines (n,)."""
 
     is_delta = True
 
-    def __init__(self, fresnel: Callable[[np.ndarray], np.ndarray]):
-        self._fresnel = fresnel
+    def __init__(self, reflectance: Callable[[np.ndarray], np.ndarray]):
+        self.reflectance = reflectance
 
     def scatter(self, w, from_below, rng, target=None) -> Event:
         """The mirror direction, weighted by Fresnel's reflectance."""
-        return Event(vectors(-w[:, 0], -w[:, 1], w[:, 2]), self._fresnel(w[:, 2]))
+        return Event(vectors(-w[:, 0], -w[:, 1], w[:, 2]), self.reflectance(w[:, 2]))
 
     def density(self, w, o, from_below) -> np.ndarray:
         """(n,) of 1: of the two directions' deltas only the ratio matters."""
