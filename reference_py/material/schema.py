@@ -78,8 +78,34 @@ class Parameter:
         return number
 
 
+class _WithAlternatives:
+    """What may have groups of parameters of which a stack gives exactly one group."""
+
+    parameters: tuple[Parameter, ...]
+    alternatives: tuple[tuple[str, ...], ...]
+
+    @property
+    def given_choices(self) -> tuple[str, ...]:
+        """Names of the alternatives, such as "metal" and "eta+k"."""
+        return tuple("+".join(group) for group in self.alternatives)
+
+    def given_label(self, choice: str) -> str:
+        """What an alternative gives, in words: "IOR and Extinction"."""
+        return " and ".join(p.label for name in choice.split("+") for p in self.parameters if p.name == name)
+
+    def given_by(self, choice: str) -> tuple[Parameter, ...]:
+        """The parameters of what is given by a choice: that alternative's first, then those that belong to none."""
+        either = {name for group in self.alternatives for name in group}
+        chosen = (p for name in choice.split("+") for p in self.parameters if p.name == name)
+        return (*chosen, *(p for p in self.parameters if p.name not in either))
+
+    def not_given_by(self, choice: str) -> tuple[Parameter, ...]:
+        """The parameters of the other alternatives."""
+        return tuple(p for p in self.parameters if p not in self.given_by(choice))
+
+
 @dataclass(frozen=True)
-class Feature:
+class Feature(_WithAlternatives):
     """Something that a layer or base may have: it has it where a stack gives any of the feature's parameters.
 
     It is structure: it changes the generated shader's text, and what lacks it pays nothing for it. `alternatives` are as a kind's.
@@ -93,7 +119,7 @@ class Feature:
 
 
 @dataclass(frozen=True)
-class Kind:
+class Kind(_WithAlternatives):
     """A kind of layer or base: its own parameters, and those of its optional features, in socket order.
 
     Node interfaces are append-only: new parameters go to the end, and nodes keep the order in which they got them.
@@ -120,15 +146,6 @@ class Kind:
     def sockets(self) -> tuple[Parameter, ...]:
         """The parameters whose values live in node sockets."""
         return tuple(p for p in self.all_parameters if not p.is_structural)
-
-    @property
-    def given_choices(self) -> tuple[str, ...]:
-        """Names of the alternatives, such as "metal" and "eta+k"."""
-        return tuple("+".join(group) for group in self.alternatives)
-
-    def given_label(self, choice: str) -> str:
-        """What an alternative gives, in words: "IOR and Extinction"."""
-        return " and ".join(self.parameter(name).label for name in choice.split("+"))
 
     @property
     def structure(self) -> tuple[Parameter, ...]:

@@ -188,7 +188,7 @@ def _without_alternatives(owner: Kind | Feature, data: Mapping, where: str) -> s
         return names
     given = [group for group in alternatives if any(name in data for name in group)]
     if len(given) > 1:
-        options = " or ".join("+".join(group) for group in alternatives)
+        options = " or ".join(owner.given_choices)
         both = " and ".join("+".join(group) for group in given)
         raise LaminaError(f"{where}: {both} exclude each other; choose {options}")
     chosen = given[0] if given else alternatives[0]

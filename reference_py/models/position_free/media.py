@@ -16,8 +16,8 @@ from ...optics.interface import Interface
 from ...optics.slab import henyey_greenstein
 from .rays import Rays
 
-# Events of a mean walk in a medium, above which walks are refused.
-MOST_EVENTS = 10_000
+# Events of a mean walk in a medium, above which walks are refused: the longest take hundreds of times as many.
+MOST_EVENTS = 500
 _ISOTROPIC = 1e-7
 
 

@@ -114,11 +114,11 @@ class Walk:
         medium, few = self.surfaces.media[index], int(_LEFT * len(rays.path))
         while len(rays.path) > few:
             rays, place = medium.fly(rays, self.rng)
-            up, down, inside = (np.flatnonzero(place == where) for where in (-1, 1, 0))
-            self._wait((index, True), replace(rays.take(up), depth=None))
-            left = rays.take(down)
-            self._wait((index + 1, False), replace(left, w=-left.w, depth=None))
-            rays = rays.take(inside)
+            if np.any(place):
+                for where, to in ((-1, (index, True)), (1, (index + 1, False))):
+                    left = rays.take(np.flatnonzero(place == where))
+                    self._wait(to, replace(left, w=-where * left.w, depth=None))
+                rays = rays.take(np.flatnonzero(place == 0))
             if medium.absorbs:
                 rays = self._roulette(rays)
             w, cos = medium.turn(rays.w, self.rng)
