@@ -6,7 +6,8 @@ alike and what enters them oppositely are two problems of half a slab, each with
 k tanh(k tau / 2) and k coth(k tau / 2). So no optical depth is too thick, none too thin, and albedo 1 is no special case (k = 0).
 It is what doubling (de Hulst; Grant69) tends to from an infinitely thin slab on the same directions, without its steps.
 
-- The phase function is cut after `terms` Legendre moments. What a forward one has beyond them counts as not scattered (delta-M: Wiscombe77).
+- The phase function is cut after `terms` Legendre moments. What a forward one has beyond them counts as not scattered (delta-M: Wiscombe77),
+  and what a backward one has, as sent straight back.
 - It is scaled, symmetrically in its two directions, so that what it scatters sums to 1 on the given quadrature: energy is kept to
   rounding (Grant69 renormalise likewise).
 """
@@ -76,6 +77,11 @@ def peak(g: float, terms: int) -> float:
     return max(g, 0.0) ** terms
 
 
+def _back_peak(g: float, terms: int) -> float:
+    """The same of a backward one."""
+    return max(-g, 0.0) ** terms
+
+
 def half_space_albedo(albedo: np.ndarray, g: float, nodes: int = 24) -> np.ndarray:
     """Spherical albedo (...) of an infinitely deep medium of these single-scattering albedos, without interface, good to 1e-4.
 
@@ -118,8 +124,8 @@ def _phase(cos_theta, weights, g: float, modes: int, terms: int) -> tuple[np.nda
     sqrt(w w' / (mu mu')), the first with sums of 1 over w."""
     count = len(cos_theta)
     even, odd = np.zeros((2, modes, count, count))
-    cut = peak(g, terms)
-    moments = (g ** np.arange(terms) - cut) / (1.0 - cut)
+    degrees, cut, back = np.arange(terms), peak(g, terms), _back_peak(g, terms)
+    moments = (g**degrees - cut - back * (-1.0) ** degrees) / (1.0 - cut - back)
     for m in range(min(modes, terms)):
         functions = _associated_legendre(cos_theta, m, terms)
         weighted = functions * moments[m:, None]
@@ -132,8 +138,9 @@ def _phase(cos_theta, weights, g: float, modes: int, terms: int) -> tuple[np.nda
             break
         scale = scale / np.sqrt(sums)
     scale = scale * np.sqrt(weights / cos_theta)
-    pair = scale[:, None] * scale
-    return even * pair, odd * pair
+    pair = (1.0 - back) * scale[:, None] * scale
+    straight_back = back * np.diag(1.0 / cos_theta) * ((-1.0) ** np.arange(modes))[:, None, None]
+    return even * pair + straight_back, odd * pair - straight_back
 
 
 def _associated_legendre(x: np.ndarray, m: int, terms: int) -> np.ndarray:
