@@ -107,6 +107,10 @@ def _admittances(cos_theta, albedo: float, even, odd, half_tau: float) -> tuple[
     inverse = np.diag(1.0 / cos_theta)
     lower = np.linalg.cholesky(inverse - albedo * odd)
     squares, vectors = np.linalg.eigh(np.swapaxes(lower, -1, -2) @ (inverse - albedo * even) @ lower)
+    # the smallest is rounding of the largest where little is absorbed; as a quotient it is not
+    slowest = (lower @ vectors[..., :1]) / np.sqrt(cos_theta)[:, None]
+    kept = albedo * even * np.sqrt(cos_theta[:, None] * cos_theta)
+    squares[..., 0] = np.sum(slowest * (slowest - kept @ slowest), axis=(-2, -1))
     k = np.sqrt(np.maximum(squares, 0.0))
     shapes = np.linalg.solve(np.swapaxes(lower, -1, -2), vectors)
     if np.isinf(half_tau):

@@ -25,7 +25,7 @@ _HALF_HEADING = ("lamina chart scattering", "isotropic half space without interf
 _COLUMNS = ("single_albedo", "albedo_0deg", "albedo_exact", "albedo_worst", "f_worst", "spherical", "spherical_exact", "albedo_of_color")
 # Of the layer that stands for a half space: at albedo 1 what passes it is the inverse of this.
 _DEEP = 1e6
-_F_WALKS = 6000
+_WALKS = {"most_walks": 262_144, "f_walks": 6000}
 
 
 def chart(folder: Path, report: Report) -> None:
@@ -35,7 +35,7 @@ def chart(folder: Path, report: Report) -> None:
     rows = list(half_space_rows())
     print_table(_COLUMNS, rows)
     write_table(table, _HALF_HEADING, _COLUMNS, rows, report)
-    write_agreement(folder / "scattering_agreement.csv", _HEADING, scattering_suite(), report, f_walks=_F_WALKS)
+    write_agreement(folder / "scattering_agreement.csv", _HEADING, scattering_suite(), report, **_WALKS)
 
 
 def half_space_rows() -> Iterator[list[str]]:
