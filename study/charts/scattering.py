@@ -7,6 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from ...reference_py.atomic import require_writable
+from ...reference_py.lobes.cache import truth_of
+from ...reference_py.lobes.error_estimate import ErrorEstimator, ball_cosines
+from ...reference_py.lobes.methods import make_lobe_set
 from ...reference_py.material.stack import Stack
 from ...reference_py.optics.frame import spherical
 from ...reference_py.optics.scattering import albedo_of_color
@@ -23,18 +26,24 @@ VIEWS_DEG = (0.0, 40.0, 65.0, 85.0)
 _HEADING = ("lamina chart scattering", "adding against position_free: seed 1; relative errors; columns as in study/agreement.py")
 _HALF_HEADING = ("lamina chart scattering", "isotropic half space without interface, adding against Chandrasekhar's H functions, views 0 40 65 85 degrees")
 _COLUMNS = ("single_albedo", "albedo_0deg", "albedo_exact", "albedo_worst", "f_worst", "spherical", "spherical_exact", "albedo_of_color")
+_BAKED_HEADING = ("lamina chart scattering", "bakes of two glossy lobes against adding, views of a ball's pixels; relative errors of the worst channel")
+_BAKED = ("stack", "albedo_worst", "soft_light", "shape_median", "shape_worst")
 # Of the layer that stands for a half space: at albedo 1 what passes it is the inverse of this.
 _DEEP = 1e6
 _WALKS = {"most_walks": 262_144, "f_walks": 6000}
 
 
 def chart(folder: Path, report: Report) -> None:
-    """Write scattering_agreement.csv and half_space.csv and print them."""
-    table = folder / "half_space.csv"
-    require_writable(table)
-    rows = list(half_space_rows())
-    print_table(_COLUMNS, rows)
-    write_table(table, _HALF_HEADING, _COLUMNS, rows, report)
+    """Write half_space.csv, scattering_bakes.csv and scattering_agreement.csv and print them."""
+    for name, heading, columns, rows in (
+        ("half_space", _HALF_HEADING, _COLUMNS, half_space_rows()),
+        ("scattering_bakes", _BAKED_HEADING, _BAKED, bake_rows(report)),
+    ):
+        table = folder / f"{name}.csv"
+        require_writable(table)
+        measured = list(rows)
+        print_table(columns, measured)
+        write_table(table, heading, columns, measured, report)
     write_agreement(folder / "scattering_agreement.csv", _HEADING, scattering_suite(), report, **_WALKS)
 
 
@@ -49,6 +58,14 @@ def half_space_rows() -> Iterator[list[str]]:
         color = spherical_albedo(single)
         numbers = (found[0], exact[0], np.max(np.abs(found / exact - 1.0)), np.max(off), half_space_albedo(single, 0.0), color)
         yield [f"{single:g}", *(f"{v:.6f}" for v in numbers), f"{albedo_of_color((color,), 0.0)[0]:.6f}"]
+
+
+def bake_rows(report: Report) -> Iterator[list[str]]:
+    """Errors of a bake of two glossy lobes for each stack, as `study.charts.tiers` has them."""
+    for name, stack in scattering_suite().items():
+        report(f"bake of {name}")
+        errors = ErrorEstimator(stack, truth_of(stack), ball_cosines()).errors(make_lobe_set(stack, "baked").lobe_set)
+        yield [name, *(f"{v:.5f}" for v in (np.max(errors.albedo), np.mean(errors.soft_light), np.median(errors.shape), np.max(errors.shape)))]
 
 
 def half_space(single: float, g: float = 0.0) -> Stack:
