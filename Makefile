@@ -14,7 +14,7 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 FIRST_HALF := $(shell cat tests/first_half.txt)
 QUICK := -q -m "not blender and not slow"
 
-.PHONY: fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field bakes branches surroundings numbers fuzz faults calibration matrix licences clean
+.PHONY: fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks field bakes branches surroundings numbers fuzz faults calibration mitsuba-slabs matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -121,6 +121,9 @@ assets: $(READY)
 charts: $(READY)
 	for chart in lobes presets tiers error stress suite scattering; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
 	$(VENV)/bin/lamina figures --out figures/paper
+
+mitsuba-slabs: $(READY)
+	$(RUN) -m lamina.study.mitsuba_slabs
 
 pareto: $(READY)
 	$(VENV)/bin/lamina chart cost_factors -o figures

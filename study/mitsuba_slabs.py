@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`python -m lamina.study.mitsuba_slabs`: stacks with media that scatter, as explicit slabs in Mitsuba 3, against `adding`.
+"""`make mitsuba-slabs`: stacks with media that scatter, as explicit slabs in Mitsuba 3, against `adding`.
 
-Needs Mitsuba (pip install mitsuba), which nothing else here does. Its facets are `single`, and so is the truth here. A camera sees
+Needs Mitsuba (pip install mitsuba in .venv), which nothing else here does. Its facets are `single`, and so is the truth here. A camera sees
 a wide slab in a uniform white sky, so that radiance is directional albedo.
 """
 
@@ -23,15 +23,21 @@ from .tables import FIGURES, write_table
 NAMES = ("rough_one_isotropic", "smooth_milk_over_black", "rough_very_forward", "two_media", "rough_rgb_extinction", "bare_dust_over_metal",
          "between_two_media", "smooth_back_over_rough_metal")  # fmt: skip
 VIEWS_DEG = (0.0, 40.0, 65.0, 80.0)
-_PIXELS, _ROUNDS = 64, 6
+_PIXELS, _ROUNDS, _MOST_ROUNDS = 64, 6, 40
+# Relative standard error at which more renders are not worth it.
+_TARGET = 0.0025
 _WIDE = 2000.0
 
 
 def mitsuba_albedo(mi, stack: Stack, theta_deg: float, samples: int) -> tuple[np.ndarray, np.ndarray]:
     """Directional albedo (3,) and its standard error, from renders of `samples` paths per pixel each."""
     scene = mi.load_dict(_scene(mi, OpticalStack.of(stack), theta_deg))
-    means = [np.array(mi.render(scene, spp=samples, seed=seed)).reshape(-1, 3).mean(axis=0) for seed in range(_ROUNDS)]
-    return np.mean(means, axis=0), np.std(means, axis=0, ddof=1) / np.sqrt(_ROUNDS)
+    means = []
+    while True:
+        means.append(np.array(mi.render(scene, spp=samples, seed=len(means))).reshape(-1, 3).mean(axis=0))
+        mean, stderr = np.mean(means, axis=0), np.std(means, axis=0) / np.sqrt(max(len(means) - 1, 1))
+        if len(means) >= _ROUNDS and (np.all(stderr < _TARGET * mean) or len(means) >= _MOST_ROUNDS):
+            return mean, stderr
 
 
 def _scene(mi, optics: OpticalStack, theta_deg: float) -> dict:
@@ -106,7 +112,7 @@ def main(samples: int = 16) -> None:
             rows.append([name, f"{theta:g}", *numbers, f"{np.max(stderr / exact):.4f}", f"{np.max(np.abs(found / exact - 1.0)):.4f}"])
             print(rows[-1], file=sys.stderr, flush=True)
     print_table(columns, rows)
-    heading = ("python -m lamina.study.mitsuba_slabs", f"Mitsuba {mi.__version__}, explicit slabs, single facets; relative errors of the worst channel")
+    heading = ("make mitsuba-slabs", f"Mitsuba {mi.__version__}, explicit slabs, single facets; relative errors of the worst channel")
     write_table(Path(FIGURES) / "mitsuba_slabs.csv", heading, columns, rows, lambda line: print(line, file=sys.stderr))
 
 
