@@ -30,6 +30,7 @@ help:
 	@echo "make thumbnails  render the presets' pictures into addon/presets"
 	@echo "make assets    build the asset library of the presets in addon/presets anew"
 	@echo "make charts    measure the tables of figures/ anew and draw them"
+	@echo "make mitsuba-slabs  hold stacks with media that scatter against explicit slabs in Mitsuba 3, which .venv must have"
 	@echo "make pareto    measure error against cost in Cycles anew and draw it (half an hour, best on a quiet machine)"
 	@echo "make viewport  measure how EEVEE shows presets (half an hour without a graphics card; LAMINA_BLENDER names a Blender that has it)"
 	@echo "make calibration  find the constants of the tier analytic and of the cost estimate again, and compare (an hour; writes tables alone)"
