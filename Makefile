@@ -14,7 +14,7 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 FIRST_HALF := $(shell cat tests/first_half.txt)
 QUICK := -q -m "not blender and not slow"
 
-.PHONY: fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes branches surroundings numbers fuzz faults calibration matrix licences clean
+.PHONY: fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes branches surroundings numbers fuzz faults calibration mitsuba-slabs matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -30,6 +30,7 @@ help:
 	@echo "make thumbnails  render the presets' pictures into addon/presets"
 	@echo "make assets    build the asset library of the presets in addon/presets anew"
 	@echo "make charts    measure the tables of figures/ anew and draw them"
+	@echo "make mitsuba-slabs  hold stacks with media that scatter against explicit slabs in Mitsuba 3, which .venv must have"
 	@echo "make pareto    measure error against cost in Cycles anew and draw it (half an hour, best on a quiet machine)"
 	@echo "make viewport  measure how EEVEE shows presets (half an hour without a graphics card; LAMINA_BLENDER names a Blender that has it)"
 	@echo "make calibration  find the constants of the tier analytic and of the cost estimate again, and compare (an hour; writes tables alone)"
@@ -121,8 +122,11 @@ assets: $(READY)
 	$(RUN) -m lamina.demo_blend.assets
 
 charts: $(READY)
-	for chart in lobes presets tiers error stress suite; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
+	for chart in lobes presets tiers error stress suite scattering; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
 	$(VENV)/bin/lamina figures --out figures/paper
+
+mitsuba-slabs: $(READY)
+	$(RUN) -m lamina.study.mitsuba_slabs
 
 pareto: $(READY)
 	$(VENV)/bin/lamina chart cost_factors -o figures

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The published suite of stacks on which models are compared (data/suite.json).
+"""The published suites of stacks on which models are compared.
 
-Plastics, coated metals and slabs of up to twenty layers; rough over smooth and back, absorbing and not.
+data/suite.json: plastics, coated metals and slabs of up to twenty layers; rough over smooth and back, absorbing and not.
+data/scattering_suite.json: media that scatter.
 """
 
 import json
@@ -12,14 +13,23 @@ from ..reference_py.errors import LaminaError
 from ..reference_py.material import presets
 from ..reference_py.material.stack import Stack
 
-_FILE = Path(__file__).parent / "data" / "suite.json"
+_DATA = Path(__file__).parent / "data"
 
 
-@lru_cache(maxsize=1)
 def suite() -> dict[str, Stack]:
-    """The stacks by name, in the file's order."""
-    stacks = json.loads(_FILE.read_text(encoding="utf-8"))["stacks"]
-    return {data["name"]: Stack.from_dict(data, f"{_FILE.name}: {data['name']}") for data in stacks}
+    """The stacks of clear layers by name, in the file's order."""
+    return _read("suite.json")
+
+
+def scattering_suite() -> dict[str, Stack]:
+    """The stacks with media that scatter."""
+    return _read("scattering_suite.json")
+
+
+@lru_cache(maxsize=2)
+def _read(name: str) -> dict[str, Stack]:
+    stacks = json.loads((_DATA / name).read_text(encoding="utf-8"))["stacks"]
+    return {data["name"]: Stack.from_dict(data, f"{name}: {data['name']}") for data in stacks}
 
 
 def charted() -> dict[str, Stack]:

@@ -11,7 +11,7 @@ from ...reference_py.exchange.report import LOST, Report
 from ...reference_py.material.stack import Stack
 from ..material import material as materials
 from ..material.backend import NODES, OSL
-from ..material.elements import find_node, kind_of, node_of, shown_parameters
+from ..material.elements import find_node, kind_of, node_of
 from ..material.hand_over import MIX, VALUES
 from ..material.principled_node import COLOR, PRINCIPLED, has_linked_color, is_layer, link_through, linked_places, parameter_of, show_stack
 from ..material.reading import measured_stack, require_editable
@@ -70,7 +70,7 @@ def _link(socket: str, source, elements, converted, is_followed: bool) -> str:
         element = elements[converted.owners[role]]
         kind = kind_of(element)
         parameter = parameter_of(element, name)
-        if parameter not in {p.name for p in shown_parameters(kind, element.given)} | {p.name for f in kind.features for p in f.parameters}:
+        if parameter not in {p.name for p in kind.given_by(element.given)} | {p.name for f in kind.features for p in f.parameters}:
             continue
         target = node_of(element).inputs[kind.parameter(parameter).label]
         if socket == COLOR:

@@ -16,7 +16,7 @@ from ...reference_py.material.stack import Stack
 from ...reference_py.optics.colour import canonical, is_known
 from ..material import material as materials
 from ..material.backend import OSL
-from ..material.elements import kind_of, node_of, shown_parameters
+from ..material.elements import kind_of, node_of
 from ..material.means import mean_name
 from ..material.principled_node import link_through, parameter_of
 from ..material.shader_node import backend_of
@@ -108,7 +108,7 @@ def _place(material: bpy.types.Material, given: str, name: str, image: Image, ou
     for role in _owners(name, converted):
         element = elements[converted.owners[role]]
         kind, parameter = kind_of(element), parameter_of(element, PLACES[name][1])
-        if parameter not in {p.name for p in shown_parameters(kind, element.given)} | {p.name for f in kind.features for p in f.parameters}:
+        if parameter not in {p.name for p in kind.given_by(element.given)} | {p.name for f in kind.features for p in f.parameters}:
             continue
         target = node_of(element).inputs[kind.parameter(parameter).label]
         if image not in outputs:

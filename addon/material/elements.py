@@ -109,23 +109,28 @@ def used_features(element) -> tuple[Feature, ...]:
     return tuple(feature for feature in kind_of(element).features if getattr(element, use_of(feature)))
 
 
-def shown_parameters(kind: Kind, given: str) -> tuple[Parameter, ...]:
-    """The parameters that every element of a kind has: those of the alternative `given` first, then the others."""
-    chosen = [kind.parameter(name) for group, choice in zip(kind.alternatives, kind.given_choices) if choice == given for name in group]
-    alternative = {name for group in kind.alternatives for name in group}
-    return (*chosen, *(p for p in kind.parameters if p.name not in alternative))
+def given_of(feature: Feature) -> str:
+    """The property that says by which of its alternatives an element's feature is given."""
+    return f"given_{feature.name}"
+
+
+def feature_parameters(element, feature: Feature) -> tuple[Parameter, ...]:
+    """The parameters that describe a feature of an element."""
+    return feature.given_by(getattr(element, given_of(feature))) if feature.alternatives else feature.parameters
 
 
 def element_parameters(element, kind: Kind, given: str) -> tuple[Parameter, ...]:
     """The parameters that describe an element, those of its features last."""
-    return (*shown_parameters(kind, given), *(p for feature in used_features(element) for p in feature.parameters))
+    return (*kind.given_by(given), *(p for feature in used_features(element) for p in feature_parameters(element, feature)))
 
 
 def unread_parameters(element) -> tuple[Parameter, ...]:
     """The sockets of the alternatives that do not describe an element now. A named metal is read from its index."""
     kind, given = kind_of(element), "eta+k" if element.given == "metal" else element.given
-    groups = [group for group, choice in zip(kind.alternatives, kind.given_choices) if choice != given]
-    return tuple(p for p in kind.sockets if any(p.name in group for group in groups))
+    unread = [*kind.not_given_by(given)]
+    for feature in used_features(element):
+        unread += [p for p in feature.parameters if p not in feature_parameters(element, feature)]
+    return tuple(p for p in kind.sockets if p in unread)
 
 
 def structure_dict(element, kind: Kind) -> dict:
@@ -154,6 +159,9 @@ def fill_element(tree: bpy.types.NodeTree, element, source: Layer | Base, kind: 
             element.given = choice
     for feature in kind.features:
         setattr(element, use_of(feature), source.has(feature))
+        for group, choice in zip(feature.alternatives, feature.given_choices):
+            if group[0] in source:
+                setattr(element, given_of(feature), choice)
     for parameter in kind.all_parameters:
         if parameter.name not in source:
             continue

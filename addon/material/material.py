@@ -16,7 +16,7 @@ import bpy
 from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.cache import stack_key
 from ...reference_py.lobes.made import Made
-from ...reference_py.lobes.methods import DEFAULT_METHOD, MAX_CLOSURES, PROVISIONAL_METHOD, holds_values, make_lobe_set, method_of
+from ...reference_py.lobes.methods import DEFAULT_METHOD, MAX_CLOSURES, holds_values, make_lobe_set, method_of, provisional
 from ...reference_py.lobes.methods.summary import estimated_cost, estimated_error, has_tables, live_methods
 from ...reference_py.material.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
 from ...reference_py.material.stack import Stack
@@ -201,7 +201,7 @@ def _shown(material: bpy.types.Material, settle: bool, progress: Callable[[float
     follows = wanted.live != live_in_nodes(material, wanted.stack)
     if settle or wanted.is_cached():
         return _Shown(wanted.make(progress), wanted.stack, wanted.key, follows)
-    return _Shown(make_lobe_set(wanted.stack, PROVISIONAL_METHOD), wanted.stack, follows=follows)
+    return _Shown(provisional(wanted.stack), wanted.stack, follows=follows)
 
 
 def _write_branches(surface: Surface, material: bpy.types.Material, shown: _Shown, owners: dict[str, bpy.types.Node], settle: bool) -> None:
@@ -292,7 +292,7 @@ def _make_stock(surface: Surface, material, owners, lobe_set, key: str):
     stack = stack_of(material)
     if lobe_set is None:
         tier = material.lamina.tier
-        lobe_set = make_lobe_set(stack, PROVISIONAL_METHOD if holds_values(tier) else tier)
+        lobe_set = provisional(stack) if holds_values(tier) else make_lobe_set(stack, tier)
     tables = stock_tables(lobe_set)
     surface.stock(eevee_stock_tables(lobe_set), owners, EEVEE)
     _note(surface.stock(tables, owners), stack_key(stack, live_in_nodes(material, stack)), key)

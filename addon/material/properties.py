@@ -5,7 +5,7 @@ No property here can be animated: an f-curve moves a property without calling it
 would not follow.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
 import bpy
@@ -13,7 +13,7 @@ from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatPrope
 
 from ...reference_py.lobes.made import DEFAULT_TOLERANCE
 from ...reference_py.lobes.methods import DEFAULT_METHOD, METHODS
-from ...reference_py.material.schema import SCHEMA, SCHEMA_VERSION, Schema
+from ...reference_py.material.schema import SCHEMA, SCHEMA_VERSION, Feature, Kind, Schema
 from .backend import AUTO, BACKENDS, DEFAULT_BACKEND, NODES, OSL
 from .selection import select_layer, selected_layer
 
@@ -76,10 +76,14 @@ def structure_annotations(schema: Schema) -> dict:
     for feature in {f.name: f for kind in kinds for f in kind.features}.values():
         name = f"use_{feature.name}"
         annotations[name] = BoolProperty(name=feature.label, description=feature.help, options=_NOT_ANIMATABLE, update=_update(name))
-    given = [(choice, kind.given_label(choice)) for kind in kinds for choice in kind.given_choices]
-    if given:
-        annotations["given"] = _enum("given", given, "Given By", "What describes this material", given[0][0])
+        annotations |= _given(f"given_{feature.name}", [feature])
+    annotations |= _given("given", kinds)
     return annotations
+
+
+def _given(name: str, owners: Iterable[Kind | Feature]) -> dict:
+    given = [(choice, owner.given_label(choice)) for owner in owners for choice in owner.given_choices]
+    return {name: _enum(name, given, "Given By", "What describes this material", given[0][0])} if given else {}
 
 
 class LaminaElement(bpy.types.PropertyGroup):

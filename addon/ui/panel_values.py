@@ -10,7 +10,7 @@ from ...reference_py.material.schema import Parameter
 from ...reference_py.optics.microfacet import slope_deg_from_roughness
 from ..blender import environment
 from ..material.backend import OSL
-from ..material.elements import kind_of, node_of, shown_parameters, use_of, used_features
+from ..material.elements import feature_parameters, given_of, kind_of, node_of, use_of, used_features
 from ..material.means import kept_mean, mean_name
 
 _MARGIN, _CHARACTER = 60, 6.4  # pixels at scale 1: what borders and the icon take, and a mean letter
@@ -29,7 +29,7 @@ def draw_element(layout, element) -> None:
     column = layout.column()
     if kind.alternatives:
         draw_choice(column, element, "given")
-    for parameter in shown_parameters(kind, element.given):
+    for parameter in kind.given_by(element.given):
         if parameter.is_structural:
             draw_choice(column, element, parameter.name)
             continue
@@ -40,7 +40,11 @@ def draw_element(layout, element) -> None:
     used = used_features(element)
     for feature in kind.features:
         draw_choice(column, element, use_of(feature))
-        for parameter in feature.parameters if feature in used else ():
+        if feature not in used:
+            continue
+        if feature.alternatives:
+            draw_choice(column, element, given_of(feature))
+        for parameter in feature_parameters(element, feature):
             _draw_socket(column, element, node, parameter)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..material.schema import ANISOTROPY, CONDUCTOR, COVERAGE, DIELECTRIC, NORMAL, THIN_FILM
+from ..material.schema import ANISOTROPY, CONDUCTOR, COVERAGE, DIELECTRIC, NORMAL, SCATTERING, THIN_FILM
 from ..material.stack import Base, Layer, Stack
 from ..models.baselines.parts import COS_82, conductor, dielectric_f0
 from ..optics.bases import ConductorBase, DiffuseBase
@@ -255,6 +255,9 @@ def _layer_losses(where: str, layer: Layer, role: str | None, in_color: bool, na
                 Loss(f"{where} {p.name}", layer[p.name], KEPT if kept else LOST, "as it is" if kept else f"{name} has no place for it here")
                 for p in feature.parameters
             ]
+    if layer.has(SCATTERING):
+        given = (p.name for p in SCATTERING.parameters if p.name in layer)
+        losses += [Loss(f"{where} {key}", layer[key], APPROXIMATED, "in the base color alone, such that the mean albedo stays") for key in given]
     if layer.has(NORMAL):
         losses.append(Loss(f"{where} normal", "", KEPT if role else LOST, f"as the {role}'s" if role else "goes with its interface"))
     return losses

@@ -78,21 +78,48 @@ class Parameter:
         return number
 
 
+class _WithAlternatives:
+    """What may have groups of parameters of which a stack gives exactly one group."""
+
+    parameters: tuple[Parameter, ...]
+    alternatives: tuple[tuple[str, ...], ...]
+
+    @property
+    def given_choices(self) -> tuple[str, ...]:
+        """Names of the alternatives, such as "metal" and "eta+k"."""
+        return tuple("+".join(group) for group in self.alternatives)
+
+    def given_label(self, choice: str) -> str:
+        """What an alternative gives, in words: "IOR and Extinction"."""
+        return " and ".join(p.label for name in choice.split("+") for p in self.parameters if p.name == name)
+
+    def given_by(self, choice: str) -> tuple[Parameter, ...]:
+        """The parameters of what is given by a choice: that alternative's first, then those that belong to none."""
+        either = {name for group in self.alternatives for name in group}
+        chosen = (p for name in choice.split("+") for p in self.parameters if p.name == name)
+        return (*chosen, *(p for p in self.parameters if p.name not in either))
+
+    def not_given_by(self, choice: str) -> tuple[Parameter, ...]:
+        """The parameters of the other alternatives."""
+        return tuple(p for p in self.parameters if p not in self.given_by(choice))
+
+
 @dataclass(frozen=True)
-class Feature:
+class Feature(_WithAlternatives):
     """Something that a layer or base may have: it has it where a stack gives any of the feature's parameters.
 
-    It is structure: it changes the generated shader's text, and what lacks it pays nothing for it.
+    It is structure: it changes the generated shader's text, and what lacks it pays nothing for it. `alternatives` are as a kind's.
     """
 
     name: str
     label: str
     help: str
     parameters: tuple[Parameter, ...]
+    alternatives: tuple[tuple[str, ...], ...] = ()
 
 
 @dataclass(frozen=True)
-class Kind:
+class Kind(_WithAlternatives):
     """A kind of layer or base: its own parameters, and those of its optional features, in socket order.
 
     Node interfaces are append-only: new parameters go to the end, and nodes keep the order in which they got them.
@@ -119,15 +146,6 @@ class Kind:
     def sockets(self) -> tuple[Parameter, ...]:
         """The parameters whose values live in node sockets."""
         return tuple(p for p in self.all_parameters if not p.is_structural)
-
-    @property
-    def given_choices(self) -> tuple[str, ...]:
-        """Names of the alternatives, such as "metal" and "eta+k"."""
-        return tuple("+".join(group) for group in self.alternatives)
-
-    def given_label(self, choice: str) -> str:
-        """What an alternative gives, in words: "IOR and Extinction"."""
-        return " and ".join(self.parameter(name).label for name in choice.split("+"))
 
     @property
     def structure(self) -> tuple[Parameter, ...]:
@@ -231,6 +249,29 @@ NORMAL = Feature(
     ),
 )
 
+SCATTERING = Feature(
+    "scattering",
+    "Scattering",
+    "A cloudy medium, such as milk glass, paint or dust",
+    (
+        Parameter(
+            "scatter_g", FLOAT, 0.0, "Forwardness", "Mean cosine of the scattering angle: above 0 light goes on, below 0 back", minimum=-0.99, maximum=0.99
+        ),
+        Parameter("scatter_color", COLOR, (0.8, 0.8, 0.8), "Scatter Color", "Color of a very thick layer, without interface and tint; 1 absorbs nothing"),
+        Parameter("density", FLOAT, 1.0, "Density", "Optical depth of the scattering medium per unit of thickness; 0 is a clear one", maximum=1000.0),
+        Parameter(
+            "extinction",
+            VECTOR,
+            (1.0, 1.0, 1.0),
+            "Scatter Extinction",
+            "Optical depth per unit of thickness, scattering and absorption together, RGB; the tint's comes on top",
+            maximum=1000.0,
+        ),
+        Parameter("scatter_albedo", COLOR, (0.9, 0.9, 0.9), "Scatter Albedo", "Share of the extinction that is scattered; 1 absorbs nothing"),
+    ),
+    alternatives=(("scatter_color", "density"), ("extinction", "scatter_albedo")),
+)
+
 _COLOR = Parameter("color", COLOR, (0.8, 0.8, 0.8), "Color", "Share of light that the opaque base reflects, linear RGB")
 
 DIELECTRIC = Kind(
@@ -244,7 +285,7 @@ DIELECTRIC = Kind(
         Parameter("thickness", FLOAT, 1.0, "Thickness", "Thickness of the medium, in units of the tint's crossing", maximum=1000.0),
         _DISTRIBUTION,
     ),
-    features=(COVERAGE, ANISOTROPY, THIN_FILM, NORMAL),
+    features=(COVERAGE, ANISOTROPY, THIN_FILM, NORMAL, SCATTERING),
 )
 LAMBERT = Kind("lambert", "Lambert", "An ideally diffuse, opaque base", (_COLOR,), features=(NORMAL,))
 OREN_NAYAR = Kind(

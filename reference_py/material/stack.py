@@ -202,19 +202,24 @@ def _part(part: type[LayerOrBase], data, where: str, kind_of, version: int) -> L
 
 def _given_names(kind: Kind, data: Mapping, where: str) -> set[str]:
     """The parameters that this element uses: of the kind's alternatives just the one that is given, of its features those."""
-    names = {p.name for p in kind.parameters}
+    names = _without_alternatives(kind, data, where)
     for feature in kind.features:
         if any(p.name in data for p in feature.parameters):
-            names |= {p.name for p in feature.parameters}
-    if not kind.alternatives:
+            names |= _without_alternatives(feature, data, where)
+    return names
+
+
+def _without_alternatives(owner: Kind | Feature, data: Mapping, where: str) -> set[str]:
+    names, alternatives = {p.name for p in owner.parameters}, owner.alternatives
+    if not alternatives:
         return names
-    given = [group for group in kind.alternatives if any(name in data for name in group)]
+    given = [group for group in alternatives if any(name in data for name in group)]
     if len(given) > 1:
-        options = " or ".join(kind.given_choices)
+        options = " or ".join(owner.given_choices)
         both = " and ".join("+".join(group) for group in given)
         raise LaminaError(f"{where}: {both} exclude each other; choose {options}")
-    chosen = given[0] if given else kind.alternatives[0]
+    chosen = given[0] if given else alternatives[0]
     missing = [name for name in chosen if name not in data]
     if given and missing:
         raise LaminaError(f"{where}: {'+'.join(chosen)} go together; {', '.join(missing)} is missing")
-    return names - {name for group in kind.alternatives if group is not chosen for name in group}
+    return names - {name for group in alternatives if group is not chosen for name in group}

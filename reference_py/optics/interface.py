@@ -9,6 +9,7 @@ from ..material.schema import ANISOTROPY, THIN_FILM
 from ..material.stack import Base, Layer
 from .fresnel import fresnel_dielectric
 from .microfacet import alpha_from_roughness, is_specular
+from .scattering import Scattering, medium_of
 from .thin_film import THINNEST_NM, Film, film_reflectance
 
 # A tint of 0 means black after any thickness; the floor keeps tau finite in float32 too.
@@ -61,14 +62,16 @@ class Interface:
     n_below: float
     facets: Microfacets
     tau: np.ndarray
-    """Optical depth (channels,) of one perpendicular crossing of the medium below."""
+    """Optical depth (channels,) of one perpendicular crossing of the medium below, what is scattered counted."""
     film: Film | None = None
+    scattering: Scattering | None = None
+    """That of the medium below; None where it only absorbs."""
 
     @classmethod
     def of(cls, layer: Layer, n_above: float) -> "Interface":
         """That of a layer below a medium of absolute index `n_above`."""
-        tau = optical_depth(layer["tint"], layer["thickness"])
-        return cls(n_above, layer["ior"], Microfacets.of(layer), tau, film_of(layer))
+        tau, scattering = medium_of(layer, optical_depth(layer["tint"], layer["thickness"]))
+        return cls(n_above, layer["ior"], Microfacets.of(layer), tau, film_of(layer), scattering)
 
     @property
     def alpha(self) -> float:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import LaminaError
-from ..material.schema import ANISOTROPY, CONDUCTOR, DIELECTRIC, LAMBERT, OREN_NAYAR, THIN_FILM, Feature
+from ..material.schema import ANISOTROPY, CONDUCTOR, DIELECTRIC, LAMBERT, OREN_NAYAR, SCATTERING, THIN_FILM, Feature
 from ..material.stack import Base, Layer, Stack
 from .bases import ConductorBase, DiffuseBase
 from .interface import Interface
@@ -21,7 +21,7 @@ from .microfacet import BECKMANN, GGX, is_specular
 LAYERS: dict[str, Any] = {DIELECTRIC.name: Interface}
 BASES: dict[str, Any] = {LAMBERT.name: DiffuseBase, OREN_NAYAR.name: DiffuseBase, CONDUCTOR.name: ConductorBase}
 # Features that change what a model computes. Coverage makes patches, and normals are the renderer's.
-_OPTICAL = (ANISOTROPY, THIN_FILM)
+_OPTICAL = (ANISOTROPY, THIN_FILM, SCATTERING)
 
 
 @dataclass(frozen=True)

@@ -384,7 +384,7 @@ def test_a_parameter_added_to_the_schema_appears_everywhere(blender):
     item = next(item for item in interface if item.name == "Haze" and item.in_out == "INPUT")
     assert (item.default_value, item.max_value, item.description) == (0.25, 2.0, haze.help)
 
-    assert {"Haze", "Finish"} <= {p.label for p in elements.shown_parameters(kind, "")}
+    assert {"Haze", "Finish"} <= {p.label for p in kind.given_by("")}
 
     node = node_tree(blender.data.materials.new("new")).nodes.new("ShaderNodeScript")
     shader = generate(make_lobe_set(stack, "weidlich_wilkie"), schema=schema)

@@ -9,7 +9,7 @@ from lamina.reference_py.lobes.samples import truth_at
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.adding import Adding, facets, operators
-from lamina.reference_py.models.adding.assembly import Layers, add
+from lamina.reference_py.models.adding.assembly import Layers, Medium, add
 from lamina.reference_py.models.adding.bounces import Microsurface, detail_of
 from lamina.reference_py.models.adding.direction_grid import Grid
 from lamina.reference_py.models.adding.effective_stack import EffectiveStack
@@ -144,7 +144,7 @@ def test_thickness_zero_and_huge():
 def _parts():
     grid, resolution = Grid((1.0, 1.3, 1.5, 1.8), 24), Resolution(2, 12, 24)
     return [
-        interface_operators(above, below, alpha, "ggx", "multiple", grid, resolution).over_medium(operators.transmittance(grid, below, 0.1))
+        interface_operators(above, below, alpha, "ggx", "multiple", grid, resolution).over_medium(Medium(operators.transmittance(grid, below, 0.1)))
         for above, below, alpha in ((1.0, 1.5, 0.2), (1.5, 1.3, 0.0), (1.3, 1.8, 0.5))
     ]
 

@@ -9,7 +9,7 @@ import pytest
 from lamina.reference_py.registry import make_model
 from lamina.study import agreement as module
 from lamina.study.agreement import ADDING_ALBEDO, ADDING_F, COLUMNS, NARROW, SIGMAS, agreement, direction_grid
-from lamina.study.suite import suite, suite_stack
+from lamina.study.suite import scattering_suite, suite, suite_stack
 from lamina.study.tables import FIGURES, read_rows
 
 TABLE = FIGURES / "suite_agreement.csv"
@@ -81,3 +81,25 @@ def test_the_grid_is_above_the_surface_and_off_the_mirror_direction():
     wo, wi = direction_grid()
     assert np.all(wo[:, 2] > 0.1) and np.all(wi[:, 2] > 0.1)
     assert np.min(np.linalg.norm(wo[:, :2] + wi[:, :2], axis=-1)) > 0.05
+
+
+def test_truths_agree_on_every_stack_whose_media_scatter():
+    header, *rows = read_rows(FIGURES / "scattering_agreement.csv")
+    told = {row[0]: dict(zip(header[1:], row[1:])) for row in rows}
+    assert list(told) == list(scattering_suite()), "run lamina chart scattering -o figures"
+    assert len(told) >= 24
+    assert {(row["albedo_agrees"], row["f_agrees"]) for row in told.values()} == {("yes", "yes")}
+
+
+@pytest.mark.parametrize("name", ["bare_haze_over_red", "smooth_forward_over_mirror", "rough_one_isotropic"])
+def test_that_is_so_with_this_code(name):
+    result = agreement(scattering_suite()[name], most_walks=8192, f_walks=2000, seed=3)
+    assert result.sigmas <= SIGMAS and result.f_beyond <= ADDING_F
+
+
+def test_half_spaces_and_explicit_slabs_are_as_they_should_be():
+    header, *rows = read_rows(FIGURES / "half_space.csv")
+    assert max(float(row[header.index(name)]) for row in rows for name in ("albedo_worst", "f_worst")) < 1e-4
+    header, *rows = read_rows(FIGURES / "mitsuba_slabs.csv")
+    assert len({row[0] for row in rows}) >= 6
+    assert max(float(row[header.index("worst_error")]) for row in rows) <= 0.01

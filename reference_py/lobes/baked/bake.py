@@ -59,7 +59,7 @@ class Baker:
 
     def __init__(self, stack: Stack, truth, progress: Callable[[float], None] | None = None):
         self._report = progress or (lambda share: None)
-        cosines, surfaces = knot_cosines(), rough_surfaces(stack)
+        cosines, surfaces = knot_cosines(), rough_surfaces(stack) or _media(stack)
         widths = [alpha for _, alpha in surfaces]
         self._specular = truth.specular_albedo(cosines)
         views = truth_at(truth, np.concatenate([cosines, middle_cosines()]), widths, _POINTS)
@@ -141,6 +141,11 @@ class Baker:
             unit = 1.0 if isinstance(table, DiffuseTable) else np.maximum(unit_energy(table.lobe(knot_cosines()), knot_cosines()), 1e-3)
             result.append(replace(table, weight=(table.weight + floor / unit) * scale))
         return result
+
+
+def _media(stack: Stack) -> list[tuple[str, float]]:
+    """(distribution, alpha) of lobes that are about as wide as what media scatter, which fits of a stack without rough surfaces begin with."""
+    return [(GGX, float(np.sqrt(1.0 - abs(s.scattering.g)))) for s in OpticalStack.of(stack).interfaces if s.scattering is not None]
 
 
 def _top_lobe(stack: Stack) -> GlossyLobe | None:

@@ -12,6 +12,7 @@ from ...material.stack import Stack
 from ...optics.optical_stack import OpticalStack
 from ..analytic import AnalyticLobes
 from ..analytic.tables import closure_energy
+from ..baked import follows as can_follow
 from ..baked import in_tables
 from ..cache import ALWAYS_LIVE
 from ..made import Made, Options
@@ -19,7 +20,7 @@ from ..patch_lobes import PatchLobes
 from ..pools import MAX_CLOSURES
 from . import auto, baking
 from .method import Method
-from .not_bakeable import bakeable, needs_live, not_bakeable
+from .not_bakeable import bakeable, needs_live, not_bakeable, scatters
 from .paper import PaperLobes
 from .with_features import featured_analytic
 
@@ -43,8 +44,6 @@ METHODS = {
     )
 }
 DEFAULT_METHOD = auto.METHOD.name
-# What stands in for a method that takes time until it is there.
-PROVISIONAL_METHOD = AnalyticLobes.name
 
 
 def method_of(name: str) -> Method:
@@ -81,6 +80,11 @@ def make_lobe_set(stack: Stack, method: str = DEFAULT_METHOD, **options) -> Made
         return made[0][1]
     reasons = dict.fromkeys(part.reason for _, part in made if part.reason)
     return Made(method, stack, PatchLobes(stack, tuple(made), closure_energy), "; ".join(reasons))
+
+
+def provisional(stack: Stack) -> Made:
+    """What stands in for a method that takes time until it is there: `analytic`, or the quickest bake of media that scatter, which that does not know."""
+    return make_lobe_set(stack, baking.NAME, glossy=1) if scatters(stack) else make_lobe_set(stack, AnalyticLobes.name)
 
 
 def key_of(stack: Stack, method: str, **options) -> str:
@@ -148,6 +152,9 @@ def _made(row: Method, stack: Stack, options: Options) -> Made:
     if row.computed is None:
         return row.make(stack, options)
     plain = bakeable(stack)
+    if scatters(stack) and (not_bakeable(stack) or not can_follow(plain, options.live)):
+        what = needs_live(stack) or in_words(options.live)
+        raise LaminaError(f"no bake follows {what}, and bakes alone know media that scatter; choose one of the two")
     if row.follows(plain, options.live):
         made = row.make(plain, options)
     else:

@@ -9,9 +9,11 @@ import numpy as np
 
 from ...errors import LaminaError
 from ...material.place import in_words
+from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
 from ...models.position_free import PositionFree
 from ...optics.frame import spherical
+from ...optics.optical_stack import Support
 from ..analytic import AnalyticLobes
 from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, baked, follows, pack_lobes, unpack_lobes
 from ..cache import stack_key, truth_of
@@ -22,6 +24,7 @@ from ..made import Candidate, Choice, Made, Options
 from ..view_table import BASE_COLOR, TableLobes
 from .cost import cost
 from .method import Computed, Method
+from .not_bakeable import scatters
 from .paper import PaperLobes
 from .with_features import featured_analytic
 
@@ -48,7 +51,8 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
     report = options.report
     estimator = ErrorEstimator(stack, truth, ball_cosines() if cosines is None else cosines, light_deg)
     can_bake = follows(stack, live)
-    makers: Iterable = [(method, lambda lobe_set=lobe_set: lobe_set(stack)) for method, lobe_set in _LIVE.items()]
+    able = {} if scatters(stack) else _LIVE
+    makers: Iterable = [(method, lambda lobe_set=lobe_set: lobe_set(stack)) for method, lobe_set in able.items()]
     if not live:
         makers = chain(makers, _bakes(Baker(stack, truth), glossy, tolerance))
     elif can_bake:
@@ -155,4 +159,5 @@ METHOD = Method(
     _make,
     lambda stack, live: True,
     COMPUTED,
+    Support(features=(ANISOTROPY, THIN_FILM, SCATTERING)),
 )

@@ -5,9 +5,10 @@ Live values are followed by tables over them too (`baked.follows`).
 """
 
 from ...material.place import Place, in_words
+from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
-from ...optics.optical_stack import OpticalStack
+from ...optics.optical_stack import OpticalStack, Support
 from ..analytic import AnalyticLobes
 from ..baked import DEFAULT_GLOSSY, baked, follows, pack_lobes, unpack_lobes
 from ..cache import stack_key
@@ -53,4 +54,5 @@ METHOD = Method(
     _make,
     _follows,
     COMPUTED,
+    Support(features=(ANISOTROPY, THIN_FILM, SCATTERING)),
 )

@@ -17,7 +17,7 @@ method | auto    | how Cycles is told about the stack: weidlich_wilkie, analytic
 import numpy as np
 
 from ...errors import LaminaError
-from ...material.schema import ANISOTROPY, THIN_FILM
+from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
 from ...optics.directions import components, vectors
 from ...optics.frame import azimuth, dot, half_vector, normalize, reflect
@@ -33,7 +33,7 @@ from . import DEFAULT_METHOD, make_lobe_set
 _LEAST_SHARE = 1e-3
 
 
-@supports("model", features=(ANISOTROPY, THIN_FILM))
+@supports("model", features=(ANISOTROPY, THIN_FILM, SCATTERING))
 class ClosureModel:
     """What Cycles renders: the closures of a method, evaluated."""
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from ...material.place import Place, in_words, places
-from ...material.schema import ANISOTROPY, NORMAL, THIN_FILM
+from ...material.schema import ANISOTROPY, NORMAL, SCATTERING, THIN_FILM
 from ...material.stack import LayerOrBase, Stack
 from ...optics.interface import Microfacets
 
@@ -20,6 +20,11 @@ def needs_live(stack: Stack) -> str | None:
 def not_bakeable(stack: Stack) -> tuple[Place, ...]:
     """Features that tables over the view cannot hold."""
     return tuple(Place(i, feature.name) for i, element in places(stack) for feature in _FEATURES if element.has(feature))
+
+
+def scatters(stack: Stack) -> bool:
+    """Whether a medium of the stack scatters, which bakes alone know."""
+    return any(layer.has(SCATTERING) for layer in stack.layers)
 
 
 def bakeable(stack: Stack) -> Stack:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...optics.slab import Slab
+
 # Light that smooth interfaces trap for good makes the solve singular. It meets no one outside (its couplings are
 # exactly 0), so a loss this small per round trip decides only that it is 0 and not undefined.
 TRAPPED_LOSS = 1e-13
@@ -22,10 +24,50 @@ class Layers:
     r_down: np.ndarray
     t_up: np.ndarray
 
-    def over_medium(self, share: np.ndarray) -> "Layers":
-        """With an absorbing medium below, of which one crossing leaves `share` (N,)."""
-        column = share[:, None]
-        return Layers(self.r_up, self.t_down * share, column * self.r_down * share, column * self.t_up)
+    def over_medium(self, medium: "Medium") -> "Layers":
+        """With a medium below."""
+        if isinstance(medium, ScatteringMedium):
+            return add(self, medium.layers)
+        column = medium.share[:, None]
+        return Layers(self.r_up, self.t_down * medium.share, column * self.r_down * medium.share, column * self.t_up)
+
+
+@dataclass(frozen=True)
+class Medium:
+    """A medium that only absorbs, of which one crossing leaves `share` (N,)."""
+
+    share: np.ndarray
+
+    def over(self, below: np.ndarray) -> np.ndarray:
+        """Reflection operator of what is below, seen through the medium."""
+        return below * (self.share[:, None] * self.share)
+
+    def once(self, specular: np.ndarray) -> np.ndarray:
+        """Light that met one event in the medium, over something that reflects shares (N,) as a mirror."""
+        return np.zeros(1)
+
+
+@dataclass(frozen=True)
+class ScatteringMedium(Medium):
+    """A medium that scatters too, the same from above and below. `share` is what it lets pass as if nothing were met."""
+
+    slab: Slab
+
+    @property
+    def layers(self) -> Layers:
+        """As layers without interface."""
+        return Layers(self.slab.reflection, self.slab.transmission, self.slab.reflection, self.slab.transmission)
+
+    def over(self, below: np.ndarray) -> np.ndarray:
+        """Reflection operator of what is below, seen through the medium."""
+        back, on = self.slab.reflection, self.slab.transmission
+        return back + on @ round_trips(below, back, below @ on)
+
+    def once(self, specular: np.ndarray) -> np.ndarray:
+        """One event, over something that reflects shares (N,) as a mirror: before it, after it, both or neither."""
+        mirrored = self.share * specular
+        back, on = self.slab.reflected_once, self.slab.transmitted_once
+        return back + mirrored[:, None] * on + on * mirrored + mirrored[:, None] * back * mirrored
 
 
 def empty(count: int, modes: int) -> Layers:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The part of f in closed form: one event on the topmost rough surface, seen through smooth interfaces.
+"""The part of f in closed form: one event on the topmost rough surface, or in a medium above that, seen through smooth interfaces.
 
 A smooth interface keeps s = n sin(theta), so both directions refract about the surface normal, light that bounces
 between smooth interfaces is a geometric series per direction, and f / n^2 is what is carried through.
@@ -11,20 +11,25 @@ import numpy as np
 
 from ...optics.frame import dot, half_vector
 from ...optics.fresnel import cos_theta_t, fresnel_dielectric
+from ...optics.interface import Interface
 from ...optics.microfacet import is_specular
+from ...optics.slab import henyey_greenstein, peak, single_scattering, without_peak
+from .direction_grid import Grid
 from .effective_stack import EffectiveStack
 from .facets import reflection_lobe
+from .operators import phase_terms
 
 
-def direct_f(effective: EffectiveStack, surface: str, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
-    """f (P, 3) in 1/sr of this part, for directions (P, 3) above the surface."""
-    smooth = 0
-    while smooth < len(effective.interfaces) and is_specular(effective.interfaces[smooth].alpha):
-        smooth += 1
-    factor = _throughput(effective, smooth, wo[:, 2]) * _throughput(effective, smooth, wi[:, 2])
-    n = effective.interfaces[smooth - 1].n_below if smooth else 1.0
-    wo, wi = _inside(wo, n), _inside(wi, n)
-    return factor * _event(effective, smooth, surface, wo, wi) / (n * n)
+def direct_f(effective: EffectiveStack, surface: str, wo: np.ndarray, wi: np.ndarray, grid: Grid) -> np.ndarray:
+    """f (P, 3) in 1/sr of this part, for directions (P, 3) above the surface; the rest comes from `grid`."""
+    run_o, run_i = _SmoothRun(effective, wo[:, 2]), _SmoothRun(effective, wi[:, 2])
+    n = effective.interfaces[run_o.depth - 1].n_below if run_o.depth else 1.0
+    event = _event(effective, run_o.depth, surface, _inside(wo, n), _inside(wi, n))
+    f = run_o.through * run_i.through * event / (n * n)
+    for k, interface in enumerate(effective.interfaces[: run_o.depth]):
+        if interface.scattering is not None:
+            f = f + _scattered_once(interface, run_o.at(k), run_i.at(k), _inside(wo, interface.n_below), _inside(wi, interface.n_below), grid)
+    return f
 
 
 def _inside(w, n):
@@ -32,34 +37,55 @@ def _inside(w, n):
     return np.concatenate([w[:, :2] / n, cos_theta_t(w[:, 2:], n)], axis=-1)
 
 
-def _throughput(effective: EffectiveStack, smooth: int, cos_theta) -> np.ndarray:
-    """Share (P, 3) of the light along one direction that gets through the first `smooth` interfaces, all bounces."""
-    cosines = [cos_theta, *(cos_theta_t(cos_theta, i.n_below) for i in effective.interfaces[:smooth])]
-    taus = [effective.tau_above, *effective.taus[:smooth]]
-    crossing = [np.exp(-tau / np.maximum(c, 1e-12)[:, None]) for tau, c in zip(taus, cosines)]
-    # adding of scalars from the top: what came through, and what the layers so far reflect from below
-    through, back = crossing[0], np.zeros(crossing[0].shape)
-    for k, interface in enumerate(effective.interfaces[:smooth]):
-        reflectance = fresnel_dielectric(cosines[k], interface.eta)[:, None]
-        trips = 1.0 / np.maximum(1.0 - back * reflectance, 1e-13)
-        share = crossing[k + 1]
-        through = through * trips * (1.0 - reflectance) * share
-        back = (reflectance + np.square(1.0 - reflectance) * back * trips) * np.square(share)
-    return through
+class _SmoothRun:
+    """Light along one direction, of cosines (P,), through the smooth surfaces at the top: all reflections between them, a series each.
+
+    `depth` interfaces are smooth; `through` (P, 3) of the light meets the next surface, `mirrored` comes back.
+    """
+
+    def __init__(self, effective: EffectiveStack, cos_theta: np.ndarray):
+        run = list(takewhile(lambda i: is_specular(i.alpha), effective.interfaces))
+        cosines = [cos_theta, *(cos_theta_t(cos_theta, i.n_below) for i in run)]
+        crossing = [np.exp(-tau / np.maximum(c, 1e-12)[:, None]) for tau, c in zip((effective.tau_above, *effective.taus), cosines)]
+        reflectances = [fresnel_dielectric(cosine, i.eta)[:, None] for cosine, i in zip(cosines, run)]
+        self.depth = len(run)
+        self.mirrored = np.zeros((len(cos_theta), 3))
+        if self.depth == len(effective.interfaces) and effective.base.is_specular:
+            self.mirrored = effective.base.reflectance(cosines[-1])
+        self._below, trips = [], []
+        for f, share in reversed(list(zip(reflectances, crossing[1:]))):
+            self._below.insert(0, self.mirrored)
+            back = self.mirrored * np.square(share)
+            trips.insert(0, 1.0 / np.maximum(1.0 - f * back, 1e-13))
+            self.mirrored = f + np.square(1.0 - f) * back * trips[0]
+        self.mirrored = self.mirrored * np.square(crossing[0])
+        self.through, self._entering, self._shares = crossing[0] * np.ones(3), [], crossing[1:]
+        for f, share, more in zip(reflectances, crossing[1:], trips):
+            self._entering.append(self.through * (1.0 - f) * more)
+            self.through = self._entering[-1] * share
+
+    def at(self, k: int) -> tuple[np.ndarray, np.ndarray]:
+        """Light (P, 3) that enters the medium below interface k from above, and that then comes from below."""
+        entering = self._entering[k]
+        return entering, entering * self._shares[k] * self._below[k]
 
 
 def specular_reflectance(effective: EffectiveStack, cos_theta: np.ndarray) -> np.ndarray:
     """Share (P, 3) of the light from cosines (P,) that the smooth surfaces at the top turn back as a mirror, all bounces."""
-    run = list(takewhile(lambda i: is_specular(i.alpha), effective.interfaces))
-    cosines = [cos_theta, *(cos_theta_t(cos_theta, i.n_below) for i in run)]
-    reflected = np.zeros((len(cos_theta), 3))
-    if len(run) == len(effective.interfaces) and effective.base.is_specular:
-        reflected = effective.base.reflectance(cosines[-1])
-    for interface, tau, above, below in reversed(list(zip(run, effective.taus, cosines, cosines[1:]))):
-        reflected = reflected * np.exp(-2.0 * tau / np.maximum(below, 1e-12)[:, None])
-        f = fresnel_dielectric(above, interface.eta)[:, None]
-        reflected = f + np.square(1.0 - f) * reflected / np.maximum(1.0 - f * reflected, 1e-13)
-    return reflected * np.exp(-2.0 * effective.tau_above / np.maximum(cos_theta, 1e-12)[:, None])
+    return _SmoothRun(effective, cos_theta).mirrored
+
+
+def _scattered_once(interface: Interface, light_o, light_i, wo, wi, grid: Grid) -> np.ndarray:
+    """f (P, 3) of one event in the medium below an interface, by the whole phase function (Nakajima88: what a cut one leaves is smooth)."""
+    scattering, terms = interface.scattering, phase_terms(grid, interface.n_below)
+    tau, albedo = without_peak(interface.tau, scattering.albedo, scattering.g, terms)
+    albedo = albedo / (1.0 - peak(scattering.g, terms))
+    (down_o, up_o), (down_i, up_i) = light_o, light_i
+    back, on = single_scattering(np.maximum(wo[:, 2:], 1e-12), np.maximum(wi[:, 2:], 1e-12), tau)
+    mirrored = wi * np.array([1.0, 1.0, -1.0])
+    turned_back, turned_on = (henyey_greenstein(-dot(wo, w), scattering.g)[:, None] for w in (wi, mirrored))
+    f = turned_back * back * (down_o * down_i + up_o * up_i) + turned_on * on * (down_o * up_i + up_o * down_i)
+    return albedo * f / interface.n_below**2
 
 
 def _event(effective: EffectiveStack, k: int, surface: str, wo, wi) -> np.ndarray:

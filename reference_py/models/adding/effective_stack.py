@@ -1,23 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A stack as adding reads it: interfaces that do something, the media between them, the base, channel by channel."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...optics.bases import ConductorBase, DiffuseBase
-from ...optics.interface import Interface
+from ...optics.interface import Interface, Microfacets
 from ...optics.microfacet import is_specular
 from ...optics.optical_stack import OpticalStack
+from .assembly import Medium
 from .direction_grid import Grid
-from .operators import Resolution, conductor_rows, lambert_rows, oren_nayar_rows
+from .operators import Resolution, conductor_rows, lambert_rows, oren_nayar_rows, scattering_medium, transmittance
 
 
 @dataclass(frozen=True)
 class EffectiveStack:
     """`tau_above` (3,) is absorption above the first interface; `tau` of an interface is that of the medium below it.
 
-    Interfaces between equal indices are left out: they do not exist, whatever their roughness.
+    Interfaces between equal indices are left out: they do not exist, whatever their roughness. Where a medium that scatters
+    ends at one, it stays, smooth, and does nothing.
     """
 
     tau_above: np.ndarray
@@ -30,7 +32,11 @@ class EffectiveStack:
         """That of a resolved stack."""
         tau_above, kept, taus = np.zeros(3), [], []
         for interface in optics.interfaces:
-            if interface.eta != 1.0:
+            if interface.eta == 1.0 and (interface.scattering or (kept and kept[-1].scattering)):
+                interface = replace(interface, facets=Microfacets(interface.distribution, 0.0))
+                kept.append(interface)
+                taus.append(interface.tau)
+            elif interface.eta != 1.0:
                 kept.append(interface)
                 taus.append(interface.tau)
             elif kept:
@@ -68,9 +74,23 @@ class EffectiveStack:
         """(representative, members) of each set of channels that are alike."""
         groups: dict = {}
         for c in range(3):
-            key = (self.base.channel_key(c), self.tau_above[c], *(tau[c] for tau in self.taus))
+            scattered = (i.scattering.albedo[c] for i in self.interfaces if i.scattering)
+            key = (self.base.channel_key(c), self.tau_above[c], *(tau[c] for tau in self.taus), *scattered)
             groups.setdefault(key, []).append(c)
         return [(members[0], members) for members in groups.values()]
+
+    def is_smooth_above(self, k: int) -> bool:
+        """Whether light reaches the medium above interface k by smooth interfaces alone."""
+        return all(is_specular(interface.alpha) for interface in self.interfaces[:k])
+
+    def medium(self, k: int, channel: int, grid: Grid, modes: int) -> Medium:
+        """The medium above interface k, or above the base if there are k interfaces."""
+        if k == 0:
+            return Medium(transmittance(grid, 1.0, self.tau_above[channel]))
+        above, tau = self.interfaces[k - 1], float(self.taus[k - 1][channel])
+        if above.scattering is None or above.scattering.albedo[channel] == 0.0:
+            return Medium(transmittance(grid, above.n_below, tau))
+        return scattering_medium(above.n_below, tau, float(above.scattering.albedo[channel]), above.scattering.g, grid, modes)
 
 
 def base_rows(base: DiffuseBase | ConductorBase, channel: int, cos_theta: np.ndarray, surface: str, grid: Grid, resolution: Resolution):

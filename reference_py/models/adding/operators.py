@@ -16,7 +16,8 @@ from ...optics.diffuse import oren_nayar
 from ...optics.frame import spherical
 from ...optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
 from ...optics.microfacet import is_specular
-from .assembly import Layers
+from ...optics.slab import slab
+from .assembly import Layers, ScatteringMedium
 from .bounces import ENERGY, Microsurface, detail_of
 from .direction_grid import Grid, gauss_legendre, legendre
 from .facets import MULTIPLE, dielectric_events, reflection_lobe, visible_facets
@@ -121,6 +122,20 @@ def _spread(moments, grid: Grid, n: float) -> np.ndarray:
 def transmittance(grid: Grid, n: float, tau: float) -> np.ndarray:
     """(N,) share left after one crossing of a medium of optical depth tau."""
     return np.exp(-tau / grid.cosines(n))
+
+
+@lru_cache(maxsize=24)
+def scattering_medium(n: float, tau: float, albedo: float, g: float, grid: Grid, modes: int) -> ScatteringMedium:
+    """A medium of index n, among grid.breaks, that scatters this share of what it does not let pass."""
+    cosines, count = grid.cosines(n), grid.count(n)
+    weights = grid.weights[:count] / (2.0 * np.pi * n * n * cosines)
+    own = slab(cosines, weights, tau, albedo, g, modes, phase_terms(grid, n))
+    return ScatteringMedium(own.passed, own)
+
+
+def phase_terms(grid: Grid, n: float) -> int:
+    """Legendre moments of a phase function in a medium of index n: as many as its directions carry."""
+    return 2 * grid.count(n)
 
 
 def lambert_rows(color: float, n: float, count: int, grid: Grid, modes: int) -> np.ndarray:

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import LaminaError
-from ...material.schema import ANISOTROPY, THIN_FILM
+from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
 from ...optics.microsurface import SURFACES
 from ...optics.optical_stack import OpticalStack, supports
@@ -53,7 +53,7 @@ class Histogram:
         return self.energy / projected[..., None], self.stderr / projected[..., None]
 
 
-@supports("model", bases=None, features=(ANISOTROPY, THIN_FILM))
+@supports("model", bases=None, features=(ANISOTROPY, THIN_FILM, SCATTERING))
 class PositionFree:
     """The truth by Monte Carlo walks, each figure with its standard error.
 

@@ -16,6 +16,7 @@ from ...optics.directions import vectors
 from ...optics.interface import Interface, Microfacets
 from ...optics.optical_stack import OpticalStack
 from ...optics.thin_film import FilmInterface
+from .media import ScatteringMedium
 
 # Share of a cosine lobe in the density that weights a `multiple` surface's paths against each other.
 # Any share is unbiased; some is needed where the walk leaves far from the single-scattering lobe.
@@ -152,16 +153,16 @@ class Diffuse:
 
 
 class SmoothConductor:
-    """A mirror-like metal; `fresnel` is its reflectance (n, 3) at cosines (n,)."""
+    """A mirror-like metal; `reflectance` is its reflectance (n, 3) at cosines (n,)."""
 
     is_delta = True
 
-    def __init__(self, fresnel: Callable[[np.ndarray], np.ndarray]):
-        self._fresnel = fresnel
+    def __init__(self, reflectance: Callable[[np.ndarray], np.ndarray]):
+        self.reflectance = reflectance
 
     def scatter(self, w, from_below, rng, target=None) -> Event:
         """The mirror direction, weighted by Fresnel's reflectance."""
-        return Event(vectors(-w[:, 0], -w[:, 1], w[:, 2]), self._fresnel(w[:, 2]))
+        return Event(vectors(-w[:, 0], -w[:, 1], w[:, 2]), self.reflectance(w[:, 2]))
 
     def density(self, w, o, from_below) -> np.ndarray:
         """(n,) of 1: of the two directions' deltas only the ratio matters."""
@@ -203,13 +204,14 @@ def _with_cosine_lobe(density, o, surface) -> np.ndarray:
 class Surfaces:
     """The surfaces of a stack from the top, the base last, and the media between them.
 
-    tau[i] (3,) belongs to the medium between surfaces i and i + 1, or is None if that is clear;
+    tau[i] (3,) belongs to the medium between surfaces i and i + 1, or is None if that is clear; media[i] is it where it scatters.
     n_above[i] is the index above surface i.
     """
 
     def __init__(self, optics: OpticalStack, surface: str):
         self.all = [_dielectric(layer, surface) for layer in optics.interfaces] + [_base(optics.base, surface)]
         self.tau = [layer.tau if np.any(layer.tau > 0.0) else None for layer in optics.interfaces]
+        self.media = [None if s.scattering is None else ScatteringMedium(s, f"layer {i}") for i, s in enumerate(optics.interfaces)]
         self.n_above = [layer.n_above for layer in optics.interfaces] + [optics.base.n_above]
 
     def __len__(self) -> int:

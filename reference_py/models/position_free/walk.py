@@ -8,46 +8,20 @@ the next surface, what it transmits is negated (`optics.microsurface`).
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
 from ...optics.directions import take
 from .connect import LightPaths
+from .rays import Rays
 from .surfaces import Surfaces
 
 # A ray whose brightest channel falls below this survives by chance, with that much.
 _ROULETTE = 0.1
-
-
-@dataclass(frozen=True)
-class Rays:
-    """Rays that wait for a surface, one per row."""
-
-    w: np.ndarray
-    """(n, 3)"""
-    throughput: np.ndarray
-    """(n, 3), RGB"""
-    path: np.ndarray
-    """(n,), index of the walk"""
-    carry: np.ndarray | None = None
-    """(n,), what `connect` has to remember; None without a light"""
-
-    def take(self, index: np.ndarray) -> "Rays":
-        """The rays at an index (m,)."""
-        carry = None if self.carry is None else self.carry[index]
-        return Rays(take(self.w, index), take(self.throughput, index), self.path[index], carry)
-
-
-def _joined(parts: list[Rays]) -> Rays:
-    if len(parts) == 1:
-        return parts[0]
-    return Rays(
-        np.concatenate([p.w.T for p in parts], axis=1).T,
-        np.concatenate([p.throughput.T for p in parts], axis=1).T,
-        np.concatenate([p.path for p in parts]),
-        None if parts[0].carry is None else np.concatenate([p.carry for p in parts]),
-    )
+# Rays in a medium are followed until this share of them is left, which waits for others.
+_LEFT = 0.25
+_MEDIUM = None
 
 
 class Walk:
@@ -62,17 +36,25 @@ class Walk:
         self.deepest = np.zeros(n, int)
         """(n,) deepest surface that each walk has met so far."""
         carry = None if light is None else np.zeros(n)
-        start = Rays(np.asfortranarray(wo, float), np.ones((3, n)).T, np.arange(n), carry)
+        is_grey = all(medium is None or medium.is_grey for medium in surfaces.media)
+        share = None if is_grey else np.full((3, n), 1.0 / 3.0).T
+        start = Rays(np.asfortranarray(wo, float), np.ones((3, n)).T, np.arange(n), carry, share)
         self._queues = {(0, False): [start]}
         last = len(surfaces) - 1
-        self._sweep = [(i, False) for i in range(last + 1)] + [(i, True) for i in reversed(range(last))]
+        down = [place for i in range(last) for place in ((i, False), (i, _MEDIUM))] + [(last, False)]
+        self._sweep = down + [place for i in reversed(range(last)) for place in ((i, _MEDIUM), (i, True))]
 
     def exits(self) -> Iterator[Rays]:
         """Rays that leave the stack, in portions; their w is wi. Each walk leaves once at most."""
         while self._queues:
             for place in self._sweep:
-                if place in self._queues:
-                    yield from self._step(place, _joined(self._queues.pop(place)))
+                if place not in self._queues:
+                    continue
+                rays = Rays.joined(self._queues.pop(place))
+                if place[1] is _MEDIUM:
+                    self._fly(place[0], rays)
+                else:
+                    yield from self._step(place, rays)
 
     def _step(self, place: tuple[int, bool], rays: Rays) -> Iterator[Rays]:
         index, from_below = place
@@ -92,39 +74,69 @@ class Walk:
                 continue
             w = take(event.direction, rows)
             w = w if is_reflected else -w
-            after = Rays(w, take(throughput, rows), rays.path[rows])
+            before = rays.take(rows)
+            after = replace(before, w=w, throughput=take(throughput, rows))
             goes_up = is_reflected != from_below
             if index == 0 and goes_up:
                 if self.light is None:
                     yield after
                 continue
-            carry = None
             if self.light is not None:
-                carry = self.light.carry(index, from_below, rays.take(rows), w, goes_up)
-            self._enqueue(index, goes_up, Rays(after.w, after.throughput, after.path, carry), event.weight is not None)
+                after = replace(after, carry=self.light.carry(index, from_below, before, w, goes_up))
+            self._enqueue(index, goes_up, after, event.weight is not None)
 
     def _enqueue(self, index: int, goes_up: bool, rays: Rays, is_dimmed: bool) -> None:
         """Cross the medium to the next surface."""
-        tau = self.surfaces.tau[index - 1 if goes_up else index]
+        below = index - 1 if goes_up else index
+        tau = self.surfaces.tau[below]
+        if self.surfaces.media[below] is not None:
+            if is_dimmed:
+                rays = self._roulette(rays)
+            w = rays.w if goes_up else -rays.w
+            self._wait((below, _MEDIUM), replace(rays, w=w, depth=np.full(len(w), 1.0 if goes_up else 0.0)))
+            return
         if tau is not None:
             passed = np.exp(-tau[:, None] / np.maximum(rays.w[:, 2], 1e-12)).T
-            rays = Rays(rays.w, rays.throughput * passed, rays.path, rays.carry)
+            rays = replace(rays, throughput=rays.throughput * passed)
         if tau is not None or is_dimmed:
             rays = self._roulette(rays)
+        self._wait((index - 1, True) if goes_up else (index + 1, False), rays)
+
+    def _wait(self, place: tuple[int, bool | None], rays: Rays) -> None:
         if not len(rays.path):
             return
-        if not goes_up:
-            self.deepest[rays.path] = np.maximum(self.deepest[rays.path], index + 1)
-        self._queues.setdefault((index - 1, True) if goes_up else (index + 1, False), []).append(rays)
+        if place[1] is False:
+            self.deepest[rays.path] = np.maximum(self.deepest[rays.path], place[0])
+        self._queues.setdefault(place, []).append(rays)
+
+    def _fly(self, index: int, rays: Rays) -> None:
+        """Events in the medium below surface `index`, until most rays have left it."""
+        medium, few = self.surfaces.media[index], int(_LEFT * len(rays.path))
+        while len(rays.path) > few:
+            rays, place = medium.fly(rays, self.rng)
+            if np.any(place):
+                for where, to in ((-1, (index, True)), (1, (index + 1, False))):
+                    left = rays.take(np.flatnonzero(place == where))
+                    self._wait(to, replace(left, w=-where * left.w, depth=None))
+                rays = rays.take(np.flatnonzero(place == 0))
+            if medium.absorbs:
+                rays = self._roulette(rays)
+            w, cos = medium.turn(rays.w, self.rng)
+            if self.light is None:
+                rays = replace(rays, w=w)
+            else:
+                self.light.connect_medium(index, medium, rays)
+                rays = replace(rays, w=w, carry=self.light.carry_medium(medium, w, cos))
+        self._wait((index, _MEDIUM), rays)
 
     def _roulette(self, rays: Rays) -> Rays:
         brightest = rays.throughput.T.max(axis=0)
-        if brightest.min() >= _ROULETTE:
+        if not len(brightest) or brightest.min() >= _ROULETTE:
             return rays
         chance = np.minimum(brightest / _ROULETTE, 1.0)
         alive = np.flatnonzero(self.rng.random(len(chance)) < chance)
         rays = rays.take(alive)
-        return Rays(rays.w, (rays.throughput.T / chance[alive]).T, rays.path, rays.carry)
+        return replace(rays, throughput=(rays.throughput.T / chance[alive]).T)
 
 
 def connected_f(surfaces: Surfaces, wo: np.ndarray, wi: np.ndarray, rng: np.random.Generator) -> np.ndarray:
