@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Tables over the view at knots of live parameters. The knot below a value, and the way to the next: less than 0 below
-// the first, at most 1. Of a color each channel has its own, and none is less than 0.
-void knot_place(float knots[], int count, float value, output int cell, output float along)
+// Tables over the view at even knots of live parameters. The knot below a place and the way to the next; of a color each
+// channel has its own.
+void grid_place(float place, int count, output int cell, output float along)
 {
-    cell = 0;
-    for (int k = 1; k < count - 1; ++k)
-        cell += value >= knots[k];
-    along = min((value - knots[cell]) / (knots[cell + 1] - knots[cell]), 1.0);
+    float at = clamp(place, 0.0, count - 1.0);
+    cell = min((int)at, count - 2);
+    along = at - cell;
 }
 
-void knot_place(float knots[], int count, color value, output int cell[3], output float along[3])
+void grid_place(color place, int count, output int cell[3], output float along[3])
 {
-    for (int c = 0; c < 3; ++c) {
-        knot_place(knots, count, value[c], cell[c], along[c]);
-        along[c] = max(along[c], 0.0);
-    }
+    for (int c = 0; c < 3; ++c)
+        grid_place(place[c], count, cell[c], along[c]);
 }
 
 float grid(float table[], int at, int step, float along, float between)

@@ -3,7 +3,7 @@
 
 Between knots all is linear but the energy of the fitted lobes together, whose logarithm is, as absorption is
 exponential. Widths are kept as roughness (the root of alpha), so that a lobe whose width is a live roughness itself is
-exact. Below the first knot widths go on as they began and the rest stays. On an axis of colors energies are read
+exact. Below the first knot that is fitted widths go on as they began and the rest stays. On an axis of colors energies are read
 at each channel's own coordinate. Energies know more knots than shapes, as eyes see them first.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from ..errors import LaminaError
 from ..material.place import Place
 from ..material.stack import Stack
-from .axes import Axis, knot_place
+from .axes import Axis, IndexAxis, Scale
 from .closure import unit_energy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from .view_table import BASE_COLOR, KNOTS, MIN_COS_O, BaseColorTable, DiffuseTable, GlossyTable, TableLobes, interpolate, knot_cosines
@@ -97,7 +97,7 @@ class LiveLobes:
     @property
     def index(self) -> Axis | None:
         """The axis of the top layer's index, which its Fresnel curve follows, if there is one."""
-        return next((axis for axis in self.axes if axis.live[0].name == "ior"), None)
+        return next((axis for axis in self.axes if isinstance(axis, IndexAxis)), None)
 
     def with_values_of(self, stack: Stack) -> "LiveLobes":
         """The same for a stack's own live values."""
@@ -111,18 +111,15 @@ class LiveLobes:
     def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
         """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
         cos_theta_o = np.clip(np.asarray(cos_theta_o, float), MIN_COS_O, 1.0)
-        grid = self.grid if self.index is None else [_with_index(lobe, float(self.index.coordinate(self.stack))) for lobe in self.grid]
+        grid = self.grid if self.index is None else [_with_index(lobe, self.index.live[0].value(self.stack)) for lobe in self.grid]
         return [_lobe(lobe, *parts, cos_theta_o) for lobe, parts in zip(grid, self._parts(cos_theta_o))]
 
     def _parts(self, cos_theta_o):
         """(weight, shape) of every lobe at views."""
         coordinates = [axis.coordinate(self.stack) for axis in self.axes]
         # the channels' places, at knots and fine ones, and the one that shapes are read at
-        each, fine, cross = (
-            [_by_channel(getattr(axis, knots), at) for axis, at in zip(self.axes, coordinates)] for knots in ("knots", "fine", "cross")
-        )
-        free = [knot_place(axis.knots, axis.shared(at)) for axis, at in zip(self.axes, coordinates)]
-        bounded = [(i, np.maximum(t, 0.0)) for i, t in free]
+        each, fine, cross = ([_by_channel(getattr(axis, scale), at) for axis, at in zip(self.axes, coordinates)] for scale in ("knots", "fine", "cross"))
+        one = [axis.knots.place(axis.shared(at)) for axis, at in zip(self.axes, coordinates)]
 
         def color(array, places=each):
             by_channel = [_blend(array[..., c : c + 1], [(i[c], t[c]) for i, t in places]) for c in range(3)]
@@ -132,8 +129,8 @@ class LiveLobes:
             along = sum(color(table, [place]) for table, place in zip(log.along, fine))
             return np.exp(along if log.rest is None else along + color(log.rest, cross))
 
-        def shared(array, places):
-            return interpolate(_blend(array, places), cos_theta_o)
+        def shared(array):
+            return interpolate(_blend(array, one), cos_theta_o)
 
         total = exponential(self.log_sum)
         result = []
@@ -143,20 +140,19 @@ class LiveLobes:
             elif isinstance(lobe.energy, LogEnergy):
                 weight = exponential(lobe.energy)
             else:
-                weight = total * color(lobe.energy) / shared(lobe.unit, bounded)
+                weight = total * color(lobe.energy) / shared(lobe.unit)
             shape = None
             if lobe.is_diffuse and self.base is not None:
                 base = np.clip(self.stack.base["color"], 0.0, 1.0)
                 weight = weight + exponential(self.base.log_through) * base / (1.0 - exponential(self.base.log_back) * base)
             if lobe.shape is not None:
-                shape = np.concatenate([shared(lobe.shape[..., :2], free), shared(lobe.shape[..., 2:], bounded)], axis=-1)
+                shape = shared(lobe.shape)
             result.append((weight, shape))
         return result
 
 
-def _by_channel(knots: tuple[float, ...], coordinate) -> tuple[np.ndarray, np.ndarray]:
-    i, t = (np.broadcast_to(part, 3) for part in knot_place(knots, coordinate))
-    return i, np.maximum(t, 0.0)
+def _by_channel(scale: Scale, coordinate) -> tuple[np.ndarray, ...]:
+    return tuple(np.broadcast_to(part, 3) for part in scale.place(coordinate))
 
 
 def _with_index(lobe: LiveLobe, eta: float) -> LiveLobe:
@@ -191,13 +187,21 @@ def grid_of(
     `along` are those at the fine knots of each axis, the other at any one value; `cross` those at the crossings of two axes, none of one.
     Raises LaminaError when lobes differ.
     """
-    size = tuple(len(axis.knots) for axis in axes)
+    size = tuple(axis.knots.count - axis.before for axis in axes)
     if len({len(lobe_set.tables) for lobe_set in nodes.values()}) != 1 or len(nodes) != np.prod(size):
         raise LaminaError("the lobe sets of a grid differ in their lobes")
 
     def gathered(number: int, part) -> np.ndarray:
         arrays = [part(nodes[index].tables[number]) for index in np.ndindex(size)]
         return np.stack(arrays).reshape(*size, KNOTS, -1)
+
+    def before(values: np.ndarray, goes_on: int) -> np.ndarray:
+        """With rows before the first of each axis: the first `goes_on` columns go on as they began, the rest stays."""
+        for number, axis in enumerate(axes):
+            first, second = (np.take(values, [i], number) for i in (0, 1))
+            slope = (first - second) * (np.arange(values.shape[-1]) < goes_on)
+            values = np.concatenate([*(first + slope * step for step in range(axis.before, 0, -1)), values], axis=number)
+        return values.round(_DIGITS)
 
     def log_energy(part) -> LogEnergy:
         tables = tuple(np.stack([_log(part(point)) for point in points]) for points in along)
@@ -206,18 +210,19 @@ def grid_of(
     lobes = []
     for number, first in enumerate(nodes[(0,) * len(axes)].tables):
         if isinstance(first, DiffuseTable):
-            lobes.append(LiveLobe(gathered(number, lambda table: table.weight), unit=np.ones((*size, KNOTS, 1))))
+            lobes.append(LiveLobe(gathered(number, lambda table: table.weight), unit=before(np.ones((*size, KNOTS, 1)), 0)))
         elif not np.any(first.shape):
             lobes.append(LiveLobe(log_energy(lambda point: point.mirrors), first.distribution))
         else:
-            shape = gathered(number, lambda table: np.concatenate([np.sqrt(table.shape[:, :2]), table.shape[:, 2:]], axis=1)).round(_DIGITS)
+            shape = gathered(number, lambda table: np.concatenate([np.sqrt(table.shape[:, :2]), table.shape[:, 2:]], axis=1))
+            shape = before(shape, 2)
             if first.fresnel is not None:
                 lobes.append(LiveLobe(None, first.distribution, shape, first.fresnel))
                 continue
             unit = gathered(number, _unit)
-            lobes.append(LiveLobe(gathered(number, lambda table: table.weight) * unit, first.distribution, shape, unit=unit.round(_DIGITS)))
+            lobes.append(LiveLobe(gathered(number, lambda table: table.weight) * unit, first.distribution, shape, unit=before(unit, 0)))
     total = np.maximum(sum(lobe.energy for lobe in lobes if lobe.unit is not None), MIN_ENERGY)
-    lobes = [replace(lobe, energy=(lobe.energy / total).round(_DIGITS)) if lobe.unit is not None else lobe for lobe in lobes]
+    lobes = [replace(lobe, energy=before(lobe.energy / total, 0)) if lobe.unit is not None else lobe for lobe in lobes]
     has_base = along[0][0].base is not None
     base = LiveBase(log_energy(lambda point: point.base.through), log_energy(lambda point: point.base.back)) if has_base else None
     return LiveLobes(stack, axes, tuple(lobes), log_energy(lambda point: point.fitted), base)
@@ -229,7 +234,7 @@ def _log(energy: np.ndarray) -> np.ndarray:
 
 def _rest(axes: tuple[Axis, ...], along: tuple[np.ndarray, ...], cross: dict[tuple[int, ...], np.ndarray]) -> np.ndarray:
     """What tables along two axes leave of logarithms at their crossings: (cross, cross, KNOTS, 3)."""
-    first, second = ([_blend(table, [knot_place(axis.fine, knot)]) for knot in axis.cross] for axis, table in zip(axes, along))
+    first, second = ([_blend(table, [axis.fine.place(knot)]) for knot in axis.cross.knots] for axis, table in zip(axes, along))
     return np.stack([np.stack([cross[i, j] - one - other for j, other in enumerate(second)]) for i, one in enumerate(first)]).round(_DIGITS)
 
 

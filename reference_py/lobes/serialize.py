@@ -5,7 +5,7 @@ import numpy as np
 
 from ..material.place import Place
 from ..material.stack import Stack
-from .axes import AXES
+from .axes import AXES, Scale
 from .live_grid import LiveBase, LiveLobe, LiveLobes, LogEnergy
 from .lobe import DielectricCurve
 from .view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
@@ -53,7 +53,10 @@ def pack_grid(lobe_set: LiveLobes) -> dict:
         }
         for lobe in lobe_set.grid
     ]
-    axes = [[type(axis).__name__, [place.pair() for place in axis.live], list(axis.knots), list(axis.fine), list(axis.cross)] for axis in lobe_set.axes]
+    axes = [
+        [type(axis).__name__, [place.pair() for place in axis.live], *([scale.low, scale.high, scale.count] for scale in axis.scales), axis.before]
+        for axis in lobe_set.axes
+    ]
     base = lobe_set.base and {"log_through": _pack_log(lobe_set.base.log_through), "log_back": _pack_log(lobe_set.base.log_back)}
     return {"axes": axes, "lobes": lobes, "log_sum": _pack_log(lobe_set.log_sum), "base": base}
 
@@ -65,17 +68,17 @@ def _pack_log(energy: LogEnergy) -> dict:
 def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
     """The lobe set of `pack_grid`. Raises ValueError, KeyError or TypeError on anything else."""
     axes = tuple(
-        AXES[kind](tuple(Place.of_pair(*pair) for pair in live), *(tuple(float(k) for k in part) for part in knots))
-        for kind, live, *knots in data["axes"]
+        AXES[kind](tuple(Place.of_pair(*pair) for pair in live), *(Scale(float(low), float(high), int(count)) for low, high, count in scales), int(before))
+        for kind, live, *scales, before in data["axes"]
     )
-    size = (*(len(axis.knots) for axis in axes), KNOTS)
+    size = (*(axis.knots.count for axis in axes), KNOTS)
 
     def grid(values, columns: int = 3):
         return None if values is None else _array(values, (*size, columns))
 
     def log_energy(values: dict) -> LogEnergy:
-        along = tuple(_array(table, (len(axis.fine), KNOTS, 3)) for axis, table in zip(axes, values["along"], strict=True))
-        rest = None if len(axes) == 1 else _array(values["rest"], (*(len(axis.cross) for axis in axes), KNOTS, 3))
+        along = tuple(_array(table, (axis.fine.count, KNOTS, 3)) for axis, table in zip(axes, values["along"], strict=True))
+        rest = None if len(axes) == 1 else _array(values["rest"], (*(axis.cross.count for axis in axes), KNOTS, 3))
         return LogEnergy(along, rest)
 
     lobes = [

@@ -11,7 +11,7 @@ import pytest
 
 from lamina.addon.shader.osl import parts
 from lamina.addon.shader.osl.generate import generate
-from lamina.reference_py.lobes.axes import NumberAxis
+from lamina.reference_py.lobes.axes import NumberAxis, Scale
 from lamina.reference_py.lobes.live_grid import Energies, grid_of
 from lamina.reference_py.lobes.lobe import DielectricCurve
 from lamina.reference_py.lobes.made import Made
@@ -54,8 +54,8 @@ def baked():
 
 
 def baked_live():
-    knots, energy = (0.3, 0.6), np.full((KNOTS, 3), 0.3)
-    axis = NumberAxis((Place(0, "roughness"),), knots, knots, knots)
+    scale, energy = Scale(0.3, 0.6, 2), np.full((KNOTS, 3), 0.3)
+    axis = NumberAxis((Place(0, "roughness"),), scale, scale, scale)
     along = [[Energies(energy, energy), Energies(energy, 0.5 * energy)]]
     return Made("baked", ONE, grid_of(ONE, (axis,), {(0,): tables(0.09), (1,): tables(0.36)}, along, {}))
 

@@ -76,7 +76,7 @@ def drawn(rng, stack: Stack, live) -> Stack:
         (VARNISH, WOOD, [(0, "tint")], 0.006, 1.2),
         (VARNISH, WOOD, [(0, "tint"), (0, "thickness")], 0.006, 1.2),
         (GLAZE, METAL, [(0, "tint")], 0.006, 1.1),
-        (VARNISH, METAL, [(None, "reflectance")], 0.004, 1.1),
+        (VARNISH, METAL, [(None, "reflectance")], 0.012, 1.1),
         (GLAZE, METAL, [(None, "edge_color")], 0.004, 1.1),
         (GLAZE, CLAY, [(None, "sigma_deg")], 0.004, 1.1),
         (VARNISH, CLAY, [(None, "color")], 0.006, 1.5),

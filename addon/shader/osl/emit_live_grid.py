@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ....reference_py.lobes.axes import REFLECTANCE_OFFSET, Axis, DepthAxis, NumberAxis
+from ....reference_py.lobes.axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, IndexAxis, NumberAxis, ReflectanceAxis
 from ....reference_py.lobes.live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy
 from ....reference_py.lobes.lobe import DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS
@@ -36,7 +36,7 @@ class _Writer:
         self.statements: list[str] = []
         self.functions: list[str] = []
         self.closures: list[Closure] = []
-        self._prefix, self._axes = prefix, lobe_set.axes
+        self._prefix, self._axes, self._index = prefix, lobe_set.axes, ""
         self._said: set[str] = set()
         self._coordinates = [self._coordinate(i, axis, lobe_set.stack, owners) for i, axis in enumerate(lobe_set.axes)]
         self._lobes(lobe_set)
@@ -64,19 +64,22 @@ class _Writer:
             constant = place.value(stack)
             return f"color({numbers(constant)})" if parameter.type == COLOR else f"{constant:.9g}"
 
+        first = value(axis.live[0].name)
         if isinstance(axis, NumberAxis):
-            return (value(axis.live[0].name),) * 2
+            return (first,) * 2
         name = self._name(f"coordinate{i}")
+        if isinstance(axis, IndexAxis):
+            self._say(f"float {name} = ({first} - 1.0) / ({first} + 1.0);")
+            self._index = first
+            return (name,) * 2
         if isinstance(axis, DepthAxis):
             self.functions.append("medium.h")
-            self._say(f"color {name} = optical_depth({value('tint')}, {value('thickness')});")
-            return name, f"-0.5 * log(mean_of(exp(-2.0 * {name})))"
-        clamped = f"clamp({value(axis.live[0].name)}, color(0.0), color(1.0))"
-        if not axis.is_reflectance:
-            self._say(f"color {name} = {clamped};")
-            return name, f"mean_of({name})"
-        self._say(f"color {name} = log({clamped} + {REFLECTANCE_OFFSET:g});")
-        return name, f"log(mean_of(exp({name})))"
+            self._say(f"color {name} = optical_depth({value('tint')}, {value('thickness')});", f"{name} /= {name} + {HALF_DEPTH:g};")
+        elif isinstance(axis, ReflectanceAxis):
+            self._say(f"color {name} = log(clamp({first}, color(0.0), color(1.0)) + {REFLECTANCE_OFFSET:g});")
+        else:
+            self._say(f"color {name} = 1.0 - sqrt(1.0 - clamp({first}, color(0.0), color(1.0)));")
+        return name, f"mean_of({name})"
 
     def _once(self, name: str, *lines: str) -> str:
         """A name that these statements declare."""
@@ -87,35 +90,33 @@ class _Writer:
 
     def _knots(self, i: int, which: str, is_shared: bool) -> tuple[str, str]:
         """Names of the knot below the coordinate of an axis and of the way to the next; in three channels unless `is_shared`."""
-        axis, each, (channels, shared) = self._axes[i], "" if is_shared else "[3]", self._coordinates[i]
-        knots, tag = getattr(axis, which), f"{which}{i}{'' if is_shared else 's'}"
+        scale, each, value = getattr(self._axes[i], which), "" if is_shared else "[3]", self._coordinates[i][is_shared]
+        tag = f"{which}{i}{'' if is_shared else 's'}"
         cell, along = self._name(f"cell_{tag}"), self._name(f"along_{tag}")
-        if cell not in self._said:
-            table = self._name(f"{which}{i}")
-            if table not in self._said:
-                self._said.add(table)
-                self._array("float", f"{which}{i}", [f"{knot:.9g}" for knot in knots])
-            value = shared if is_shared else f"color({channels})"
-            self._once(cell, f"int {cell}{each};", f"float {along}{each};", f"knot_place({table}, {len(knots)}, {value}, {cell}, {along});")
+        value = value if is_shared else f"color({value})"
+        self._once(
+            cell,
+            f"int {cell}{each};",
+            f"float {along}{each};",
+            f"grid_place(({value} - {scale.low:.9g}) * {scale.per_unit:.9g}, {scale.count}, {cell}, {along});",
+        )
         return cell, along
 
-    def _place(self, which: str, numbers: tuple[int, ...], is_shared: bool, extends: bool = False) -> str:
+    def _place(self, which: str, numbers: tuple[int, ...], is_shared: bool) -> str:
         """Arguments of `grid` for tables over these axes."""
-        sizes = [len(getattr(self._axes[i], which)) for i in numbers]
+        sizes = [getattr(self._axes[i], which).count for i in numbers]
         steps = [KNOTS * int(np.prod(sizes[k + 1 :])) for k in range(len(sizes))]
         parts = [self._knots(i, which, is_shared) for i in numbers]
         tag = f"{which}{''.join(map(str, numbers))}{'' if is_shared else 's'}"
         at = self._name(f"at_{tag}")
         if is_shared:
             self._once(at, f"int {at} = {' + '.join(f'{cell} * {step}' for (cell, _), step in zip(parts, steps))} + cell;")
-            alongs = [along if extends else f"max({along}, 0.0)" for _, along in parts]
         else:
             places = [f"{' + '.join(f'{cell}[{c}] * {step}' for (cell, _), step in zip(parts, steps))} + cell" for c in range(3)]
             self._once(at, f"int {at}[3] = {{{', '.join(places)}}};")
-            alongs = [along for _, along in parts]
-        return ", ".join([at, *map(str, steps), *alongs, "between"])
+        return ", ".join([at, *map(str, steps), *(along for _, along in parts), "between"])
 
-    def _value(self, name: str, values: np.ndarray, which: str = "knots", axes: tuple[int, ...] | None = None, extends: bool = False) -> str:
+    def _value(self, name: str, values: np.ndarray, which: str = "knots", axes: tuple[int, ...] | None = None) -> str:
         """An expression for values (..., KNOTS, 1 or 3) over some axes, all unless told, at the live parameters and the view."""
         axes = tuple(range(len(self._axes))) if axes is None else axes
         rows = values.reshape(-1, values.shape[-1])
@@ -125,7 +126,7 @@ class _Writer:
         entries = [f"color({', '.join(_entry(v) for v in row)})" if color else _entry(row[0]) for row in rows]
         table = self._array("color" if color else "float", name, entries)
         is_shared = not color or not any(self._axes[i].is_color for i in axes)
-        return f"grid({table}, {self._place(which, axes, is_shared, extends)})"
+        return f"grid({table}, {self._place(which, axes, is_shared)})"
 
     def _exponential(self, name: str, log: LogEnergy) -> str:
         terms = [self._value(f"{name}{i}", table, "fine", (i,)) for i, table in enumerate(log.along)]
@@ -155,13 +156,13 @@ class _Writer:
             return "diffuse(N)"
         if lobe.is_specular:
             return f'microfacet("{lobe.distribution}", N, tangent, 0.0, 0.0, 1.0, 0)'
-        roots = [self._value(f"Root{axis}{i}", lobe.shape[..., column : column + 1], extends=True) for column, axis in enumerate("XY")]
+        roots = [self._value(f"Root{axis}{i}", lobe.shape[..., column : column + 1]) for column, axis in enumerate("XY")]
         alphas = [self._name(f"alpha_{axis}{i}") for axis in "xy"]
         for alpha, root in zip(alphas, roots):
             self._say(f"float {alpha} = max({root}, 0.0);", f"{alpha} = clamp({alpha} * {alpha}, {MIN_ALPHA:g}, 1.0);")
         if isinstance(lobe.fresnel, DielectricCurve):
             index = lobe_set.index
-            eta = f"{lobe.fresnel.eta:.9g}" if index is None else self._coordinates[lobe_set.axes.index(index)][0]
+            eta = f"{lobe.fresnel.eta:.9g}" if index is None else self._index
             return f'interface_bsdf(N, tangent, {alphas[0]}, break_isotropy({alphas[0]}), {eta}, "{lobe.distribution}")'
         slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
         return f'microfacet("{lobe.distribution}", normalize(bent_normal + {slope} * side), along, {", ".join(alphas)}, 1.0, 0)'

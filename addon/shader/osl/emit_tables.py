@@ -54,7 +54,9 @@ def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable
 
 
 def _base_weight(arrays: list[str], name: str, table: BaseColorTable) -> str:
-    weight = f"{_value(arrays, f'Through{name}', table.through)} * {CLAMPED_COLOR} / (color(1.0) - {_value(arrays, f'Back{name}', table.back)} * {CLAMPED_COLOR})"
+    weight = (
+        f"{_value(arrays, f'Through{name}', table.through)} * {CLAMPED_COLOR} / (color(1.0) - {_value(arrays, f'Back{name}', table.back)} * {CLAMPED_COLOR})"
+    )
     return f"({_value(arrays, f'Own{name}', table.own)} + {weight})" if np.any(table.own) else weight
 
 

@@ -10,7 +10,7 @@ from ...material.place import Place
 from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
-from ..axes import REFLECTANCE_OFFSET, Axis, DepthAxis, MetalAxis, NumberAxis
+from ..axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, IndexAxis, NumberAxis, ReflectanceAxis, Scale
 from ..cache import truth_of
 from ..live_grid import MIN_ENERGY, Energies, LiveLobes, grid_of
 from ..samples import view_of
@@ -24,15 +24,17 @@ _FINE, _CROSS = 3, 2
 _NARROW = (0.05, 0.1)
 # Beside white, the color at which a rough diffuse base is right.
 _SOME_COLOR = 0.3
-# Knots by how many axes there are: two share out fewer, as a shader's text is limited. Of a roughness, below whose first the widths go on.
-_ROUGHNESSES = {1: (0.2, 0.3, 0.4, 0.5, 0.62, 0.76, 0.9, 1.0), 2: (0.15, 0.27, 0.42, 0.65, 1.0)}
-_DEPTHS = {1: (0.0, 0.15, 0.4, 0.8, 1.4, 2.2, 3.5, 6.0), 2: (0.0, 0.3, 0.8, 1.8, 5.0)}
-# Of the top layer's index: at 1 the layer's surface is gone.
-_INDICES = {1: (1.02, 1.1, 1.22, 1.36, 1.5, 1.7, 2.0, 2.5, 4.0), 2: (1.02, 1.25, 1.5, 1.9, 3.0)}
-_SLOPES = {1: (0.0, 8.0, 16.0, 25.0, 36.0, 50.0, 70.0, 90.0), 2: (0.0, 15.0, 30.0, 50.0, 90.0)}
-_REFLECTANCES = {1: (0.004, 0.03, 0.09, 0.2, 0.36, 0.55, 0.74, 0.9, 1.0), 2: (0.004, 0.08, 0.3, 0.65, 1.0)}
-# Near 1 a metal's index is small, and reflections change fast.
-_EDGES = {1: (0.0, 0.3, 0.55, 0.75, 0.88, 0.95, 0.985, 1.0), 2: (0.0, 0.45, 0.75, 0.93, 1.0)}
+# Knots of shapes, by how many axes there are: a shader's text is limited. Energies have so many steps from one to the next, along one
+# axis and of two.
+_KNOTS = {1: 8, 2: 5}
+_FINE, _CROSS = 3, 2
+# Shapes of lower roughness go on as they began; energies are known from there.
+_ROUGHNESSES, _NARROWEST = (0.2, 1.0), 0.05
+# At 1 the layer's surface is gone, and with a reflectance of 0 the metal.
+_INDICES, _REFLECTANCES = (1.02, 4.0), (0.004, 0.999)
+_DEEPEST = 6.0
+# Beside white, the color at which a rough diffuse base is right.
+_SOME_COLOR = 0.3
 
 
 def follows(stack: Stack, live: tuple[Place, ...]) -> bool:
@@ -81,45 +83,42 @@ def _is_diffuse(stack: Stack) -> bool:
 
 def axes_of(stack: Stack, live: tuple[Place, ...]) -> tuple[Axis, ...] | None:
     """The axes that follow these live values; None where a bake cannot: more than two, or others than these kinds."""
-    makers: dict[tuple, tuple] = {}
+    groups: dict[tuple, tuple[Place, ...]] = {}
     for place in live:
-        kind, knots = _kind_of(place)
-        if kind is None:
-            return None
         # a tint and a thickness are one optical depth
-        key = (place.layer, kind) if kind is DepthAxis else place
-        makers[key] = (kind, (*(makers[key][1] if key in makers else ()), place), knots)
-    if not 0 < len(makers) <= MOST_AXES:
+        key = (place.layer, "depth" if place.name in ("tint", "thickness") else place.name)
+        groups[key] = (*groups.get(key, ()), place)
+    if not 0 < len(groups) <= MOST_AXES:
         return None
-    return tuple(_axis(kind, places, tuple(knots[len(makers)])) for kind, places, knots in makers.values())
+    axes = [_axis(places, len(groups)) for places in groups.values()]
+    return None if None in axes else tuple(axes)
 
 
-def _axis(kind: type[Axis], live: tuple[Place, ...], knots: tuple[float, ...]) -> Axis:
-    before = _NARROW if live[0].name == "roughness" else ()
-    return kind(live, knots, (*before, *_split(knots, _FINE)), (*before[:1], *_split(knots, _CROSS)))
-
-
-def _split(knots: tuple[float, ...], steps: int) -> tuple[float, ...]:
-    """The knots with so many steps from one to the next."""
-    places = np.arange((len(knots) - 1) * steps + 1) / steps
-    return tuple(float(value) for value in np.interp(places, np.arange(len(knots)), knots))
-
-
-def _kind_of(place: Place) -> tuple[type[Axis] | None, dict]:
-    """The class of the axis that follows a live value, and its knots by how many axes there are."""
-    name = place.name
+def _axis(live: tuple[Place, ...], count: int) -> Axis | None:
+    """The axis, one of so many, of live values of one place; None where there is none."""
+    name = live[0].name
     if name in ("tint", "thickness"):
-        return DepthAxis, _DEPTHS
-    if name == "reflectance":
-        return MetalAxis, {count: np.log(np.array(knots) + REFLECTANCE_OFFSET).tolist() for count, knots in _REFLECTANCES.items()}
-    if name == "edge_color":
-        return MetalAxis, _EDGES
+        return _even(DepthAxis, live, (0.0, _DEEPEST / (_DEEPEST + HALF_DEPTH)), count)
     if name == "roughness":
-        return NumberAxis, _ROUGHNESSES
+        axis = _even(NumberAxis, live, _ROUGHNESSES, count)
+        step = 1.0 / axis.knots.per_unit
+        before = int(np.ceil(axis.knots.low / step))
+        knots = Scale(axis.knots.low - before * step, axis.knots.high, axis.knots.count + before)
+        fine, cross = (Scale(_NARROWEST, scale.high, scale.count + 2) for scale in (axis.fine, axis.cross))
+        return NumberAxis(live, knots, fine, cross, before)
     if name == "sigma_deg":
-        return NumberAxis, _SLOPES
+        return _even(NumberAxis, live, (0.0, 90.0), count)
+    if name == "reflectance":
+        return _even(ReflectanceAxis, live, tuple(float(np.log(r + REFLECTANCE_OFFSET)) for r in _REFLECTANCES), count)
+    if name == "edge_color":
+        return _even(EdgeAxis, live, (0.0, 1.0), count)
     # what lies above a layer changes what its index does
-    return (NumberAxis, _INDICES) if place == Place(0, "ior") else (None, {})
+    return _even(IndexAxis, live, tuple((n - 1.0) / (n + 1.0) for n in _INDICES), count) if live[0] == Place(0, "ior") else None
+
+
+def _even(kind: type[Axis], live: tuple[Place, ...], ends: tuple[float, float], count: int) -> Axis:
+    steps = _KNOTS[count] - 1
+    return kind(live, *(Scale(*ends, steps * finer + 1) for finer in (1, _FINE, _CROSS)))
 
 
 def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Callable, report: Callable[[float], None]) -> LiveLobes:
@@ -131,14 +130,15 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     assert axes is not None, "see follows"
     over_color = BASE_COLOR in live
     ground = over_black(stack) if over_color else stack
-    size = tuple(len(axis.knots) for axis in axes)
+    knots = [axis.knots.knots[axis.before :] for axis in axes]
+    size = tuple(map(len, knots))
     center = tuple(n // 2 for n in size)
     order = sorted(np.ndindex(size), key=lambda node: sum(abs(a - b) for a, b in zip(node, center)))
     found, nodes = {}, {}
     for done, node in enumerate(order):
         here = ground
-        for axis, i in zip(axes, node):
-            here = axis.with_knot(here, axis.knots[i])
+        for axis, at, i in zip(axes, knots, node):
+            here = axis.at(here, at[i])
         truth = truth_of(here)
         baker = make_baker(here, truth)
         if not found:
@@ -156,14 +156,12 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     along = []
     for axis in axes:
         here = ground
-        for other, i in zip(axes, center):
-            here = here if other is axis else other.with_knot(here, other.knots[i])
-        along.append([energies(axis.with_knot(here, knot)) for knot in axis.fine])
+        for other, at, i in zip(axes, knots, center):
+            here = here if other is axis else other.at(here, at[i])
+        along.append([energies(axis.at(here, knot)) for knot in axis.fine.knots])
     report(0.85)
     cross = {}
     if len(axes) == 2:
         first, second = axes
-        cross = {
-            (i, j): energies(second.with_knot(first.with_knot(ground, a), b)) for i, a in enumerate(first.cross) for j, b in enumerate(second.cross)
-        }
+        cross = {(i, j): energies(second.at(first.at(ground, a), b)) for i, a in enumerate(first.cross.knots) for j, b in enumerate(second.cross.knots)}
     return grid_of(stack, axes, nodes, along, cross)
