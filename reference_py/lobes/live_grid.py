@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baked lobe sets over one or two live parameters: tables over the view at every knot of those.
+"""Baked lobe sets over one or two axes of live parameters: tables over the view at every knot of those.
 
 Between knots all is linear but the energy of the fitted lobes together, whose logarithm is, as absorption is
 exponential. Widths are kept as roughness (the root of alpha), so that a lobe whose width is a live roughness itself is
-exact. Below the first knot widths go on as they began and the rest stays.
+exact. Below the first knot that is fitted widths go on as they began and the rest stays. On an axis of colors energies are read
+at each channel's own coordinate. Energies know more knots than shapes, as eyes see them first.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 
@@ -15,42 +15,40 @@ import numpy as np
 from ..errors import LaminaError
 from ..material.place import Place
 from ..material.stack import Stack
+from .axes import Axis, IndexAxis, Scale
 from .closure import unit_energy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from .view_table import BASE_COLOR, KNOTS, MIN_COS_O, BaseColorTable, DiffuseTable, GlossyTable, TableLobes, interpolate, knot_cosines
 
 # Less is nothing to Cycles.
 MIN_ENERGY = 1e-7
+# Places of the tables' numbers: a shader's text has thousands.
+_DIGITS = 4
 # A narrower alpha is a mirror to Cycles.
 MIN_ALPHA = 1e-4
 
 
 @dataclass(frozen=True)
-class Axis:
-    """A live parameter: where it is, and its knots, ascending."""
+class LogEnergy:
+    """The logarithm of an energy on the grid: a sum of one table along each axis, at its fine knots, and of what these leave.
 
-    parameter: Place
-    knots: tuple[float, ...]
+    `along` has a (fine, KNOTS, 3) for each axis, `rest` is (cross, cross, KNOTS, 3); one axis leaves nothing.
+    """
 
-    def place(self, value: float) -> tuple[int, float]:
-        """The knot below and the way to the next; less than 0 below the first knot, at most 1 above the last."""
-        i = int(np.clip(np.searchsorted(self.knots, value, side="right") - 1, 0, len(self.knots) - 2))
-        return i, min((value - self.knots[i]) / (self.knots[i + 1] - self.knots[i]), 1.0)
-
-    def value_of(self, stack: Stack) -> float:
-        """The parameter's value in a stack."""
-        return self.parameter.value(stack)
+    along: tuple[np.ndarray, ...]
+    rest: np.ndarray | None
 
 
 @dataclass(frozen=True)
 class LiveLobe:
-    """One lobe on the grid, arrays with the axes first: `energy` (..., KNOTS, 3), `shape` (..., KNOTS, 3), `unit` (..., KNOTS, 1).
+    """One lobe on the grid, arrays with the axes first: `energy` and `shape` (..., KNOTS, 3), `unit` (..., KNOTS, 1).
 
-    Columns of the shape: roots of alpha along and across, and tan(tilt) / sin(theta_o). `unit` is the energy that the lobe
-    has with weight 1; None where `energy` is the weight itself, which the sum of energies does not change then.
+    A fitted lobe's `energy` is its share of what these have together, and `unit` the energy that it has with weight 1. A mirror has no
+    shape, and its energy as a logarithm; the lobe that is exact for a rough top has none: its weight is 1.
+    Columns of the shape: roots of alpha along and across, and tan(tilt) / sin(theta_o).
     """
 
-    energy: np.ndarray
+    energy: np.ndarray | LogEnergy | None
     distribution: str | None = None
     shape: np.ndarray | None = None
     fresnel: DielectricCurve | None = None
@@ -59,30 +57,34 @@ class LiveLobe:
     @property
     def is_specular(self) -> bool:
         """Whether it is a mirror at every knot."""
-        return self.shape is not None and not np.any(self.shape)
+        return isinstance(self.energy, LogEnergy)
+
+    @property
+    def is_diffuse(self) -> bool:
+        """Whether it is a Lambert lobe."""
+        return self.distribution is None
 
 
 @dataclass(frozen=True)
 class LiveBase:
-    """What a Lambert base of a live color adds (`BaseColorTable`) on the grid: the logarithms of `through` and, at every view, `back`, both
-    (..., KNOTS, 3)."""
+    """What a diffuse base of a live color adds (`BaseColorTable`) on the grid: the logarithms of `through` and of `back`."""
 
-    log_through: np.ndarray
-    log_back: np.ndarray
+    log_through: LogEnergy
+    log_back: LogEnergy
 
 
 @dataclass(frozen=True)
 class LiveLobes:
     """A stack's lobes for all values of its axes; `lobes` are those of the stack's own values.
 
-    `log_sum` (..., KNOTS, 3) is the logarithm of what the lobes with a `unit` have in energy together. Where there is a `base`, that is
+    `log_sum` is the logarithm of what the fitted lobes have in energy together. Where there is a `base`, that is
     over black, and the base's light is in the Lambert lobe.
     """
 
     stack: Stack
     axes: tuple[Axis, ...]
     grid: tuple[LiveLobe, ...]
-    log_sum: np.ndarray
+    log_sum: LogEnergy
     base: LiveBase | None = None
 
     name = "baked"
@@ -90,7 +92,12 @@ class LiveLobes:
     @property
     def followed(self) -> tuple[Place, ...]:
         """The live values that the tables follow."""
-        return (*(axis.parameter for axis in self.axes), *([BASE_COLOR] if self.base is not None else []))
+        return (*(place for axis in self.axes for place in axis.live), *([BASE_COLOR] if self.base is not None else []))
+
+    @property
+    def index(self) -> Axis | None:
+        """The axis of the top layer's index, which its Fresnel curve follows, if there is one."""
+        return next((axis for axis in self.axes if isinstance(axis, IndexAxis)), None)
 
     def with_values_of(self, stack: Stack) -> "LiveLobes":
         """The same for a stack's own live values."""
@@ -103,49 +110,84 @@ class LiveLobes:
 
     def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
         """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
-        places = [axis.place(axis.value_of(self.stack)) for axis in self.axes]
         cos_theta_o = np.clip(np.asarray(cos_theta_o, float), MIN_COS_O, 1.0)
-        return [_lobe(lobe, *parts, cos_theta_o) for lobe, parts in zip(self.grid, self._parts(places, cos_theta_o))]
+        grid = self.grid if self.index is None else [_with_index(lobe, self.index.live[0].value(self.stack)) for lobe in self.grid]
+        return [_lobe(lobe, *parts, cos_theta_o) for lobe, parts in zip(grid, self._parts(cos_theta_o))]
 
-    def _parts(self, places, cos_theta_o):
+    def _parts(self, cos_theta_o):
         """(weight, shape) of every lobe at views."""
-        bounded = [(i, max(t, 0.0)) for i, t in places]
+        coordinates = [axis.coordinate(self.stack) for axis in self.axes]
+        # the channels' places, at knots and fine ones, and the one that shapes are read at
+        each, fine, cross = ([_by_channel(getattr(axis, scale), at) for axis, at in zip(self.axes, coordinates)] for scale in ("knots", "fine", "cross"))
+        one = [axis.knots.place(axis.shared(at)) for axis, at in zip(self.axes, coordinates)]
 
-        def seen(array, at):
-            return interpolate(_blend(array, at), cos_theta_o)
+        def color(array, places=each):
+            by_channel = [_blend(array[..., c : c + 1], [(i[c], t[c]) for i, t in places]) for c in range(3)]
+            return interpolate(np.concatenate(by_channel, axis=-1), cos_theta_o)
 
-        energies = [seen(lobe.energy, bounded) for lobe in self.grid]
-        summed = sum((e for lobe, e in zip(self.grid, energies) if lobe.unit is not None), np.zeros_like(energies[0]))
-        scale = np.exp(seen(self.log_sum, bounded)) / np.maximum(summed, MIN_ENERGY)
+        def exponential(log: LogEnergy):
+            along = sum(color(table, [place]) for table, place in zip(log.along, fine))
+            return np.exp(along if log.rest is None else along + color(log.rest, cross))
+
+        def shared(array):
+            return interpolate(_blend(array, one), cos_theta_o)
+
+        total = exponential(self.log_sum)
         result = []
-        for lobe, energy in zip(self.grid, energies):
-            weight = energy if lobe.unit is None else energy * scale / seen(lobe.unit, bounded)
+        for lobe in self.grid:
+            if lobe.energy is None:
+                weight = np.ones_like(total)
+            elif isinstance(lobe.energy, LogEnergy):
+                weight = exponential(lobe.energy)
+            else:
+                weight = total * color(lobe.energy) / shared(lobe.unit)
             shape = None
-            if lobe.shape is None and self.base is not None:
-                color = np.clip(self.stack.base["color"], 0.0, 1.0)
-                weight = weight + np.exp(seen(self.base.log_through, bounded)) * color / (1.0 - np.exp(seen(self.base.log_back, bounded)) * color)
+            if lobe.is_diffuse and self.base is not None:
+                base = np.clip(self.stack.base["color"], 0.0, 1.0)
+                weight = weight + exponential(self.base.log_through) * base / (1.0 - exponential(self.base.log_back) * base)
             if lobe.shape is not None:
-                shape = np.concatenate([seen(lobe.shape[..., :2], places), seen(lobe.shape[..., 2:], bounded)], axis=-1)
+                shape = shared(lobe.shape)
             result.append((weight, shape))
         return result
 
 
+def _by_channel(scale: Scale, coordinate) -> tuple[np.ndarray, ...]:
+    return tuple(np.broadcast_to(part, 3) for part in scale.place(coordinate))
+
+
+def _with_index(lobe: LiveLobe, eta: float) -> LiveLobe:
+    return lobe if lobe.fresnel is None else replace(lobe, fresnel=DielectricCurve(eta))
+
+
 def _lobe(lobe: LiveLobe, weight, shape, cos_theta_o):
-    if shape is None:
+    if lobe.is_specular:
+        return GlossyLobe(lobe.distribution, weight, *(np.zeros_like(cos_theta_o) for _ in range(3)))
+    if lobe.is_diffuse:
         return DiffuseLobe(weight)
     root_x, root_y, slope = np.moveaxis(shape, -1, 0)
     alpha_x, alpha_y = (np.clip(np.square(np.maximum(root, 0.0)), MIN_ALPHA, 1.0) for root in (root_x, root_y))
-    if lobe.is_specular:
-        alpha_x = alpha_y = np.zeros_like(alpha_x)
     tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)))
     return GlossyLobe(lobe.distribution, weight, alpha_x, alpha_y, tilt, lobe.fresnel)
 
 
+@dataclass(frozen=True)
+class Energies:
+    """Energies (KNOTS, 3) at one place of the grid: of mirrors, of the fitted lobes together, and what a base of a live color adds."""
+
+    mirrors: np.ndarray
+    fitted: np.ndarray
+    base: BaseColorTable | None = None
+
+
 def grid_of(
-    stack: Stack, axes: tuple[Axis, ...], nodes: dict[tuple[int, ...], TableLobes], bases: dict[tuple[int, ...], BaseColorTable] | None = None
+    stack: Stack, axes: tuple[Axis, ...], nodes: dict[tuple[int, ...], TableLobes], along: list[list[Energies]], cross: dict[tuple[int, ...], Energies]
 ) -> LiveLobes:
-    """A grid of the lobe sets at its nodes, which must have the same lobes, and of what the base adds. Raises LaminaError when they have not."""
-    size = tuple(len(axis.knots) for axis in axes)
+    """A grid of the lobe sets at its nodes, which must have the same lobes, and of energies.
+
+    `along` are those at the fine knots of each axis, the other at any one value; `cross` those at the crossings of two axes, none of one.
+    Raises LaminaError when lobes differ.
+    """
+    size = tuple(axis.knots.count - axis.before for axis in axes)
     if len({len(lobe_set.tables) for lobe_set in nodes.values()}) != 1 or len(nodes) != np.prod(size):
         raise LaminaError("the lobe sets of a grid differ in their lobes")
 
@@ -153,30 +195,53 @@ def grid_of(
         arrays = [part(nodes[index].tables[number]) for index in np.ndindex(size)]
         return np.stack(arrays).reshape(*size, KNOTS, -1)
 
+    def before(values: np.ndarray, goes_on: int) -> np.ndarray:
+        """With rows before the first of each axis: the first `goes_on` columns go on as they began, the rest stays."""
+        for number, axis in enumerate(axes):
+            first, second = (np.take(values, [i], number) for i in (0, 1))
+            slope = (first - second) * (np.arange(values.shape[-1]) < goes_on)
+            values = np.concatenate([*(first + slope * step for step in range(axis.before, 0, -1)), values], axis=number)
+        return values.round(_DIGITS)
+
+    def log_energy(part) -> LogEnergy:
+        tables = tuple(np.stack([_log(part(point)) for point in points]) for points in along)
+        return LogEnergy(tables, _rest(axes, tables, {node: _log(part(point)) for node, point in cross.items()}) if cross else None)
+
     lobes = []
     for number, first in enumerate(nodes[(0,) * len(axes)].tables):
-        weight = gathered(number, lambda table: table.weight)
         if isinstance(first, DiffuseTable):
-            lobes.append(LiveLobe(weight, unit=np.ones((*size, KNOTS, 1))))
-            continue
-        shape = gathered(number, lambda table: np.concatenate([np.sqrt(table.shape[:, :2]), table.shape[:, 2:]], axis=1))
-        fixed = first.fresnel is not None or not np.any(first.shape)
-        unit = None if fixed else gathered(number, _unit)
-        lobes.append(LiveLobe(weight if fixed else weight * unit, first.distribution, shape, first.fresnel, unit))
-    summed = sum(lobe.energy for lobe in lobes if lobe.unit is not None)
-    base = None
-    if bases:
-        through, back = (
-            np.stack([np.broadcast_to(getattr(bases[i], name), (KNOTS, 3)) for i in np.ndindex(size)]).reshape(*size, KNOTS, 3) for name in ("through", "back")
-        )
-        base = LiveBase(*(np.log(np.maximum(values, MIN_ENERGY)) for values in (through, back)))
-    return LiveLobes(stack, axes, tuple(lobes), np.log(np.maximum(summed, MIN_ENERGY)), base)
+            lobes.append(LiveLobe(gathered(number, lambda table: table.weight), unit=before(np.ones((*size, KNOTS, 1)), 0)))
+        elif not np.any(first.shape):
+            lobes.append(LiveLobe(log_energy(lambda point: point.mirrors), first.distribution))
+        else:
+            shape = gathered(number, lambda table: np.concatenate([np.sqrt(table.shape[:, :2]), table.shape[:, 2:]], axis=1))
+            shape = before(shape, 2)
+            if first.fresnel is not None:
+                lobes.append(LiveLobe(None, first.distribution, shape, first.fresnel))
+                continue
+            unit = gathered(number, _unit)
+            lobes.append(LiveLobe(gathered(number, lambda table: table.weight) * unit, first.distribution, shape, unit=before(unit, 0)))
+    total = np.maximum(sum(lobe.energy for lobe in lobes if lobe.unit is not None), MIN_ENERGY)
+    lobes = [replace(lobe, energy=before(lobe.energy / total, 0)) if lobe.unit is not None else lobe for lobe in lobes]
+    has_base = along[0][0].base is not None
+    base = LiveBase(log_energy(lambda point: point.base.through), log_energy(lambda point: point.base.back)) if has_base else None
+    return LiveLobes(stack, axes, tuple(lobes), log_energy(lambda point: point.fitted), base)
+
+
+def _log(energy: np.ndarray) -> np.ndarray:
+    return np.log(np.maximum(energy, MIN_ENERGY)).round(_DIGITS)
+
+
+def _rest(axes: tuple[Axis, ...], along: tuple[np.ndarray, ...], cross: dict[tuple[int, ...], np.ndarray]) -> np.ndarray:
+    """What tables along two axes leave of logarithms at their crossings: (cross, cross, KNOTS, 3)."""
+    first, second = ([_blend(table, [axis.fine.place(knot)]) for knot in axis.cross.knots] for axis, table in zip(axes, along))
+    return np.stack([np.stack([cross[i, j] - one - other for j, other in enumerate(second)]) for i, one in enumerate(first)]).round(_DIGITS)
 
 
 def _unit(table: GlossyTable) -> np.ndarray:
     return np.maximum(unit_energy(table.lobe(knot_cosines()), knot_cosines())[:, :1], 1e-3)
 
 
-def _blend(array: np.ndarray, places: Sequence[tuple[int, float]]) -> np.ndarray:
+def _blend(array: np.ndarray, places: list) -> np.ndarray:
     """The array without its leading axes, interpolated at their places."""
     return reduce(lambda part, place: part[place[0]] * (1.0 - place[1]) + part[place[0] + 1] * place[1], places, array)

@@ -5,7 +5,8 @@ import numpy as np
 
 from ..material.place import Place
 from ..material.stack import Stack
-from .live_grid import Axis, LiveBase, LiveLobe, LiveLobes
+from .axes import AXES, Scale
+from .live_grid import LiveBase, LiveLobe, LiveLobes, LogEnergy
 from .lobe import DielectricCurve
 from .view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
 
@@ -32,7 +33,7 @@ def _pack(table) -> dict:
 
 def _unpack(data: dict, stack: Stack):
     if "through" in data:
-        return BaseColorTable(_array(data["own"]), _array(data["through"]), _array(data["back"], (3,)), np.array(stack.base["color"]))
+        return BaseColorTable(_array(data["own"]), _array(data["through"]), _array(data["back"]), np.array(stack.base["color"]))
     weight = _array(data["weight"])
     if "shape" not in data:
         return DiffuseTable(weight)
@@ -44,7 +45,7 @@ def pack_grid(lobe_set: LiveLobes) -> dict:
     """A lobe set that was baked over live parameters as lists and numbers."""
     lobes = [
         {
-            "energy": lobe.energy.tolist(),
+            "energy": _pack_log(lobe.energy) if isinstance(lobe.energy, LogEnergy) else None if lobe.energy is None else lobe.energy.tolist(),
             "distribution": lobe.distribution,
             "shape": None if lobe.shape is None else lobe.shape.tolist(),
             "eta": None if lobe.fresnel is None else lobe.fresnel.eta,
@@ -52,22 +53,37 @@ def pack_grid(lobe_set: LiveLobes) -> dict:
         }
         for lobe in lobe_set.grid
     ]
-    axes = [[*axis.parameter.pair(), list(axis.knots)] for axis in lobe_set.axes]
-    base = lobe_set.base and {"log_through": lobe_set.base.log_through.tolist(), "log_back": lobe_set.base.log_back.tolist()}
-    return {"axes": axes, "lobes": lobes, "log_sum": lobe_set.log_sum.tolist(), "base": base}
+    axes = [
+        [type(axis).__name__, [place.pair() for place in axis.live], *([scale.low, scale.high, scale.count] for scale in axis.scales), axis.before]
+        for axis in lobe_set.axes
+    ]
+    base = lobe_set.base and {"log_through": _pack_log(lobe_set.base.log_through), "log_back": _pack_log(lobe_set.base.log_back)}
+    return {"axes": axes, "lobes": lobes, "log_sum": _pack_log(lobe_set.log_sum), "base": base}
+
+
+def _pack_log(energy: LogEnergy) -> dict:
+    return {"along": [table.tolist() for table in energy.along], "rest": None if energy.rest is None else energy.rest.tolist()}
 
 
 def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
     """The lobe set of `pack_grid`. Raises ValueError, KeyError or TypeError on anything else."""
-    axes = tuple(Axis(Place.of_pair(index, name), tuple(float(k) for k in knots)) for index, name, knots in data["axes"])
-    size = (*(len(axis.knots) for axis in axes), KNOTS)
+    axes = tuple(
+        AXES[kind](tuple(Place.of_pair(*pair) for pair in live), *(Scale(float(low), float(high), int(count)) for low, high, count in scales), int(before))
+        for kind, live, *scales, before in data["axes"]
+    )
+    size = (*(axis.knots.count for axis in axes), KNOTS)
 
     def grid(values, columns: int = 3):
         return None if values is None else _array(values, (*size, columns))
 
+    def log_energy(values: dict) -> LogEnergy:
+        along = tuple(_array(table, (axis.fine.count, KNOTS, 3)) for axis, table in zip(axes, values["along"], strict=True))
+        rest = None if len(axes) == 1 else _array(values["rest"], (*(axis.cross.count for axis in axes), KNOTS, 3))
+        return LogEnergy(along, rest)
+
     lobes = [
         LiveLobe(
-            grid(lobe["energy"]),
+            log_energy(lobe["energy"]) if isinstance(lobe["energy"], dict) else grid(lobe["energy"]),
             lobe["distribution"],
             grid(lobe["shape"]),
             None if lobe["eta"] is None else DielectricCurve(float(lobe["eta"])),
@@ -75,8 +91,8 @@ def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
         )
         for lobe in data["lobes"]
     ]
-    base = data["base"] and LiveBase(grid(data["base"]["log_through"]), grid(data["base"]["log_back"]))
-    return LiveLobes(stack, axes, tuple(lobes), grid(data["log_sum"]), base)
+    base = data["base"] and LiveBase(log_energy(data["base"]["log_through"]), log_energy(data["base"]["log_back"]))
+    return LiveLobes(stack, axes, tuple(lobes), log_energy(data["log_sum"]), base)
 
 
 def _array(values, shape: tuple[int, ...] = (KNOTS, 3)) -> np.ndarray:

@@ -103,10 +103,10 @@ class OrenNayarTable:
 
 @dataclass(frozen=True)
 class BaseColorTable:
-    """All diffuse light of a stack over a Lambert base, for all its colors c: a Lambert lobe of weight own + through c / (1 - back c).
+    """All diffuse light of a stack over a diffuse base, for all its colors c: a Lambert lobe of weight own + through c / (1 - back c).
 
     `own` (KNOTS, 3) is that of the layers. `through` (KNOTS, 3) is what of the light at a view gets down to the base and, reflected there
-    once by white, up again. `back` (3,) is what of the base's light the layers send back to it. `color` (3,) is the present one, of which
+    once by white, up again. `back` (KNOTS, 3) is what of the base's light the layers send back to it, over a Lambert base the same at all views. `color` (3,) is the present one, of which
     only 0 to 1 counts.
     """
 

@@ -54,7 +54,66 @@ def test_live_values_do_not_make_another_bake(monkeypatch):
     assert key_of(stack, "baked", live=live) != key_of(with_layer(stack, ior=1.7), "baked", live=live)
 
 
-@pytest.mark.parametrize("live", [(Place(0, "tint"),), (Place(0, "roughness"), Place(0, "thickness"), Place(None, "roughness"))])
+VARNISH = {"kind": "dielectric", "roughness": 0.35, "tint": [0.9, 0.7, 0.4], "thickness": 0.7}
+GLAZE = {"kind": "dielectric", "tint": [0.6, 0.7, 0.9]}
+WOOD = {"kind": "lambert", "color": [0.7, 0.45, 0.25]}
+CLAY = {"kind": "oren_nayar", "color": [0.7, 0.45, 0.25], "sigma_deg": 30.0}
+METAL = {"kind": "conductor", "reflectance": [0.9, 0.6, 0.3], "edge_color": [0.9, 0.8, 0.7], "roughness": 0.4}
+RANGES = {"roughness": (0.05, 0.9), "thickness": (0.05, 3.0), "ior": (1.2, 2.2), "sigma_deg": (0.0, 60.0)}
+VALUES = 9
+
+
+def drawn(rng, stack: Stack, live) -> Stack:
+    """The stack with live values that a generator draws."""
+    for place in live:
+        stack = place.with_value(stack, float(rng.uniform(*RANGES[place.name])) if place.name in RANGES else tuple(rng.uniform(0.03, 0.97, 3)))
+    return stack
+
+
+@pytest.mark.parametrize(
+    "layer, base, live, albedo, shape",
+    [
+        (VARNISH, WOOD, [(0, "tint")], 0.006, 1.2),
+        (VARNISH, WOOD, [(0, "tint"), (0, "thickness")], 0.006, 1.2),
+        (GLAZE, METAL, [(0, "tint")], 0.006, 1.1),
+        (VARNISH, METAL, [(None, "reflectance")], 0.012, 1.1),
+        (GLAZE, METAL, [(None, "edge_color")], 0.004, 1.1),
+        (GLAZE, CLAY, [(None, "sigma_deg")], 0.004, 1.1),
+        (VARNISH, CLAY, [(None, "color")], 0.006, 1.5),
+        (VARNISH, WOOD, [(0, "ior")], 0.004, 1.1),
+        (VARNISH, WOOD, [(0, "tint"), (None, "color")], 0.006, 1.6),
+    ],
+)
+def test_nine_values_are_as_right_as_constants(layer, base, live, albedo, shape):
+    """Albedo, worst view and channel, against the truth; the median of shapes' errors over that of bakes of each value alone."""
+    stack, places = Stack.from_dict({"layers": [layer], "base": base}), tuple(Place(*pair) for pair in live)
+    baked = make_lobe_set(stack, "baked", live=places).lobe_set
+    assert set(places) <= set(baked.followed)
+    rng, found = np.random.default_rng(17), []
+    for _ in range(VALUES):
+        here = drawn(rng, stack, places)
+        estimator = ErrorEstimator(here, truth_of(here), np.cos(np.radians(VIEWS_DEG)))
+        followed, own = (estimator.errors(lobes) for lobes in (baked.with_values_of(here), make_lobe_set(here, "baked").lobe_set))
+        found.append((np.max(followed.albedo), np.median(followed.shape) / np.median(own.shape)))
+    worst, ratio = np.max([a for a, _ in found]), np.median([r for _, r in found])
+    print(f"{', '.join(map(str, places))}: albedo {100 * worst:.2f} %, shape {ratio:.2f} of bakes of each alone")
+    assert worst <= albedo and ratio <= shape
+
+
+def test_channels_are_followed_apart():
+    """A red tint takes nothing from green: one channel's tint changes that channel's energy alone."""
+    stack = Stack.from_dict({"layers": [VARNISH], "base": WOOD})
+    baked = make_lobe_set(stack, "baked", live=(Place(0, "tint"),)).lobe_set
+    cos_o = np.cos(np.radians(VIEWS_DEG))
+    red, grey = (
+        sum(lobe_energy(lobe, cos_o) for lobe in baked.with_values_of(Place(0, "tint").with_value(stack, tint)).lobes(cos_o))
+        for tint in ((0.9, 0.1, 0.1), (0.9, 0.9, 0.9))
+    )
+    np.testing.assert_allclose(red[:, 0], grey[:, 0], rtol=2e-3)
+    assert np.all(red[:, 1] < 0.7 * grey[:, 1])
+
+
+@pytest.mark.parametrize("live", [(Place(0, "roughness"), Place(0, "thickness"), Place(None, "roughness"))])
 def test_what_a_bake_cannot_follow_is_analytic_and_said(live):
     made = make_lobe_set(presets.load("metallic_car_paint"), "baked", live=live)
     assert isinstance(made.lobe_set, AnalyticLobes)

@@ -231,7 +231,7 @@ def _base(build: Builder, view: _View, table: BaseColorTable) -> bpy.types.NodeS
 def _base_weight(build: Builder, view: _View, table: BaseColorTable) -> bpy.types.NodeSocket:
     """own + through c / (1 - back c), channel by channel of Rec.709: numbers, which Blender would convert if they were colors."""
     color = view.base_color
-    once = build.vector("DIVIDE", color, build.vector("MULTIPLY_ADD", color, tuple(map(float, -table.back)), 1.0))
+    once = build.vector("DIVIDE", color, build.vector("MULTIPLY_ADD", color, build.combined(_columns(build, view, -table.back)), 1.0))
     columns = _columns(build, view, np.column_stack([table.through, table.own]))
     weight = build.vector("MULTIPLY_ADD", once, build.combined(columns[:3]), build.combined(columns[3:]))
     return _in_space(build, weight, primaries())

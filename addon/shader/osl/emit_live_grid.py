@@ -3,10 +3,13 @@
 
 import numpy as np
 
-from ....reference_py.lobes.live_grid import MIN_ALPHA, MIN_ENERGY, LiveLobe, LiveLobes
+from ....reference_py.lobes.axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, IndexAxis, NumberAxis, ReflectanceAxis, ThicknessAxis
+from ....reference_py.lobes.live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy
 from ....reference_py.lobes.lobe import DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS
-from ....reference_py.material.schema import SCHEMA
+from ....reference_py.material.place import Place
+from ....reference_py.material.schema import COLOR, SCHEMA
+from ....reference_py.material.stack import Stack
 from .block import Block, Closure, numbers
 from .emit_tables import clamped_color
 from .frame import FRAME, FRAME_FUNCTIONS, table_view
@@ -18,7 +21,7 @@ def grid_block(lobe_set: LiveLobes, owners: list[str], prefix: str = "") -> Bloc
     """The block of a lobe set of a stack whose shader parameters begin with `owners`; what it declares ends with `prefix`."""
     writer = _Writer(lobe_set, owners, prefix)
     return Block(
-        functions=(*FRAME_FUNCTIONS, "grid.h"),
+        functions=(*FRAME_FUNCTIONS, "grid.h", *writer.functions),
         arrays=tuple(writer.arrays),
         common=(*table_view(), *FRAME),
         body=tuple(writer.statements),
@@ -30,23 +33,11 @@ class _Writer:
     def __init__(self, lobe_set: LiveLobes, owners: list[str], prefix: str):
         self.arrays: list[str] = []
         self.statements: list[str] = []
+        self.functions: list[str] = []
         self.closures: list[Closure] = []
-        self._prefix = prefix
-        sizes = [len(axis.knots) for axis in lobe_set.axes]
-        steps = [KNOTS * int(np.prod(sizes[i + 1 :])) for i in range(len(sizes))]
-        for i, axis in enumerate(lobe_set.axes):
-            place, is_base = axis.parameter, axis.parameter.layer is None
-            kinds = SCHEMA.bases if is_base else SCHEMA.layers
-            value = (owners[-1] if is_base else owners[place.layer]) + kinds[place.element(lobe_set.stack).kind].parameter(place.name).osl_name
-            self._array("float", f"Knots{i}", [f"{knot:.9g}" for knot in axis.knots])
-            knots, cell, along = (self._name(word) for word in (f"Knots{i}", f"knot{i}", f"along{i}"))
-            self._say(f"int {cell};", f"float {along};", f"knot_place({knots}, {len(axis.knots)}, {value}, {cell}, {along});")
-        at = " + ".join(f"{self._name(f'knot{i}')} * {step}" for i, step in enumerate(steps))
-        self._say(f"int {self._name('at')} = {at} + cell;")
-        alongs = [self._name(f"along{i}") for i in range(len(sizes))]
-        place = [self._name("at"), *map(str, steps)]
-        self._free = ", ".join([*place, *alongs, "between"])
-        self._bounded = ", ".join([*place, *(f"max({along}, 0.0)" for along in alongs), "between"])
+        self._prefix, self._axes, self._index = prefix, lobe_set.axes, ""
+        self._said: set[str] = set()
+        self._coordinates = [self._coordinate(i, axis, lobe_set.stack, owners) for i, axis in enumerate(lobe_set.axes)]
         self._lobes(lobe_set, clamped_color(owners[-1]))
 
     def _name(self, word: str) -> str:
@@ -55,55 +46,131 @@ class _Writer:
     def _say(self, *lines: str) -> None:
         self.statements += lines
 
-    def _array(self, kind: str, name: str, entries: list[str]) -> None:
+    def _array(self, kind: str, name: str, entries: list[str]) -> str:
         self.arrays.append(f"{kind} {self._name(name)}[{len(entries)}] = {{{', '.join(entries)}}}")
+        return self._name(name)
 
-    def _value(self, name: str, values: np.ndarray, extends: bool = False) -> str:
-        """An expression for values (..., KNOTS, 1 or 3) at the live parameters and the view."""
+    def _coordinate(self, i: int, axis: Axis, stack: Stack, owners: list[str]) -> tuple[str, str]:
+        """Expressions for an axis' coordinate, and for the one that shapes are read at."""
+        owner = owners[-1] if axis.layer is None else owners[axis.layer]
+
+        def value(name: str) -> str:
+            place = Place(axis.layer, name)
+            kinds = SCHEMA.bases if axis.layer is None else SCHEMA.layers
+            parameter = kinds[place.element(stack).kind].parameter(name)
+            if place in axis.live:
+                return owner + parameter.osl_name
+            constant = place.value(stack)
+            return f"color({numbers(constant)})" if parameter.type == COLOR else f"{constant:.9g}"
+
+        first = value(axis.live[0].name)
+        if isinstance(axis, NumberAxis):
+            return (first,) * 2
+        name = self._name(f"coordinate{i}")
+        if isinstance(axis, IndexAxis):
+            self._say(f"float {name} = ({first} - 1.0) / ({first} + 1.0);")
+            self._index = first
+            return (name,) * 2
+        if isinstance(axis, ThicknessAxis):
+            self._say(f"float {name} = {first} / ({first} + 1.0);")
+            return (name,) * 2
+        if isinstance(axis, DepthAxis):
+            self.functions.append("medium.h")
+            self._say(f"color {name} = optical_depth({value('tint')}, {value('thickness')});", f"{name} /= {name} + {HALF_DEPTH:g};")
+        elif isinstance(axis, ReflectanceAxis):
+            self._say(f"color {name} = log(clamp({first}, color(0.0), color(1.0)) + {REFLECTANCE_OFFSET:g});")
+        else:
+            self._say(f"color {name} = 1.0 - sqrt(1.0 - clamp({first}, color(0.0), color(1.0)));")
+        return name, f"mean_of({name})"
+
+    def _once(self, name: str, *lines: str) -> str:
+        """A name that these statements declare."""
+        if name not in self._said:
+            self._said.add(name)
+            self._say(*lines)
+        return name
+
+    def _knots(self, i: int, which: str, is_shared: bool) -> tuple[str, str]:
+        """Names of the knot below the coordinate of an axis and of the way to the next; in three channels unless `is_shared`."""
+        scale, each, value = getattr(self._axes[i], which), "" if is_shared else "[3]", self._coordinates[i][is_shared]
+        tag = f"{which}{i}{'' if is_shared else 's'}"
+        cell, along = self._name(f"cell_{tag}"), self._name(f"along_{tag}")
+        value = value if is_shared else f"color({value})"
+        self._once(
+            cell,
+            f"int {cell}{each};",
+            f"float {along}{each};",
+            f"grid_place(({value} - {scale.low:.9g}) * {scale.per_unit:.9g}, {scale.count}, {cell}, {along});",
+        )
+        return cell, along
+
+    def _place(self, which: str, numbers: tuple[int, ...], is_shared: bool) -> str:
+        """Arguments of `grid` for tables over these axes."""
+        sizes = [getattr(self._axes[i], which).count for i in numbers]
+        steps = [KNOTS * int(np.prod(sizes[k + 1 :])) for k in range(len(sizes))]
+        parts = [self._knots(i, which, is_shared) for i in numbers]
+        tag = f"{which}{''.join(map(str, numbers))}{'' if is_shared else 's'}"
+        at = self._name(f"at_{tag}")
+        if is_shared:
+            self._once(at, f"int {at} = {' + '.join(f'{cell} * {step}' for (cell, _), step in zip(parts, steps))} + cell;")
+        else:
+            places = [f"{' + '.join(f'{cell}[{c}] * {step}' for (cell, _), step in zip(parts, steps))} + cell" for c in range(3)]
+            self._once(at, f"int {at}[3] = {{{', '.join(places)}}};")
+        return ", ".join([at, *map(str, steps), *(along for _, along in parts), "between"])
+
+    def _value(self, name: str, values: np.ndarray, which: str = "knots", axes: tuple[int, ...] | None = None) -> str:
+        """An expression for values (..., KNOTS, 1 or 3) over some axes, all unless told, at the live parameters and the view."""
+        axes = tuple(range(len(self._axes))) if axes is None else axes
         rows = values.reshape(-1, values.shape[-1])
         color = rows.shape[1] == 3
         if np.all(rows == rows[0]):
             return f"color({numbers(rows[0])})" if color else f"{rows[0, 0]:.6g}"
-        entries = [f"color({', '.join(map(_entry, row))})" if color else _entry(row[0]) for row in rows]
-        self._array("color" if color else "float", name, entries)
-        return f"grid({self._name(name)}, {self._free if extends else self._bounded})"
+        entries = [f"color({', '.join(_entry(v) for v in row)})" if color else _entry(row[0]) for row in rows]
+        table = self._array("color" if color else "float", name, entries)
+        is_shared = not color or not any(self._axes[i].is_color for i in axes)
+        return f"grid({table}, {self._place(which, axes, is_shared)})"
+
+    def _exponential(self, name: str, log: LogEnergy) -> str:
+        terms = [self._value(f"{name}{i}", table, "fine", (i,)) for i, table in enumerate(log.along)]
+        if log.rest is not None:
+            terms.append(self._value(f"{name}Rest", log.rest, "cross"))
+        return f"exp({' + '.join(terms)})"
 
     def _lobes(self, lobe_set: LiveLobes, base_color: str) -> None:
-        shared = []
+        total = self._name("fitted")
+        self._say(f"color {total} = {self._exponential('LogSum', lobe_set.log_sum)};")
         for i, lobe in enumerate(lobe_set.grid):
-            if lobe.unit is not None:
-                shared.append(self._name(f"energy{i}"))
-                self._say(f"color {shared[-1]} = {self._value(f'Energy{i}', lobe.energy)};")
-        total = self._value("LogSum", lobe_set.log_sum)
-        self._say(f"color {self._name('scale')} = exp({total}) / max({' + '.join(shared)}, color({MIN_ENERGY:g}));")
-        for i, lobe in enumerate(lobe_set.grid):
-            if lobe.unit is None:
-                weight = self._value(f"Weight{i}", lobe.energy)
+            if lobe.energy is None:
+                weight = ""
+            elif isinstance(lobe.energy, LogEnergy):
+                weight = self._exponential(f"Mirror{i}", lobe.energy)
             else:
-                weight = f"{self._name(f'energy{i}')} * {self._name('scale')} / {self._value(f'Unit{i}', lobe.unit)}"
-            if lobe.shape is None and lobe_set.base is not None:
-                through, back = self._value("LogThrough", lobe_set.base.log_through), self._value("LogBack", lobe_set.base.log_back)
-                weight = f"({weight} + exp({through}) * {base_color} / (color(1.0) - exp({back}) * {base_color}))"
+                weight = f"{total} * {self._value(f'Share{i}', lobe.energy)}"
+                if np.any(lobe.unit != 1.0):
+                    weight += f" / {self._value(f'Unit{i}', lobe.unit)}"
+            if lobe.is_diffuse and lobe_set.base is not None:
+                through, back = self._exponential("LogThrough", lobe_set.base.log_through), self._exponential("LogBack", lobe_set.base.log_back)
+                weight = f"({weight} + {through} * {base_color} / (color(1.0) - {back} * {base_color}))"
             self.closures.append(Closure(weight, *self._closure(i, lobe)))
 
     def _closure(self, i: int, lobe: LiveLobe) -> tuple[str, bool, tuple[str, ...]]:
         """The closure, that it is local, and its shape."""
-        if lobe.shape is None:
+        if lobe.is_diffuse:
             return "diffuse(N)", True, ()
         if lobe.is_specular:
             return f'microfacet("{lobe.distribution}", N, tangent, 0.0, 0.0, 1.0, 0)', True, ("0.0",) * 3
-        roots = [self._value(f"Root{axis}{i}", lobe.shape[..., column : column + 1], extends=True) for column, axis in enumerate("XY")]
+        roots = [self._value(f"Root{axis}{i}", lobe.shape[..., column : column + 1]) for column, axis in enumerate("XY")]
         alphas = [self._name(f"alpha_{axis}{i}") for axis in "xy"]
         for alpha, root in zip(alphas, roots):
             self._say(f"float {alpha} = max({root}, 0.0);", f"{alpha} = clamp({alpha} * {alpha}, {MIN_ALPHA:g}, 1.0);")
         if isinstance(lobe.fresnel, DielectricCurve):
-            curve = f'{lobe.fresnel.eta:.9g}, "{lobe.distribution}"'
-            return f"interface_bsdf(N, tangent, {alphas[0]}, break_isotropy({alphas[0]}), {curve})", True, ()
+            eta = self._index or f"{lobe.fresnel.eta:.9g}"
+            return f'interface_bsdf(N, tangent, {alphas[0]}, break_isotropy({alphas[0]}), {eta}, "{lobe.distribution}")', True, ()
         slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
         return f'microfacet("{lobe.distribution}", normalize(bent_normal + {slope} * side), along, {", ".join(alphas)}, 1.0, 0)', True, (*alphas, slope)
 
 
 def _entry(value: float) -> str:
     """A number of a table; there are thousands, so no zero stands before its point."""
-    text = f"{value:.5g}"
+    text = f"{value:.6g}"
     return text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text

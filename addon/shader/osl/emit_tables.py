@@ -58,7 +58,7 @@ def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable
 
 def _base_weight(arrays: list[str], name: str, table: BaseColorTable, owner: str) -> str:
     color = clamped_color(owner)
-    weight = f"{_value(arrays, f'Through{name}', table.through)} * {color} / (color(1.0) - color({numbers(table.back)}) * {color})"
+    weight = f"{_value(arrays, f'Through{name}', table.through)} * {color} / (color(1.0) - {_value(arrays, f'Back{name}', table.back)} * {color})"
     return f"({_value(arrays, f'Own{name}', table.own)} + {weight})" if np.any(table.own) else weight
 
 

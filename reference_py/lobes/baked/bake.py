@@ -11,15 +11,15 @@ import numpy as np
 
 from ...material.place import Place
 from ...material.stack import Stack
-from ...optics.microfacet import GGX, is_specular
+from ...optics.microfacet import GGX
 from ...optics.optical_stack import OpticalStack, rough_surfaces
 from ..cache import truth_of
 from ..closure import unit_energy
 from ..live_grid import LiveLobes
-from ..lobe import DielectricCurve, GlossyLobe
 from ..samples import truth_at
 from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
 from ..view_table import BASE_COLOR, KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
+from .energy import shares, top_lobe
 from .live import bake_live, base_of, over_black
 from .plan import Branches, Path, Plan, best_path, continued_path
 
@@ -61,10 +61,10 @@ class Baker:
         self._report = progress or (lambda share: None)
         cosines, surfaces = knot_cosines(), rough_surfaces(stack) or _media(stack)
         widths = [alpha for _, alpha in surfaces]
-        self._specular = truth.specular_albedo(cosines)
+        self._truth, self._specular = truth, truth.specular_albedo(cosines)
         views = truth_at(truth, np.concatenate([cosines, middle_cosines()]), widths, _POINTS)
         self._albedo = truth.albedo(views.wo[:KNOTS])
-        top = _top_lobe(stack)
+        top = top_lobe(stack)
         known = [None] if top is None else [None, top]
         self._plans = [Plan(lobe, surfaces, views.of(slice(KNOTS)), views.of(slice(KNOTS, None))) for lobe in known]
         self._found: dict[int, Found] = {}
@@ -109,14 +109,13 @@ class Baker:
         """The tables of fits. Lobes that carry next to nothing are left out unless `keep`."""
         known, distributions, mixtures = self._plans[found.plan].known, found.path.distributions, found.path.mixtures
         cosines = knot_cosines()
-        tables, spent = [], self._specular
+        tables, rest = [], shares(self._truth, known)[1]
         ones = np.ones((len(cosines), 3))
         if np.any(self._specular > 0.0):
             tables.append(GlossyTable(GGX, self._specular, np.zeros((len(cosines), 3))))
         if known is not None:
             shape = np.array([known.alpha_x, known.alpha_y, 0.0]) * ones
             tables.append(GlossyTable(known.distribution, ones, shape, known.fresnel))
-            spent = spent + unit_energy(known, cosines)
         fitted = []
         for i, distribution in enumerate(distributions):
             shape, weight = mixtures.shape[:, i], mixtures.weight[:, :, i]
@@ -125,7 +124,7 @@ class Baker:
         diffuse = mixtures.weight[:, :, -1]
         fitted.append((DiffuseTable(diffuse), diffuse))
         fitted = [(table, energy) for table, energy in fitted if keep or np.any(energy > _NEGLIGIBLE * self._albedo)]
-        return TableLobes((*tables, *self._with_energy(fitted, np.maximum(self._albedo - spent, 0.0))))
+        return TableLobes((*tables, *self._with_energy(fitted, rest)))
 
     def _with_energy(self, fitted: list, rest: np.ndarray) -> list:
         """The fitted tables, scaled to carry `rest` (KNOTS, 3) together.
@@ -148,19 +147,6 @@ def _media(stack: Stack) -> list[tuple[str, float]]:
     return [(GGX, float(np.sqrt(1.0 - abs(s.scattering.g)))) for s in OpticalStack.of(stack).interfaces if s.scattering is not None]
 
 
-def _top_lobe(stack: Stack) -> GlossyLobe | None:
-    """The closure that is exact for one event on a rough top interface, where there is one and nothing dims it."""
-    for surface in OpticalStack.of(stack).interfaces:
-        if surface.eta != 1.0:
-            if is_specular(surface.alpha):
-                return None
-            alpha = surface.alpha
-            return GlossyLobe(surface.distribution, np.ones(3), alpha, alpha, fresnel=DielectricCurve(surface.eta))
-        if np.any(surface.tau > 0.0):
-            return None
-    return None
-
-
 def baked(stack: Stack, live: tuple[Place, ...], glossy: int, progress: Callable[[float], None] | None) -> TableLobes | LiveLobes:
     """The lobe set of a stack that follows these live values, which `follows` allows."""
     if not live:
@@ -176,7 +162,7 @@ def _over_base_color(stack: Stack, glossy: int, progress) -> TableLobes:
     truth = truth_of(black)
     tables = Baker(black, truth, progress).bake(glossy).lobe_set.tables
     own = sum((table.weight for table in tables if isinstance(table, DiffuseTable)), np.zeros((KNOTS, 3)))
-    return TableLobes((*(table for table in tables if not isinstance(table, DiffuseTable)), replace(base_of(truth, stack), own=own)))
+    return TableLobes((*(table for table in tables if not isinstance(table, DiffuseTable)), replace(base_of(truth, black, stack), own=own)))
 
 
 def pack_lobes(lobe_set: TableLobes | LiveLobes) -> dict:

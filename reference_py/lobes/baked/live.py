@@ -1,24 +1,41 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes that follow live values: one or two parameters, at whose knots the truth is fitted, each fit from its neighbour's, or the
-color of a Lambert base, which needs no knots, or both."""
+"""Bakes that follow live values: one or two axes, at whose knots the truth is fitted, each fit from its neighbour's, or the
+color of a diffuse base, which needs no knots, or both."""
 
 from collections.abc import Callable
 
 import numpy as np
 
 from ...material.place import Place
+from ...material.schema import SCATTERING
 from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
+from ..axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, IndexAxis, NumberAxis, ReflectanceAxis, Scale, ThicknessAxis
 from ..cache import truth_of
-from ..live_grid import Axis, LiveLobes, grid_of
+from ..live_grid import MIN_ENERGY, Energies, LiveLobes, grid_of
+from ..samples import view_of
 from ..view_table import BASE_COLOR, KNOTS, BaseColorTable, knot_cosines
+from .energy import shares, top_lobe
 
 MOST_AXES = 2
-# Knots of a live roughness; below the first the widths go on, see `grid`. Two axes share out fewer.
-_ROUGHNESSES = {1: (0.2, 0.3, 0.4, 0.5, 0.62, 0.76, 0.9, 1.0), 2: (0.15, 0.27, 0.42, 0.65, 1.0)}
-# Knots of a live thickness, as optical depths of its mean color, and without end.
-_DEPTHS = {1: (0.0, 0.15, 0.4, 0.8, 1.4, 2.2, 3.5, 6.0), 2: (0.0, 0.3, 0.8, 1.8, 5.0)}
+# Steps of energies' knots between two others, along one axis and of two.
+_FINE, _CROSS = 3, 2
+# Energies of a roughness are also known below the first of its knots.
+_NARROW = (0.05, 0.1)
+# Beside white, the color at which a rough diffuse base is right.
+_SOME_COLOR = 0.3
+# Knots of shapes, by how many axes there are: a shader's text is limited. Energies have so many steps from one to the next, along one
+# axis and of two.
+_KNOTS = {1: 8, 2: 5}
+_FINE, _CROSS = 3, 2
+# Shapes of lower roughness go on as they began; energies are known from there.
+_ROUGHNESSES, _NARROWEST = (0.2, 1.0), 0.05
+# At 1 the layer's surface is gone, and with a reflectance of 0 the metal.
+_INDICES, _REFLECTANCES = (1.02, 4.0), (0.004, 0.999)
+_DEEPEST = 6.0
+# Beside white, the color at which a rough diffuse base is right.
+_SOME_COLOR = 0.3
 
 
 def follows(stack: Stack, live: tuple[Place, ...]) -> bool:
@@ -28,8 +45,8 @@ def follows(stack: Stack, live: tuple[Place, ...]) -> bool:
 
 
 def _without_color(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
-    """The live values that need knots: all but the color of a Lambert base."""
-    return tuple(place for place in live if place != BASE_COLOR) if _is_lambert(stack) else live
+    """The live values that need knots: all but the color of a diffuse base."""
+    return tuple(place for place in live if place != BASE_COLOR) if _is_diffuse(stack) else live
 
 
 def over_black(stack: Stack) -> Stack:
@@ -37,37 +54,75 @@ def over_black(stack: Stack) -> Stack:
     return BASE_COLOR.with_value(stack, (0.0, 0.0, 0.0))
 
 
-def base_of(truth, stack: Stack) -> BaseColorTable:
-    """What a Lambert base of any color adds to layers whose truth is known: light that meets such a base has lost its direction."""
+def base_of(truth, here: Stack, stack: Stack) -> BaseColorTable:
+    """What a diffuse base of any color adds to the layers of `here`, whose base is black and whose truth is known; the color is that of `stack`.
+
+    Light that meets a Lambert base has lost its direction: three numbers per view say all. A rough one keeps some, and they are
+    those that are right at two colors.
+    """
     layers = truth.layer_energies()
     back, escapes = layers.diffuse_below
-    return BaseColorTable(np.zeros((KNOTS, 3)), layers.above(knot_cosines())[1] * escapes, back, np.array(stack.base["color"]))
+    own, color = np.zeros((KNOTS, 3)), np.array(stack.base["color"])
+    if OpticalStack.of(here).base.sigma_deg == 0.0:
+        return BaseColorTable(own, layers.above(knot_cosines())[1] * escapes, np.broadcast_to(back, (KNOTS, 3)), color)
+    views = np.stack([view_of(c) for c in knot_cosines()])
+    some, all_ = (truth_of(BASE_COLOR.with_value(here, (c,) * 3)).albedo(views) - truth.albedo(views) for c in (_SOME_COLOR, 1.0))
+    # of through c / (1 - back c)
+    ratio = all_ * _SOME_COLOR / np.maximum(some, MIN_ENERGY)
+    back = np.clip((ratio - 1.0) / (ratio - _SOME_COLOR), 0.0, 0.999)
+    return BaseColorTable(own, all_ * (1.0 - back), back, color)
 
 
 def in_tables(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
     """Those of the live values that tables over the view alone follow, as stock nodes have them."""
-    return (BASE_COLOR,) if BASE_COLOR in live and _is_lambert(stack) else ()
+    return (BASE_COLOR,) if BASE_COLOR in live and _is_diffuse(stack) else ()
 
 
-def _is_lambert(stack: Stack) -> bool:
-    base = OpticalStack.of(stack).base
-    return isinstance(base, DiffuseBase) and base.sigma_deg == 0.0
+def _is_diffuse(stack: Stack) -> bool:
+    return isinstance(OpticalStack.of(stack).base, DiffuseBase)
 
 
 def axes_of(stack: Stack, live: tuple[Place, ...]) -> tuple[Axis, ...] | None:
     """The axes that follow these live values; None where a bake cannot: more than two, or others than these kinds."""
-    if not 0 < len(live) <= MOST_AXES or any(place.name not in ("roughness", "thickness") for place in live):
+    groups: dict[tuple, tuple[Place, ...]] = {}
+    for place in live:
+        # a tint and a thickness are one optical depth
+        key = (place.layer, "depth" if place.name in ("tint", "thickness") else place.name)
+        groups[key] = (*groups.get(key, ()), place)
+    if not 0 < len(groups) <= MOST_AXES:
         return None
-    return tuple(Axis(place, _knots(stack, place, len(live))) for place in live)
+    axes = [_axis(stack, places, len(groups)) for places in groups.values()]
+    return None if None in axes else tuple(axes)
 
 
-def _knots(stack: Stack, place: Place, count: int) -> tuple[float, ...]:
-    if place.name == "roughness":
-        return _ROUGHNESSES[count]
-    depths = np.array(_DEPTHS[count])
-    mean = float(np.mean(OpticalStack.of(place.with_value(stack, 1.0)).interfaces[place.layer].tau))
-    # a clear medium has no depth: any two knots will do
-    return tuple(depths / mean) if mean > 0.0 else (0.0, 1.0)
+def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
+    """The axis, one of so many, of live values of one place; None where there is none."""
+    name = live[0].name
+    if name in ("tint", "thickness") and live[0].element(stack).has(SCATTERING):
+        # a tint of a medium that scatters is no depth
+        return _even(ThicknessAxis, live, (0.0, _DEEPEST / (_DEEPEST + 1.0)), count) if live[1:] == () and name == "thickness" else None
+    if name in ("tint", "thickness"):
+        return _even(DepthAxis, live, (0.0, _DEEPEST / (_DEEPEST + HALF_DEPTH)), count)
+    if name == "roughness":
+        axis = _even(NumberAxis, live, _ROUGHNESSES, count)
+        step = 1.0 / axis.knots.per_unit
+        before = int(np.ceil(axis.knots.low / step))
+        knots = Scale(axis.knots.low - before * step, axis.knots.high, axis.knots.count + before)
+        fine, cross = (Scale(_NARROWEST, scale.high, scale.count + 2) for scale in (axis.fine, axis.cross))
+        return NumberAxis(live, knots, fine, cross, before)
+    if name == "sigma_deg":
+        return _even(NumberAxis, live, (0.0, 90.0), count)
+    if name == "reflectance":
+        return _even(ReflectanceAxis, live, tuple(float(np.log(r + REFLECTANCE_OFFSET)) for r in _REFLECTANCES), count)
+    if name == "edge_color":
+        return _even(EdgeAxis, live, (0.0, 1.0), count)
+    # what lies above a layer changes what its index does
+    return _even(IndexAxis, live, tuple((n - 1.0) / (n + 1.0) for n in _INDICES), count) if live[0] == Place(0, "ior") else None
+
+
+def _even(kind: type[Axis], live: tuple[Place, ...], ends: tuple[float, float], count: int) -> Axis:
+    steps = _KNOTS[count] - 1
+    return kind(live, *(Scale(*ends, steps * finer + 1) for finer in (1, _FINE, _CROSS)))
 
 
 def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Callable, report: Callable[[float], None]) -> LiveLobes:
@@ -78,14 +133,16 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     axes = axes_of(stack, _without_color(stack, live))
     assert axes is not None, "see follows"
     over_color = BASE_COLOR in live
-    size = tuple(len(axis.knots) for axis in axes)
+    ground = over_black(stack) if over_color else stack
+    knots = [axis.knots.knots[axis.before :] for axis in axes]
+    size = tuple(map(len, knots))
     center = tuple(n // 2 for n in size)
     order = sorted(np.ndindex(size), key=lambda node: sum(abs(a - b) for a, b in zip(node, center)))
-    found, nodes, bases = {}, {}, {}
+    found, nodes = {}, {}
     for done, node in enumerate(order):
-        here = over_black(stack) if over_color else stack
-        for axis, i in zip(axes, node):
-            here = axis.parameter.with_value(here, axis.knots[i])
+        here = ground
+        for axis, at, i in zip(axes, knots, node):
+            here = axis.at(here, at[i])
         truth = truth_of(here)
         baker = make_baker(here, truth)
         if not found:
@@ -94,7 +151,21 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
             near = min(found, key=lambda other: sum(abs(a - b) for a, b in zip(node, other)))
             found[node] = baker.continued(found[near])
         nodes[node] = baker.lobe_set(found[node], keep=True)
-        if over_color:
-            bases[node] = base_of(truth, stack)
-        report((done + 1) / len(order))
-    return grid_of(stack, axes, nodes, bases)
+        report(0.8 * (done + 1) / len(order))
+
+    def energies(here: Stack) -> Energies:
+        truth = truth_of(here)
+        return Energies(*shares(truth, top_lobe(here) if found[center].plan else None), base_of(truth, here, stack) if over_color else None)
+
+    along = []
+    for axis in axes:
+        here = ground
+        for other, at, i in zip(axes, knots, center):
+            here = here if other is axis else other.at(here, at[i])
+        along.append([energies(axis.at(here, knot)) for knot in axis.fine.knots])
+    report(0.85)
+    cross = {}
+    if len(axes) == 2:
+        first, second = axes
+        cross = {(i, j): energies(second.at(first.at(ground, a), b)) for i, a in enumerate(first.cross.knots) for j, b in enumerate(second.cross.knots)}
+    return grid_of(stack, axes, nodes, along, cross)

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Axes of bakes over live parameters: what is followed, its coordinate in a stack, and the stack of a knot.
+
+Knots are even in the coordinate, so that a shader needs no search. A coordinate is a number, or, on an axis of colors, one per
+channel: every channel is a problem of its own, so that a table of grey values holds all colors. What the channels of a
+closure share, its shape, is read at one coordinate for all.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ..material.place import Place
+from ..material.schema import CONDUCTOR
+from ..material.stack import Stack
+from ..optics.interface import optical_depth
+
+# Added to a metal's reflectance before its logarithm is taken: about what a layer above reflects.
+REFLECTANCE_OFFSET = 0.05
+# The optical depth that is half-way of all.
+HALF_DEPTH = 1.2
+_MOST_REFLECTANCE = CONDUCTOR.parameter("reflectance").maximum
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Even knots, `count` from `low` to `high`."""
+
+    low: float
+    high: float
+    count: int
+
+    @property
+    def knots(self) -> np.ndarray:
+        """Coordinates (count,)."""
+        return np.linspace(self.low, self.high, self.count)
+
+    @property
+    def per_unit(self) -> float:
+        """Steps of a unit."""
+        return (self.count - 1) / (self.high - self.low)
+
+    def place(self, coordinate) -> tuple[np.ndarray, np.ndarray]:
+        """The knot below a coordinate and the way to the next, 0 to 1; beyond the knots the last of them."""
+        at = np.clip((np.asarray(coordinate, float) - self.low) * self.per_unit, 0.0, self.count - 1.0)
+        cell = np.minimum(at.astype(int), self.count - 2)
+        return cell, at - cell
+
+
+@dataclass(frozen=True)
+class Axis(ABC):
+    """One axis: the live values that it follows, all of one layer or of the base, and its scales.
+
+    `knots` are those of shapes and shares, of which the first `before` continue the next two, `fine` those of energies along this
+    axis, `cross` those of how energies depend on two axes.
+    """
+
+    live: tuple[Place, ...]
+    knots: Scale
+    fine: Scale
+    cross: Scale
+    before: int = 0
+
+    is_color: ClassVar[bool] = False
+
+    @property
+    def scales(self) -> tuple[Scale, Scale, Scale]:
+        """All three."""
+        return self.knots, self.fine, self.cross
+
+    @property
+    def layer(self) -> int | None:
+        """Where it is, as `Place` has it."""
+        return self.live[0].layer
+
+    @abstractmethod
+    def coordinate(self, stack: Stack) -> np.ndarray:
+        """() or, on an axis of colors, (3,)."""
+
+    @abstractmethod
+    def at(self, stack: Stack, coordinate: float) -> Stack:
+        """The stack of a coordinate, the same in all channels."""
+
+    def shared(self, coordinate: np.ndarray) -> float:
+        """The coordinate at which shapes are read."""
+        return float(np.mean(coordinate))
+
+
+@dataclass(frozen=True)
+class NumberAxis(Axis):
+    """A roughness or a slope deviation."""
+
+    def coordinate(self, stack: Stack) -> np.ndarray:
+        """As in `Axis`."""
+        return np.asarray(self.live[0].value(stack), float)
+
+    def at(self, stack: Stack, coordinate: float) -> Stack:
+        """As in `Axis`."""
+        return self.live[0].with_value(stack, float(coordinate))
+
+
+@dataclass(frozen=True)
+class IndexAxis(Axis):
+    """The index of the top layer, as the amplitude that it reflects."""
+
+    def coordinate(self, stack: Stack) -> np.ndarray:
+        """As in `Axis`."""
+        ior = np.asarray(self.live[0].value(stack), float)
+        return (ior - 1.0) / (ior + 1.0)
+
+    def at(self, stack: Stack, coordinate: float) -> Stack:
+        """As in `Axis`."""
+        return self.live[0].with_value(stack, float((1.0 + coordinate) / (1.0 - coordinate)))
+
+
+@dataclass(frozen=True)
+class ThicknessAxis(Axis):
+    """The thickness of a medium that scatters, as a share of all."""
+
+    def coordinate(self, stack: Stack) -> np.ndarray:
+        """As in `Axis`."""
+        thickness = np.asarray(self.live[0].value(stack), float)
+        return thickness / (thickness + 1.0)
+
+    def at(self, stack: Stack, coordinate: float) -> Stack:
+        """As in `Axis`."""
+        return self.live[0].with_value(stack, float(coordinate / (1.0 - coordinate)))
+
+
+@dataclass(frozen=True)
+class DepthAxis(Axis):
+    """The optical depth of a layer's medium, of which its tint, its thickness or both are live, as a share of all depths."""
+
+    is_color = True
+
+    def coordinate(self, stack: Stack) -> np.ndarray:
+        """As in `Axis`."""
+        layer = self.live[0].element(stack)
+        depth = optical_depth(layer["tint"], layer["thickness"])
+        return depth / (depth + HALF_DEPTH)
+
+    def at(self, stack: Stack, coordinate: float) -> Stack:
+        """As in `Axis`."""
+        thickness = float(HALF_DEPTH * coordinate / (1.0 - coordinate))
+        return Place(self.layer, "thickness").with_value(Place(self.layer, "tint").with_value(stack, (float(np.exp(-1.0)),) * 3), thickness)
+
+
+@dataclass(frozen=True)
+class ReflectanceAxis(Axis):
+    """A metal's reflectance, by its logarithm, as energies change with that."""
+
+    is_color = True
+
+    def coordinate(self, stack: Stack) -> np.ndarray:
+        """As in `Axis`."""
+        return np.log(np.asarray(self.live[0].value(stack), float) + REFLECTANCE_OFFSET)
+
+    def at(self, stack: Stack, coordinate: float) -> Stack:
+        """As in `Axis`."""
+        value = float(np.clip(np.exp(coordinate) - REFLECTANCE_OFFSET, 0.0, _MOST_REFLECTANCE))
+        return self.live[0].with_value(stack, (value,) * 3)
+
+
+@dataclass(frozen=True)
+class EdgeAxis(Axis):
+    """A metal's edge color; near 1 its index is small, and reflections change fast."""
+
+    is_color = True
+
+    def coordinate(self, stack: Stack) -> np.ndarray:
+        """As in `Axis`."""
+        return 1.0 - np.sqrt(1.0 - np.asarray(self.live[0].value(stack), float))
+
+    def at(self, stack: Stack, coordinate: float) -> Stack:
+        """As in `Axis`."""
+        return self.live[0].with_value(stack, (float(1.0 - (1.0 - coordinate) ** 2),) * 3)
+
+
+AXES = {axis.__name__: axis for axis in (NumberAxis, IndexAxis, ThicknessAxis, DepthAxis, ReflectanceAxis, EdgeAxis)}

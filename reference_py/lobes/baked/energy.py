@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Energies at the knots of the view that a bake keeps: of mirrors, and what is left for the lobes that are fitted."""
+
+import numpy as np
+
+from ...material.stack import Stack
+from ...optics.microfacet import is_specular
+from ...optics.optical_stack import OpticalStack
+from ..closure import unit_energy
+from ..lobe import DielectricCurve, GlossyLobe
+from ..samples import view_of
+from ..view_table import knot_cosines
+
+
+def top_lobe(stack: Stack) -> GlossyLobe | None:
+    """The closure that is exact for one event on a rough top interface, where there is one and nothing dims it."""
+    for surface in OpticalStack.of(stack).interfaces:
+        if surface.eta != 1.0:
+            if is_specular(surface.alpha):
+                return None
+            alpha = surface.alpha
+            return GlossyLobe(surface.distribution, np.ones(3), alpha, alpha, fresnel=DielectricCurve(surface.eta))
+        if np.any(surface.tau > 0.0):
+            return None
+    return None
+
+
+def shares(truth, known: GlossyLobe | None) -> tuple[np.ndarray, np.ndarray]:
+    """Energies (KNOTS, 3) of mirrors, and of what is neither in these nor in a known lobe."""
+    cosines = knot_cosines()
+    mirrors = truth.specular_albedo(cosines)
+    spent = mirrors if known is None else mirrors + unit_energy(known, cosines)
+    return mirrors, np.maximum(truth.albedo(np.stack([view_of(c) for c in cosines])) - spent, 0.0)
