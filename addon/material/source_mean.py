@@ -142,7 +142,7 @@ def _facts(block, depth: int = 4) -> Iterator[str]:
 
 
 @cache
-def _properties(kind: type) -> tuple[str, ...]:
+def _properties(kind) -> tuple[str, ...]:
     return tuple(p.identifier for p in kind.bl_rna.properties if p.identifier not in _LOOKS and not p.identifier.startswith("bl_"))
 
 

@@ -3,8 +3,7 @@
 
 A pool is one lobe of its members' weights together, as wide, tilted and rough as they are in the mean by weight. Which lobes
 share a pool does not depend on live values, and no two of one patch do: so where masks are 0 or 1, and one patch is seen,
-all is as it is alone. Between, colors and energy stay, but for what plain microfacet lobes of unequal widths lose unequally, at most
-.3 % of the albedo of nine metals of alphas from .0025 to 1 (tests/reference_py/test_pools.py). Tables and bare Oren-Nayar
+all is as it is alone. Between, colors stay, and energy to what tests/reference_py/test_pools.py allows. Tables and bare Oren-Nayar
 share pools; lobes with a Fresnel curve, with a normal of their own, and those of live tiers have their closures to themselves,
 as their widths are not known before.
 """

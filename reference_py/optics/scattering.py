@@ -47,16 +47,16 @@ def albedo_of_color(color: tuple[float, ...], g: float) -> tuple[float, ...]:
 
     Good to 1e-5 of the color that they give; 0 and 1 are exact.
     """
-    color = np.asarray(color, float)
-    target, s = color.copy(), None
+    wanted = np.array(color, float)
+    target = wanted
     for _ in range(_ROUNDS):
         s = _fit_inverse(target)
         albedo = (1.0 - s * s) / (1.0 - g * s * s)
-        miss = color - half_space_albedo(albedo, g)
+        miss = wanted - half_space_albedo(albedo, g)
         if np.max(np.abs(miss)) < _CLOSE:
             break
         target = target + miss
-    return tuple(np.where(color >= 1.0, 1.0, np.where(color <= 0.0, 0.0, albedo)).tolist())
+    return tuple(np.where(wanted >= 1.0, 1.0, np.where(wanted <= 0.0, 0.0, albedo)).tolist())
 
 
 def _fit_inverse(color: np.ndarray) -> np.ndarray:
