@@ -84,7 +84,7 @@ FAULTS = (
     Fault("two digits are the same content", CACHE, 'f"{value:.5g}"', 'f"{value:.2g}"', (f"{OF_CACHE}test_what_changes_the_light_is_another_content",)),
     Fault("live values make other bakes", CACHE, "None if name in ALWAYS_LIVE or Place(i, name) in live else", "None if name in ALWAYS_LIVE else",
           (f"{OF_CACHE}test_of_live_values_only_that_they_are_live_counts",)),
-    Fault("the newest files go first", CACHE, "key=lambda file: file.stat().st_mtime)", "key=lambda file: -file.stat().st_mtime)",
+    Fault("the newest files go first", CACHE, "key=lambda one: one[1].st_mtime)", "key=lambda one: -one[1].st_mtime)",
           (f"{OF_CACHE}test_the_oldest_go_first",)),
     Fault("a kept choice keeps another stack's values", AUTO, "else type(lobe_set)(stack)", "else lobe_set",
           (f"{OF_CACHE}test_a_chosen_live_method_is_made_of_the_stack_that_asks",)),

@@ -13,6 +13,7 @@ from ..material import material as materials
 from ..material.backend import NODES, OSL
 from ..material.elements import find_node, kind_of, node_of
 from ..material.hand_over import MIX, VALUES
+from ..material.node_copy import own_actions
 from ..material.principled_node import COLOR, PRINCIPLED, has_linked_color, is_layer, link_through, linked_places, parameter_of, show_stack
 from ..material.reading import measured_stack, require_editable
 from ..material.record import drop_record
@@ -91,6 +92,7 @@ def principled_copy(material: bpy.types.Material) -> tuple[bpy.types.Material, R
     converted = to_principled(stack, textured=has_linked_color(material))
     copy = material.copy()
     copy.name = f"{material.name} Principled"
+    own_actions(copy.node_tree)
     try:
         notes = _rebuild(copy, converted)
     except Exception:

@@ -136,6 +136,18 @@ def animation_by_name(node: bpy.types.Node) -> Iterator[None]:
             curve.data_path = path
 
 
+def own_actions(tree: bpy.types.NodeTree) -> None:
+    """Give a copied tree copies of the actions that it shares: a node that is removed takes its curves out of them."""
+    data = tree.animation_data
+    if data is None:
+        return
+    for holder in (data, *(strip for track in data.nla_tracks for strip in track.strips)):
+        if holder.action is not None:
+            handle = holder.action_slot.handle if holder.action_slot else None
+            holder.action = holder.action.copy()
+            holder.action_slot = next((slot for slot in holder.action.slots if slot.handle == handle), None)
+
+
 def channel_bags(data: bpy.types.AnimData) -> Iterator[bpy.types.ActionChannelbag]:
     """The keyframes of one owner: those of its action and of its NLA strips, without other owners' in the same actions."""
     used = [(data.action, data.action_slot)] + [(s.action, s.action_slot) for track in data.nla_tracks for s in track.strips]

@@ -226,6 +226,8 @@ def _bench(tree: bpy.types.NodeTree, tiles: list[int]) -> Iterator[tuple]:
         owner = next(m for m in bpy.data.materials if m.node_tree == tree)
         material = keep(owner.copy())
         material.property_unset("lamina")  # nothing that looks after stacks is to look after it
+        # its sockets have the values of this frame; a node that is removed takes its curves from the action that both trees share
+        material.node_tree.animation_data_clear()
         image = keep(bpy.data.images.new("Lamina Means", _SIDE, _SIDE, alpha=False, float_buffer=True))
         image.colorspace_settings.name = "Non-Color"
         node = material.node_tree.nodes.new(_IMAGE)

@@ -156,7 +156,7 @@ def test_a_worker_that_cannot_start_is_named_and_costs_nothing(window, monkeypat
 
 
 def test_a_texture_on_a_layer_is_followed(window):
-    """A bake holds its values, so what is linked makes the shader live, and says why."""
+    """What is linked is followed by tables over it; the note says so."""
     owner = coated(window, "auto")
     rest(owner)
     tree = owner.node_tree
@@ -165,7 +165,7 @@ def test_a_texture_on_a_layer_is_followed(window):
     assert live_values(owner) == (Place(0, "tint"),)
     rest(owner)
     assert is_live(owner) and is_settled(owner)
-    assert "a bake cannot follow the tint of layer 0" in owner.lamina.note
+    assert "baked over the tint of layer 0" in owner.lamina.note
 
 
 def test_keyframes_and_drivers_are_live_values(window):

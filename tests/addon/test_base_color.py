@@ -106,7 +106,7 @@ def give(owner, element, label: str, value: float) -> bpy.types.NodeSocket:
 
 
 def test_with_a_roughness_and_a_thickness(blender, tmp_path):
-    """The wooden table: the script follows all three, stock nodes the color, over the values that the others' sockets have."""
+    """The wooden table: the script follows all three, stock nodes the color, over what the others were when they rested."""
     owner, color = textured("varnish", "baked")
     layer = owner.lamina.layers[0]
     sockets = give(owner, layer, "Roughness", 0.5), give(owner, layer, "Thickness", 0.4)
@@ -119,7 +119,7 @@ def test_with_a_roughness_and_a_thickness(blender, tmp_path):
         color.default_value = (*rgb, 1.0)
         sockets[0].default_value, sockets[1].default_value = roughness, thickness
         on, off = picture(tmp_path, True), picture(tmp_path, False)
-        for seen, layers in ((on, [{**SATIN, "roughness": roughness, "thickness": thickness}]), (off, [SATIN])):
+        for seen, layers in ((on, [{**SATIN, "roughness": roughness, "thickness": thickness}]), (off, [{**SATIN, "roughness": 0.5, "thickness": 0.4}])):
             plain = bpy.data.materials.new("plain")
             materials.apply_stack(plain, Stack.from_dict({"layers": layers, "base": {"kind": "lambert", "color": list(rgb)}}), "baked")
             bpy.data.objects["ball"].data.materials[0] = plain

@@ -12,6 +12,7 @@ from lamina.addon.exchange import conversion
 from lamina.addon.material import material as materials
 from lamina.addon.material.elements import node_of
 from lamina.addon.material.hand_over import VALUES
+from lamina.addon.material.live_values import live_values
 from lamina.addon.material.means import kept_mean
 from lamina.addon.material.reading import measured_stack, stack_of
 from lamina.addon.material.roles import node_with
@@ -298,3 +299,16 @@ def test_painted_pixels_survive(tree, tmp_path, is_before):
     kept = np.array(node.image.pixels)
     mean_of(other.outputs[0], COLORS)
     assert node.image.is_dirty and np.array_equal(np.array(node.image.pixels), kept)
+
+
+def test_measuring_and_copying_keep_the_keyframes_of_the_rest(blender):
+    """A copy of a material shares its action, and a node that is removed from either takes its curves along."""
+    owner = bpy.data.materials.new("keyed")
+    materials.apply_stack(owner, Stack.from_dict({"layers": [{"kind": "dielectric", "roughness": 0.3}], "base": {"kind": "lambert"}}), "baked")
+    layer, base = node_of(owner.lamina.layers[0]), node_of(owner.lamina.base)
+    layer.inputs["Roughness"].keyframe_insert("default_value", frame=1)
+    noise = owner.node_tree.nodes.new("ShaderNodeTexNoise")
+    owner.node_tree.links.new(noise.outputs["Color"], base.inputs["Color"])
+    materials.refresh(owner, settle=True)
+    conversion.principled_copy(owner)
+    assert [place.name for place in live_values(owner)] == ["roughness", "color"]

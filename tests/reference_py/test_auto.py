@@ -54,6 +54,7 @@ def offered(monkeypatch):
     return offer
 
 
+MANY = (Place(0, "roughness"), Place(0, "thickness"), Place(0, "ior"))
 DEAR_AND_EXACT = {"weidlich_wilkie": (1.2, WORST, WORST), "analytic": (3.0, CLOSE, CLOSE)}
 
 
@@ -102,8 +103,8 @@ def test_what_people_read_of_a_candidate_is_the_worse_of_both_errors():
 
 
 def test_errors_are_the_worst_albedo_and_the_mean_soft_light(offered):
-    # no bake follows a tint, so that none is tried
-    told = offered({"weidlich_wilkie": (1.2, 0.3, 0.2), "analytic": (3.0, 0.01, 0.012)}, live=(Place(0, "tint"),))
+    # no bake follows so many values, so that none is tried
+    told = offered({"weidlich_wilkie": (1.2, 0.3, 0.2), "analytic": (3.0, 0.01, 0.012)}, live=MANY)
     worse, better = told.tried
     assert (worse.albedo, worse.soft_light) == (0.3, pytest.approx(0.2)) and (better.albedo, better.soft_light) == (0.01, pytest.approx(0.012))
     assert (better.closures, worse.cost, better.shape) == (2, 1.2, 0.9)
@@ -113,9 +114,10 @@ def test_live_values_are_baked_over_where_a_bake_can_follow_them(offered):
     told = offered({**DEAR_AND_EXACT, "over": (1.2, 0.01, 0.01)}, live=(Place(0, "thickness"),))
     assert told.chosen.label == "baked over the thickness of layer 0"
     assert told.lobe_set.live == (Place(0, "thickness"),)
-    told = offered(DEAR_AND_EXACT, live=(Place(0, "tint"),))
+    told = offered(DEAR_AND_EXACT, live=MANY)
     assert told.chosen.label == "analytic" and len(told.tried) == 2
-    assert told.reason == "the cheapest whose error is at most 2 %; a bake cannot follow the tint of layer 0"
+    words = "the roughness of layer 0, the thickness of layer 0, the ior of layer 0"
+    assert told.reason == f"the cheapest whose error is at most 2 %; a bake cannot follow {words}"
 
 
 def test_what_is_hopeless_is_not_made_good(offered):
