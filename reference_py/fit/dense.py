@@ -4,11 +4,7 @@
 import numpy as np
 
 from ..material.stack import Stack
-from ..models.adding.direct import direct_f
-from ..models.adding.effective_stack import EffectiveStack
-from ..models.adding.facets import MULTIPLE
 from ..optics.frame import spherical
-from ..optics.optical_stack import OpticalStack
 from ..registry import make_model
 
 _CHUNK = 50_000
@@ -26,23 +22,23 @@ def evaluate_all(model: str, stack: Stack, wo: np.ndarray, wi: np.ndarray) -> np
     if len(wo) <= _FEW or model != "adding":
         exact = make_model(model, stack)
         return np.concatenate([exact.f(wo[i : i + _CHUNK], wi[i : i + _CHUNK]) for i in range(0, len(wo), _CHUNK)])
-    effective, table = EffectiveStack.of(OpticalStack.of(stack)), _remainder(stack)
+    adding = make_model("adding", stack)
+    table = _remainder(adding)
     parts = []
     for i in range(0, len(wo), _CHUNK):
         o, n = wo[i : i + _CHUNK], wi[i : i + _CHUNK]
-        parts.append(np.maximum(direct_f(effective, MULTIPLE, o, n) + _interpolated(table, o, n), 0.0))
+        parts.append(np.maximum(adding.direct_f(o, n) + _interpolated(table, o, n), 0.0))
     return np.concatenate(parts)
 
 
-def _remainder(stack: Stack) -> np.ndarray:
+def _remainder(adding) -> np.ndarray:
     """(theta_o, theta_i, phi, 3): f less its part in closed form."""
     theta = np.linspace(0.0, 0.5 * np.pi, _THETAS)
     theta[-1] -= 1e-4
     phi = np.linspace(0.0, np.pi, _PHIS)
     to, ti, p = (a.ravel() for a in np.meshgrid(theta, theta, phi, indexing="ij"))
     wo, wi = spherical(to, 0.0), spherical(ti, p)
-    effective, model = EffectiveStack.of(OpticalStack.of(stack)), make_model("adding", stack)
-    f = model.f(wo, wi) - direct_f(effective, MULTIPLE, wo, wi)
+    f = adding.f(wo, wi) - adding.direct_f(wo, wi)
     return f.reshape(_THETAS, _THETAS, _PHIS, 3)
 
 

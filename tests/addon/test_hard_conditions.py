@@ -82,8 +82,8 @@ def test_a_batch_on_a_full_disk_names_what_failed_and_goes_on_later(mounted, tmp
     disk = mounted("disk", "4k")
     job = tmp_path / "job.json"
     job.write_text(json.dumps({"stacks": ["clean_copper"], "qualities": ["weidlich_wilkie"], "backend": "nodes", "size": 16, "samples": 1}))
-    _, said = lamina("batch", job, "-o", disk / "out", code=1)
-    assert not list((disk / "out").glob("*.exr")), said
+    _, said = lamina("batch", job, "-o", disk / "out", code=2)
+    assert "choose another disk, or make room" in said and not list(disk.glob("out/*.exr")), said
     subprocess.run(["mount", "-o", "remount,size=90m", disk], check=True)
     lamina("batch", job, "-o", disk / "out", "--no-sheet")
     assert len(list((disk / "out").glob("*.exr"))) == 1

@@ -9,14 +9,14 @@ from support.commands import lamina
 
 from lamina.addon.material.limits import require_shader
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.material.coverage import MAX_COVERED
+from lamina.reference_py.material.coverage import MAX_CLEAR
 from lamina.reference_py.material.stack import MAX_LAYERS, Stack
 
 MANY = {"layers": [{"kind": "dielectric", "ior": 1.5 + 0.001 * i, "roughness": 0.1} for i in range(50)], "base": {"kind": "lambert"}}
-PATCHY = {"layers": [{"kind": "dielectric", "coverage": 0.5} for _ in range(MAX_COVERED + 1)], "base": {"kind": "lambert"}}
+PATCHY = {"layers": [{"kind": "dielectric", "coverage": 0.5} for _ in range(MAX_CLEAR + 1)], "base": {"kind": "lambert"}}
 REFUSED = {
     "many": (MANY, "50 layers need 201 shader parameters, and Cycles takes 123; choose fewer layers, or the backend nodes"),
-    "patchy": (PATCHY, "4 layers have a coverage (layers 0, 1, 2, 3); choose at most 3"),
+    "patchy": (PATCHY, "4 clear layers have a coverage (layers 0, 1, 2, 3); choose at most 3"),
 }
 # what each spends to start; fifty layers take ten minutes to bake
 _SECONDS = 15.0

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from lamina.addon.check import check
 from lamina.addon.material import material as materials
 from lamina.addon.material.elements import node_of
-from lamina.addon.material.roles import node_with
+from lamina.addon.material.roles import EEVEE, node_with
 from lamina.addon.material.shader_node import shader_of
 from lamina.reference_py.material.coverage import MAX_COVERED
 from lamina.reference_py.material.stack import Stack
@@ -233,7 +233,8 @@ def consistent(seen: dict) -> None:
     found = [finding for finding in check.find(material, bpy.context.scene, bpy.context.preferences) if finding.level != check.NOTE]
     assert not found, [finding.text() for finding in found]
     assert material.lamina.problem == ""
-    nodes = [node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeGroup" and node != node_with(material, "nodes")]
+    shaders = (node_with(material, "nodes"), node_with(material, EEVEE))
+    nodes = [node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeGroup" and node not in shaders]
     assert len(nodes) == len(seen["layers"]) + 1
     assert {node.name: node.label for node in nodes} == {e.node: e.name for e in (*material.lamina.layers, material.lamina.base)}
     shown = [row["node"] for row in seen["layers"] if (row["node"] == seen["solo"] if seen["solo"] else row["visible"])]

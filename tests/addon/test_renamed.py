@@ -12,6 +12,7 @@ from lamina.addon.check import check
 from lamina.addon.jobs import bakes
 from lamina.addon.material import layers, material, osl_setting
 from lamina.addon.material.elements import ID_KEY, node_of
+from lamina.addon.material.reading import measure_means
 from lamina.addon.material.roles import ROLE, node_with
 from lamina.reference_py.material.ready_layers import load, names
 from lamina.reference_py.material.stack import Stack
@@ -72,6 +73,7 @@ def test_all_of_an_older_file_can_be_renamed(blender, version):
     bpy.ops.wm.open_mainfile(filepath=str(DATA / f"schema_{version}.blend"))
     for name in facts:
         owner = bpy.data.materials[name]
+        measure_means(owner)
         stack = material.stack_of(owner, hidden=True)
         rename_all(owner)
         assert material.stack_of(owner, hidden=True) == stack and findings(owner) == ["one_branch"]

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...errors import LaminaError
 from . import merl, rgl, speos, text_table, zemax
-from .measurement import Measurement
+from .measurement import Measurement, without_shadows
 from .tensor_file import MAGIC
 
 Reader = Callable[[Path, float | None, float | None], Measurement]
@@ -49,6 +49,6 @@ def read(path: str | os.PathLike, wavelength_nm: float | None = None, steepest_d
     try:
         # a broken file holds any numbers; `checked` counts those that are none
         with np.errstate(all="ignore"):
-            return _BY_SUFFIX[path.suffix.lower()](path, wavelength_nm, steepest_deg)
+            return without_shadows(_BY_SUFFIX[path.suffix.lower()](path, wavelength_nm, steepest_deg))
     except OSError as error:
         raise LaminaError(f"{path}: cannot read the measurement: {error.strerror or error}") from None

@@ -47,7 +47,7 @@ class Measurement:
 def checked(
     wi, wo, f, where: str, found: tuple[str, ...] = (), wavelength_nm=None, only_nm: float | None = None, steepest_deg: float | None = None
 ) -> Measurement:
-    """A measurement without what cannot be one: rows below the horizon, not finite or black where all around is bright.
+    """A measurement without what cannot be one: rows below the horizon, or not finite.
 
     `f` (n, c) has RGB or values at `wavelength_nm` (c,), which become RGB, or one value at `only_nm`. A channel that is
     negative beside others that outweigh it is a color outside Rec.709, or noise: it counts as 0. Rows that are left out are
@@ -80,10 +80,6 @@ def checked(
     f, wi, wo = np.maximum(f[good], 0.0), wi[good], wo[good]
     if np.max(f) <= 0.0:
         raise LaminaError(f"{where}: all {len(f)} values are 0: a black measurement tells nothing")
-    shadow = _shadow(wi, wo, f)
-    if shadow.any():
-        notes.append(f"{int(shadow.sum())} values are exactly 0 among large ones, a shadow of the instrument, and left out: {_by_angle(wi, wo, shadow)}")
-        f, wi, wo = f[~shadow], wi[~shadow], wo[~shadow]
     f, color_notes = _as_color(f, wavelength_nm, only_nm, where)
     steep = np.minimum(wi[:, 2], wo[:, 2]) < np.cos(np.radians(steepest_deg))
     if steep.all():
@@ -92,6 +88,17 @@ def checked(
         notes.append(f"steeper than {steepest_deg:g} degrees and left out: {int(steep.sum())}")
     kept = ~steep
     return Measurement(wi[kept], wo[kept], f[kept], where, (*notes, *color_notes, f"{int(kept.sum())} pairs of directions"))
+
+
+def without_shadows(measurement: Measurement) -> Measurement:
+    """What an instrument measured, without exact zeros among large neighbours, which are its own shadow: told by angle."""
+    wi, wo = measurement.wi, measurement.wo
+    shadow = _shadow(wi, wo, measurement.f)
+    if not shadow.any():
+        return measurement
+    told = f"{int(shadow.sum())} values are exactly 0 among large ones, a shadow of the instrument, and left out: {_by_angle(wi, wo, shadow)}"
+    kept = measurement.subset(~shadow)
+    return replace(kept, found=(*measurement.found[:-1], told, f"{len(kept.f)} pairs of directions"))
 
 
 def _by_angle(wi: np.ndarray, wo: np.ndarray, rows: np.ndarray) -> str:

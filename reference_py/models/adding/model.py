@@ -256,9 +256,13 @@ class Adding:
         result = np.zeros(wo.shape)
         wo, wi = wo[visible], wi[visible]
         if len(wo):
-            value = direct_f(self._effective, self.surface, wo, wi, self._shape_grid) + self._interpolated(wo, wi)
+            value = self.direct_f(wo, wi) + self._interpolated(wo, wi)
             result[visible] = np.maximum(value, 0.0)  # a cut Fourier series may undershoot
         return result.reshape(shape)
+
+    def direct_f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """The part (n, 3) of f that is in closed form, for directions (n, 3) above the surface."""
+        return direct_f(self._effective, self.surface, wo, wi, self._shape_grid)
 
     def _interpolated(self, wo, wi) -> np.ndarray:
         cos_o, which_o = np.unique(np.minimum(wo[:, 2], 1.0), return_inverse=True)
