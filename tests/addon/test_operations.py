@@ -35,7 +35,7 @@ START = Stack.from_dict(
 )
 
 OPERATIONS = st.one_of(
-    st.tuples(st.just("add"), st.sampled_from(["dielectric", "rust", "glazed_pigment"])),
+    st.tuples(st.just("add"), st.sampled_from(["dielectric", "frost", "glazed_pigment"])),
     st.tuples(st.just("move"), st.sampled_from(["UP", "DOWN"])),
     st.tuples(st.just("rename"), st.sampled_from(["Paint", "Coat", '\N{LATIN SMALL LETTER O WITH DIAERESIS}l "1"'])),
     st.tuples(st.just("value"), st.sampled_from([0.0, 0.25, 0.75])),
