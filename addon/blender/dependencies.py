@@ -26,7 +26,7 @@ def files_read() -> list[str]:
     sequences = _sequences()
     found: set[str] = set()
     for path in map(os.path.normpath, bpy.utils.blend_paths(absolute=True, packed=True, local=False)):
-        if path in unread or path in caches:
+        if path in unread or path in caches or _is_blenders_own(path):
             continue
         several = _tiles(path) if _TILE.search(path) else _frames(path) if path in sequences else []
         found.update(several or [path])
@@ -45,6 +45,11 @@ def missing() -> list[str]:
             if getattr(block, "is_missing", False) and block.library and (library := _library_path(block.library)) not in without:
                 lost.append(f"{block.id_type.lower()} {block.name} of {library} is not there")
     return [*_newer(), *lost]
+
+
+def _is_blenders_own(path: str) -> bool:
+    """Whether it is one of the brushes and assets that Blender brings, whose paths a moved file resolves wrongly."""
+    return os.path.join("datafiles", "assets", "") in path
 
 
 def _newer() -> Iterator[str]:
