@@ -139,15 +139,21 @@ def test_a_scene_that_shows_scripts_alone_black_is_told(blender, tmp_path, capsy
     assert osl_setting.why_stock_nodes(bpy.context.scene, bpy.context.preferences) == "Open Shading Language is switched off"
 
 
-@pytest.mark.parametrize("backend", ["auto", "nodes"])
-def test_a_render_without_osl_says_that_animation_stands_still(blender, tmp_path, capsys, backend):
-    """And does not ask for a save, which is right for one frame alone; that is said of a value that somebody changed."""
+def animated(backend: str):
+    """A coated paint of a backend whose roughness has keyframes at frames 1 and 10."""
     owner = bpy.data.materials.new("owner")
     materials.apply_stack(owner, STACKS["coated paint"], "analytic", backend)
     roughness = node_of(owner.lamina.layers[0]).inputs["Roughness"]
     for frame, value in ((1, 0.1), (10, 0.9)):
         roughness.default_value = value
         roughness.keyframe_insert("default_value", frame=frame)
+    return owner
+
+
+@pytest.mark.parametrize("backend", ["auto", "nodes"])
+def test_a_render_without_osl_says_that_animation_stands_still(blender, tmp_path, capsys, backend):
+    """And does not ask for a save, which is right for one frame alone; that is said of a value that somebody changed."""
+    owner = animated(backend)
     path = stage(owner, tmp_path)
     bpy.context.scene.frame_set(1)
     bpy.ops.wm.save_as_mainfile(filepath=path)
@@ -163,12 +169,7 @@ def test_a_render_without_osl_says_that_animation_stands_still(blender, tmp_path
 @pytest.mark.parametrize("backend, remedy", [("auto", "Open Shading Language is switched off in Scene"), ("nodes", "in the backend Automatic")])
 def test_an_animation_that_stands_still_is_told_at_the_frame_that_it_was_saved_at(blender, tmp_path, capsys, backend, remedy):
     """Where nothing lags yet: Blender asks once for all frames. Not where OSL follows."""
-    owner = bpy.data.materials.new("owner")
-    materials.apply_stack(owner, STACKS["coated paint"], "analytic", backend)
-    roughness = node_of(owner.lamina.layers[0]).inputs["Roughness"]
-    for frame, value in ((1, 0.1), (10, 0.9)):
-        roughness.default_value = value
-        roughness.keyframe_insert("default_value", frame=frame)
+    owner = animated(backend)
     stage(owner, tmp_path)
     bpy.context.scene.frame_set(1)
     capsys.readouterr()

@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from ....reference_py.lobes.axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, IndexAxis, NumberAxis, ReflectanceAxis, ThicknessAxis
+from ....reference_py.errors import LaminaError
+from ....reference_py.lobes.axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, IndexAxis, NumberAxis, ReflectanceAxis, ThicknessAxis
 from ....reference_py.lobes.live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy
 from ....reference_py.lobes.lobe import DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS
@@ -79,8 +80,10 @@ class _Writer:
             self._say(f"color {name} = optical_depth({value('tint')}, {value('thickness')});", f"{name} /= {name} + {HALF_DEPTH:g};")
         elif isinstance(axis, ReflectanceAxis):
             self._say(f"color {name} = log(clamp({first}, color(0.0), color(1.0)) + {REFLECTANCE_OFFSET:g});")
-        else:
+        elif isinstance(axis, EdgeAxis):
             self._say(f"color {name} = 1.0 - sqrt(1.0 - clamp({first}, color(0.0), color(1.0)));")
+        else:
+            raise LaminaError(f"no shader follows the axis {type(axis).__name__}")
         return name, f"mean_of({name})"
 
     def _once(self, name: str, *lines: str) -> str:

@@ -19,12 +19,6 @@ from ..view_table import BASE_COLOR, KNOTS, BaseColorTable, knot_cosines
 from .energy import shares, top_lobe
 
 MOST_AXES = 2
-# Steps of energies' knots between two others, along one axis and of two.
-_FINE, _CROSS = 3, 2
-# Energies of a roughness are also known below the first of its knots.
-_NARROW = (0.05, 0.1)
-# Beside white, the color at which a rough diffuse base is right.
-_SOME_COLOR = 0.3
 # Knots of shapes, by how many axes there are: a shader's text is limited. Energies have so many steps from one to the next, along one
 # axis and of two.
 _KNOTS = {1: 8, 2: 5}
