@@ -6,7 +6,8 @@ from pathlib import Path
 
 from ...reference_py.atomic import require_writable, write_text
 from ...reference_py.errors import LaminaError
-from ...reference_py.exchange.materialx import SUFFIX, load_mtlx, save_mtlx
+from ...reference_py.exchange import SUFFIX
+from ...reference_py.exchange.materialx import load_mtlx, save_mtlx
 from ...reference_py.exchange.openpbr import to_surface
 from ...reference_py.exchange.principled import to_principled
 from ...reference_py.exchange.report import shown

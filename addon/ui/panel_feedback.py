@@ -4,14 +4,11 @@
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.lobes.methods import auto
+from ...reference_py.material.qualities import AUTO
 from ..check import check
 from ..jobs import bakes, fitting
+from ..material import hand_over, reading, roles, shader_node
 from ..material.backend import NODES, OSL, branches_here, notice
-from ..material.hand_over import has_hand_over
-from ..material.reading import require_editable
-from ..material.roles import node_with
-from ..material.shader_node import backend_of
 from ..operators import check_operators as check_ops
 from ..operators import material_operators as ops
 from .panel_values import draw_choice, draw_fact, draw_message
@@ -23,7 +20,7 @@ def draw_status(layout, context, material) -> None:
     """What keeps the material from being edited or rendered, in words, with the button that helps if there is one."""
     try:
         if material is not None:
-            require_editable(material)
+            reading.require_editable(material)
             if not material.lamina.is_layered:
                 branches_here(material.lamina.backend)
     except LaminaError as error:
@@ -56,7 +53,7 @@ def _draw_solo(layout, lamina) -> None:
             row.operator("lamina.layer_solo", text="", icon="X").index = index
 
 
-def _draw_findings(layout, context, findings: list[check.Finding]) -> None:
+def _draw_findings(layout, context, findings: list["check.Finding"]) -> None:
     for finding in findings[:_MOST_FINDINGS]:
         box = draw_message(layout, context, finding.text(iface_), finding.level)
         if finding.mending:
@@ -72,10 +69,10 @@ def draw_shader(layout, context, material) -> None:
     """Tier and backend, what was chosen, and what it costs."""
     lamina = material.lamina
     draw_choice(layout, lamina, "tier")
-    if lamina.tier == auto.NAME:
+    if lamina.tier == AUTO:
         layout.prop(lamina, "tolerance")
     layout.prop(lamina, "backend")
-    script, stock = node_with(material, OSL), node_with(material, NODES)
+    script, stock = roles.node_with(material, OSL), roles.node_with(material, NODES)
     code = [what.name for what in (script and script.script, stock and stock.node_tree) if what is not None]
     if lamina.note:
         draw_message(layout, context, iface_("chosen: {note}").format(note=lamina.note), "INFO")
@@ -96,7 +93,7 @@ def draw_shader(layout, context, material) -> None:
 def _hand_over(material) -> str:
     """What exporters find of a material."""
     error = material.lamina.hand_over_error
-    if not has_hand_over(material):
+    if not hand_over.has_hand_over(material):
         return iface_("none until the next change or save")
     if error < 0.0:
         return iface_("Principled, error not known until values rest")
@@ -105,7 +102,7 @@ def _hand_over(material) -> str:
 
 def _draw_without_osl(layout, context, material) -> None:
     """Why the material or the scene shows stock nodes, and the button that changes it. Where that costs nothing the status does not say it."""
-    if backend_of(material) != OSL and (sentence := notice(material.lamina.backend, iface_)):
+    if shader_node.backend_of(material) != OSL and (sentence := notice(material.lamina.backend, iface_)):
         draw_message(layout, context, sentence, "INFO")
     for finding in check.find(material, context.scene, context.preferences):
         if finding.code == "without_osl" and finding.level == check.NOTE:

@@ -5,8 +5,8 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...reference_py.material.schema import COLOR, CONDUCTOR
-from ...reference_py.optics.microfacet import slope_deg_from_roughness
-from ..material.elements import find_node, kind_of
+from ...reference_py.optics import microfacet
+from ..material import elements
 from ..material.properties import choice_label
 from ..operators import layer_operators as layer_ops
 from ..operators import material_operators as ops
@@ -41,7 +41,7 @@ class LAMINA_UL_layers(bpy.types.UIList):
 
 def draw_facts(context, layout, element) -> None:
     """Roughness in degrees and thickness as numbers, and the color, as far as no texture gives them."""
-    node = find_node(element)
+    node = elements.find_node(element)
     if node is None:
         return
     width = context.region.width / context.preferences.system.ui_scale
@@ -49,7 +49,7 @@ def draw_facts(context, layout, element) -> None:
         numbers = layout.row()
         numbers.alignment, numbers.active = "RIGHT", False
         numbers.label(text="  ".join(_facts(element, node)), translate=False)
-    label = next((p.label for p in kind_of(element).sockets if p.type == COLOR and p.name in ("tint", "color")), None)
+    label = next((p.label for p in elements.kind_of(element).sockets if p.type == COLOR and p.name in ("tint", "color")), None)
     if width > _COLOR_WIDTH and label is not None and not node.inputs[label].is_linked:
         swatch = layout.row()
         swatch.ui_units_x = 1.4
@@ -71,7 +71,7 @@ def _distribution(element, label: str) -> tuple[str, ...]:
 
 
 def _slope(roughness: float, distribution: str) -> str:
-    return f"{slope_deg_from_roughness(roughness, distribution):.1f}\N{DEGREE SIGN}"
+    return f"{microfacet.slope_deg_from_roughness(roughness, distribution):.1f}\N{DEGREE SIGN}"
 
 
 def _row_selected(_window) -> int:
@@ -147,7 +147,7 @@ def _draw_base_row(box, context, base) -> None:
 def _base_name(base) -> str:
     """What the base is, in a row: a named metal's name, else its kind's."""
     named = base.kind == CONDUCTOR.name and base.given == "metal"
-    return f"{iface_('Base')}: {iface_(choice_label(base.metal) if named else kind_of(base).label)}"
+    return f"{iface_('Base')}: {iface_(choice_label(base.metal) if named else elements.kind_of(base).label)}"
 
 
 CLASSES = (LaminaWindow, LAMINA_UL_layers, LAMINA_MT_add_layer, LAMINA_MT_specials)

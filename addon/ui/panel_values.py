@@ -7,11 +7,10 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.schema import Parameter
-from ...reference_py.optics.microfacet import slope_deg_from_roughness
+from ...reference_py.optics import microfacet
 from ..blender import environment
+from ..material import elements, means
 from ..material.backend import OSL
-from ..material.elements import feature_parameters, given_of, kind_of, node_of, use_of, used_features
-from ..material.means import kept_mean, mean_name
 
 _MARGIN, _CHARACTER = 60, 6.4  # pixels at scale 1: what borders and the icon take, and a mean letter
 # By the schema's unit. A column for it would shift the value from under the others.
@@ -21,11 +20,11 @@ UNITS = {"nm": "in nanometers", "degrees": "in degrees", "turns": "in turns"}
 def draw_element(layout, element) -> None:
     """Every parameter of a layer or the base: choices from the properties, values from the node's sockets."""
     try:
-        node = node_of(element)
+        node = elements.node_of(element)
     except LaminaError as error:
         layout.label(text=str(error), icon="ERROR")
         return
-    kind = kind_of(element)
+    kind = elements.kind_of(element)
     column = layout.column()
     if kind.alternatives:
         draw_choice(column, element, "given")
@@ -35,16 +34,16 @@ def draw_element(layout, element) -> None:
             continue
         socket = _draw_socket(column, element, node, parameter)
         if parameter.name == "roughness" and socket is not None and not socket.is_linked:
-            slope = slope_deg_from_roughness(socket.default_value, element.distribution)
+            slope = microfacet.slope_deg_from_roughness(socket.default_value, element.distribution)
             draw_fact(column, "", iface_("Mean slope {degrees}\N{DEGREE SIGN}").format(degrees=f"{slope:.1f}"))
-    used = used_features(element)
+    used = elements.used_features(element)
     for feature in kind.features:
-        draw_choice(column, element, use_of(feature))
+        draw_choice(column, element, elements.use_of(feature))
         if feature not in used:
             continue
         if feature.alternatives:
-            draw_choice(column, element, given_of(feature))
-        for parameter in feature_parameters(element, feature):
+            draw_choice(column, element, elements.given_of(feature))
+        for parameter in elements.feature_parameters(element, feature):
             _draw_socket(column, element, node, parameter)
 
 
@@ -54,10 +53,10 @@ def _draw_socket(layout, element, node, parameter: Parameter):
     if socket is None:  # a file of an older version has it once its shader is made anew
         return None
     layout.template_node_view(element.id_data.node_tree, node, socket)
-    mean = kept_mean(socket)
+    mean = means.kept_mean(socket)
     if mean is not None:
         text = f"{mean:.3g}" if isinstance(mean, float) else " ".join(f"{v:.3g}" for v in mean)
-        draw_fact(layout, "", iface_("Mean of {source}: {value}").format(source=mean_name(socket), value=text))
+        draw_fact(layout, "", iface_("Mean of {source}: {value}").format(source=means.mean_name(socket), value=text))
     if parameter.unit and not socket.is_linked:
         draw_fact(layout, "", iface_(UNITS[parameter.unit]))
     return socket

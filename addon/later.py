@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Blender need not import when it starts: modules that are imported when something of them is first asked for.
+
+What registers classes, draws and listens imports these as modules (`from ..material import reading`), never names out
+of them, and so costs Blender's start neither numpy nor the reference. Where `import_later` was not called, as on the
+command line, they are imported as ever.
+"""
+
+import sys
+from importlib import import_module
+from importlib.util import LazyLoader, find_spec, module_from_spec
+
+MODULES = (
+    "addon.check.check",
+    "addon.exchange.conversion",
+    "addon.exchange.materialx_import",
+    "addon.exchange.sources",
+    "addon.exchange.textures",
+    "addon.jobs.conversions",
+    "addon.jobs.prefetch",
+    "addon.library.preset_assets",
+    "addon.library.thumbnails",
+    "addon.material.elements",
+    "addon.material.entry",
+    "addon.material.hand_over",
+    "addon.material.layers",
+    "addon.material.live_values",
+    "addon.material.material",
+    "addon.material.means",
+    "addon.material.osl_setting",
+    "addon.material.pasted",
+    "addon.material.reading",
+    "addon.material.record",
+    "addon.material.roles",
+    "addon.material.shader_node",
+    "addon.material.state",
+    "addon.shader.working_space",
+    "addon.ui.swatch",
+    "reference_py.exchange.materialx",
+    "reference_py.exchange.openpbr",
+    "reference_py.exchange.report",
+    "reference_py.fit.fit_process",
+    "reference_py.fit.forward",
+    "reference_py.fit.metric",
+    "reference_py.fit.outcome",
+    "reference_py.lobes.methods",
+    "reference_py.optics.microfacet",
+)
+
+
+def import_later() -> None:
+    """Put the modules that are not there yet in their places, unread."""
+    package = __package__.rpartition(".")[0]
+    for name in MODULES:
+        full = f"{package}.{name}"
+        if full in sys.modules:
+            continue
+        parent, _, own = full.rpartition(".")
+        spec = find_spec(full)
+        spec.loader = LazyLoader(spec.loader)
+        module = sys.modules[full] = module_from_spec(spec)
+        spec.loader.exec_module(module)
+        setattr(import_module(parent), own, module)
