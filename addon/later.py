@@ -8,7 +8,8 @@ command line, they are imported as ever.
 
 import sys
 from importlib import import_module
-from importlib.util import LazyLoader, find_spec, module_from_spec
+from importlib.util import find_spec, module_from_spec
+from types import ModuleType
 
 MODULES = (
     "addon.check.check",
@@ -16,7 +17,6 @@ MODULES = (
     "addon.exchange.materialx_import",
     "addon.exchange.sources",
     "addon.exchange.textures",
-    "addon.jobs.conversions",
     "addon.jobs.prefetch",
     "addon.library.preset_assets",
     "addon.library.thumbnails",
@@ -29,6 +29,7 @@ MODULES = (
     "addon.material.means",
     "addon.material.osl_setting",
     "addon.material.pasted",
+    "addon.material.principled_node",
     "addon.material.reading",
     "addon.material.record",
     "addon.material.roles",
@@ -36,6 +37,8 @@ MODULES = (
     "addon.material.state",
     "addon.shader.working_space",
     "addon.ui.swatch",
+    "reference_py.exchange.conversion_process",
+    "reference_py.exchange.hand_over",
     "reference_py.exchange.materialx",
     "reference_py.exchange.openpbr",
     "reference_py.exchange.report",
@@ -48,16 +51,27 @@ MODULES = (
 )
 
 
+class _Unread(ModuleType):
+    """A module whose text is run when a name is asked for that it has not.
+
+    `importlib.util.LazyLoader` runs it for any name, `__dict__` too, which Blender asks of all modules when it quits.
+    """
+
+    def __getattr__(self, name: str):
+        if name.startswith("__"):
+            raise AttributeError(name)
+        self.__class__ = ModuleType
+        self.__spec__.loader.exec_module(self)
+        return getattr(self, name)
+
+
 def import_later() -> None:
     """Put the modules that are not there yet in their places, unread."""
     package = __package__.rpartition(".")[0]
     for name in MODULES:
         full = f"{package}.{name}"
-        if full in sys.modules:
-            continue
-        parent, _, own = full.rpartition(".")
-        spec = find_spec(full)
-        spec.loader = LazyLoader(spec.loader)
-        module = sys.modules[full] = module_from_spec(spec)
-        spec.loader.exec_module(module)
-        setattr(import_module(parent), own, module)
+        if full not in sys.modules:
+            parent, _, own = full.rpartition(".")
+            module = sys.modules[full] = module_from_spec(find_spec(full))
+            module.__class__ = _Unread
+            setattr(import_module(parent), own, module)
