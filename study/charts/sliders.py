@@ -78,11 +78,16 @@ def chart(folder: Path, report: Report) -> None:
 def _render(folder: Path, report: Report) -> None:
     import bpy
 
+    from ...addon.material.material import apply_stack, refresh
     from ...addon.rendering.sheet import Tile, render_sheet
-    from ...demo_blend.materials import stack_material
 
     for number, (name, (_, _, values)) in enumerate(STRIPS.items()):
         report(f"{100 * number // len(STRIPS):3} % {name}")
-        materials = [stack_material(f"{name} {words(value)}", stack_of(name, value)) for value in values]
-        render_sheet([Tile(words(value), material) for value, material in zip(values, materials)], folder / f"slider_{name}.png", 5, TILE, SAMPLES)
-        bpy.data.batch_remove(materials)
+        tiles = []
+        for value in values:
+            material = bpy.data.materials.new(name)
+            apply_stack(material, stack_of(name, value))
+            refresh(material, settle=True)
+            tiles.append(Tile(words(value), material))
+        render_sheet(tiles, folder / f"slider_{name}.png", 5, TILE, SAMPLES)
+        bpy.data.batch_remove([tile.material for tile in tiles])
