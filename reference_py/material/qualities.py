@@ -3,10 +3,10 @@
 
 PAPER, ANALYTIC, BAKED, AUTO = "weidlich_wilkie", "analytic", "baked", "auto"
 QUALITIES = {
-    PAPER: "Every value live, as the paper of 2007 has it, whose energy is far from the truth's",
-    ANALYTIC: "Every value live, all reflections between the layers computed while shading: for textures and animation of many values",
-    BAKED: "The truth, computed once when values rest and fitted by few lobes: closest and cheapest",
-    AUTO: "Live while values change; when they rest, the cheapest shader whose error stays under the tolerance",
+    PAPER: "Follows every value at once, as in the paper of 2007: often too dark or too bright",
+    ANALYTIC: "Follows every value, texture and animation at once; a little less exact than what is computed first",
+    BAKED: "Computed in the background when values rest: the closest look at the lowest cost",
+    AUTO: "Preview while values change; when they rest, the cheapest shader that keeps to the tolerance",
 }
 DEFAULT_METHOD = AUTO
 # Largest visible error that auto may choose, as a share of the light.

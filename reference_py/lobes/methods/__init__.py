@@ -151,8 +151,9 @@ def _made(row: Method, stack: Stack, options: Options) -> Made:
         return row.make(stack, options)
     plain = bakeable(stack)
     if scatters(stack) and (not_bakeable(stack) or not can_follow(plain, options.live)):
-        what = needs_live(stack) or in_words(options.live)
-        raise LaminaError(f"no bake follows {what}, and bakes alone know media that scatter; choose one of the two")
+        if what := needs_live(stack):
+            raise LaminaError(f"a medium that scatters cannot be had together with {what}; choose one of the two")
+        raise LaminaError(f"no quality follows {in_words(options.live)} where a medium scatters; take its texture or animation away")
     if row.follows(plain, options.live):
         made = row.make(plain, options)
     else:
