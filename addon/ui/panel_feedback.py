@@ -17,7 +17,6 @@ from .panel_values import draw_choice, draw_fact, draw_message
 
 _POPOVER_UNITS = 18
 # An icon for each level of what is found, the worst first.
-_ICONS = {check.ERROR: "ERROR", check.WARNING: "INFO", check.NOTE: "CHECKMARK"}
 
 
 def problem_of(material) -> str:
@@ -41,7 +40,7 @@ def draw_status(layout, context, material) -> None:
     problem = problem_of(material) or _unfound_problem(material, findings)
     level = check.ERROR if problem else next((finding.level for finding in findings), check.NOTE)
     _draw_line(row, material, next((f.text(iface_) for f in findings if f.level != check.NOTE), problem))
-    row.popover(LAMINA_PT_findings.__name__, text="", icon=_ICONS[level])
+    row.popover(LAMINA_PT_findings.__name__, text="", icon={check.ERROR: "ERROR", check.WARNING: "INFO", check.NOTE: "CHECKMARK"}[level])
 
 
 def _draw_line(row, material, problem: str) -> None:
