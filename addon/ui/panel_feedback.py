@@ -16,7 +16,6 @@ from ..operators import material_operators as ops
 from .panel_values import draw_choice, draw_fact, draw_message
 
 _POPOVER_UNITS = 18
-# An icon for each level of what is found, the worst first.
 
 
 def problem_of(material) -> str:
@@ -40,6 +39,7 @@ def draw_status(layout, context, material) -> None:
     problem = problem_of(material) or _unfound_problem(material, findings)
     level = check.ERROR if problem else next((finding.level for finding in findings), check.NOTE)
     _draw_line(row, material, next((f.text(iface_) for f in findings if f.level != check.NOTE), problem))
+    # an icon for each level of what is found
     row.popover(LAMINA_PT_findings.__name__, text="", icon={check.ERROR: "ERROR", check.WARNING: "INFO", check.NOTE: "CHECKMARK"}[level])
 
 
