@@ -66,11 +66,12 @@ class OpticalStack:
     def of(cls, stack: Stack, user=None) -> "OpticalStack":
         """Resolve a stack for a model or method, a class or an instance decorated by `supports`.
 
-        Raises LaminaError naming the layer or base, its kind, distribution or feature, and who knows it.
+        Raises LaminaError naming the layer or base, its kind, distribution or feature, and who knows it; and a value that is NaN.
         """
         elements = [*((f"layer {i}", e) for i, e in enumerate(stack.layers)), ("base", stack.base)]
         for where, element in elements:
             kind = _class_of(element, where, BASES if element is stack.base else LAYERS)
+            _require_numbers(where, element)
             if user is not None:
                 _require(user, where, element, kind, "bases" if element is stack.base else "layers")
         interfaces, n = [], 1.0
@@ -105,6 +106,13 @@ def _class_of(element: Layer | Base, where: str, classes: dict[str, Any]) -> Any
     if element.kind not in classes:
         raise LaminaError(f"{where}: the kind {element.kind} has no optics; choose {', '.join(classes)}")
     return classes[element.kind]
+
+
+def _require_numbers(where: str, element: Layer | Base) -> None:
+    """Raises LaminaError for a value that is NaN: one that no schema has checked."""
+    for name, value in element.values.items():
+        if not isinstance(value, str) and np.any(np.isnan(value)):
+            raise LaminaError(f"{where}: {name} is {value!r}, which has a NaN; choose numbers")
 
 
 def _require(user, where: str, element: Layer | Base, kind: type, place: str) -> None:

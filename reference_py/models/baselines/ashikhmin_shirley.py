@@ -32,8 +32,8 @@ class AshikhminShirley(Baseline):
 
     name = "ashikhmin_shirley"
 
-    def __init__(self, stack: Stack, **options: str):
-        super().__init__(stack, **options)
+    def __init__(self, stack: Stack):
+        super().__init__(stack)
         is_metal = self.optics.base.facets is not None
         tint = self.optics.round_trip()
         facets = self.optics.base.facets or (self.optics.interfaces[0].facets if stack.layers else None)

@@ -46,8 +46,8 @@ class Belcour(Baseline):
 
     name = "belcour"
 
-    def __init__(self, stack: Stack, **options: str):
-        super().__init__(stack, **options)
+    def __init__(self, stack: Stack):
+        super().__init__(stack)
         self._metal = metal_lobe(self.optics)
         count = len(stack.layers) + bool(self._metal)
         # per lobe three weights and an alpha

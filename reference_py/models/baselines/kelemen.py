@@ -33,8 +33,8 @@ class Kelemen(Baseline):
 
     name = "kelemen"
 
-    def __init__(self, stack: Stack, **options: str):
-        super().__init__(stack, **options)
+    def __init__(self, stack: Stack):
+        super().__init__(stack)
         metal = metal_lobe(self.optics)
         tint = self.optics.round_trip()
         self._lobe = metal or (interface_lobe(self.optics, 0) if stack.layers else None)

@@ -19,6 +19,8 @@ fit    | blue_paint | measured material: blue_paint
 
 import numpy as np
 
+from ...errors import one_of
+from ...material.stack import Stack
 from ...optics.optical_stack import supports
 from .parts import Baseline
 
@@ -40,11 +42,13 @@ class Lafortune(Baseline):
     """Lafortune 1997: the fit of a blue paint; it ignores the stack."""
 
     name = "lafortune"
-    OPTIONS = {"fit": tuple(_FITS)}
+
+    def __init__(self, stack: Stack, fit: str = "blue_paint"):
+        super().__init__(stack)
+        self._fit = one_of(f"model {self.name}", "fit", fit, tuple(_FITS))
 
     def _f(self, wo, wi):
-        fit = self.options["fit"]
-        return np.array(_FITS[fit][0]) / np.pi * np.ones(wi.shape) + sum(lobes(wo, wi, fit))
+        return np.array(_FITS[self._fit][0]) / np.pi * np.ones(wi.shape) + sum(lobes(wo, wi, self._fit))
 
 
 def lobes(wo: np.ndarray, wi: np.ndarray, fit: str = "blue_paint") -> list[np.ndarray]:

@@ -24,6 +24,7 @@ darkening | on      | Delta: on is the specification's weight 1, off is 0
 
 import numpy as np
 
+from ...errors import one_of
 from ...material.stack import Stack
 from ...optics.fresnel import cos_theta_t, fresnel_dielectric
 from ...optics.interface import Microfacets
@@ -38,10 +39,10 @@ class OpenPbrCoat(Baseline):
     """OpenPBR 1: coat with darkening over its base."""
 
     name = "openpbr_coat"
-    OPTIONS = {"darkening": ("on", "off")}
 
-    def __init__(self, stack: Stack, **options: str):
-        super().__init__(stack, **options)
+    def __init__(self, stack: Stack, darkening: str = "on"):
+        super().__init__(stack)
+        self._darkens = one_of(f"model {self.name}", "darkening", darkening, ("on", "off")) == "on"
         surfaces = self.optics.interfaces
         self._coat = self._lobe = None
         self._tau = sum((s.tau for s in surfaces), np.zeros(3))
@@ -87,7 +88,7 @@ class OpenPbrCoat(Baseline):
         return absorbed * (1.0 - self._coat_albedo(cos_o)) * self._darkening(cos_o)
 
     def _darkening(self, cos_o):
-        if self.options["darkening"] == "off":
+        if not self._darkens:
             return np.ones(3)
         smooth = fresnel_dielectric(cos_o, self._eta)
         rough = 1.0 - (1.0 - self._mean_fresnel) / self._eta**2

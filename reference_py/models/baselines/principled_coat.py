@@ -36,8 +36,8 @@ class PrincipledCoat(Baseline):
 
     name = "principled_coat"
 
-    def __init__(self, stack: Stack, **options: str):
-        super().__init__(stack, **options)
+    def __init__(self, stack: Stack):
+        super().__init__(stack)
         surfaces = self.optics.interfaces
         self._coat = dielectric_closure(surfaces[0].alpha, MULTI_GGX, surfaces[0].eta) if surfaces else None
         self._coat_eta = surfaces[0].eta if surfaces else 1.0

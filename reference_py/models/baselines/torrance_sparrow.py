@@ -28,8 +28,8 @@ class TorranceSparrow(Baseline):
 
     name = "torrance_sparrow"
 
-    def __init__(self, stack: Stack, **options: str):
-        super().__init__(stack, **options)
+    def __init__(self, stack: Stack):
+        super().__init__(stack)
         self._metal = metal_lobe(self.optics)
         self._tint = self.optics.round_trip()
         self._lobe = self._metal or (interface_lobe(self.optics, 0) if stack.layers else None)
