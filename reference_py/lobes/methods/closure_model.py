@@ -32,7 +32,7 @@ from . import DEFAULT_METHOD, make_lobe_set
 _LEAST_SHARE = 1e-3
 
 
-@supports("model", features=(ANISOTROPY, THIN_FILM, SCATTERING))
+@supports("model", spectral=False, features=(ANISOTROPY, THIN_FILM, SCATTERING))
 class ClosureModel:
     """What Cycles renders: the closures of a method, evaluated."""
 

@@ -142,7 +142,7 @@ class Adding:
         """Directional albedo (..., 3) for wo (..., 3) above the surface, mirror-like parts included; 0 below."""
         cos_theta, inverse = np.unique(wo[:, 2], return_inverse=True)
         visible = np.flatnonzero(cos_theta > 0.0)
-        result = np.zeros((len(cos_theta), 3))
+        result = np.zeros((len(cos_theta), self.channels))
         if len(visible):
             cos_o = np.minimum(cos_theta[visible], 1.0)
             reflected, crossed = self._rows_from_above(cos_o)
@@ -155,7 +155,7 @@ class Adding:
     def _rows_from_above(self, cos_o):
         """Energy that the first surface turns out per channel, and what it lets cross on the grid below it."""
         effective, grid = self._effective, self._grid
-        outside = {c: transmittance(grid, 1.0, effective.tau_above[c]) for c in range(3)}
+        outside = {c: transmittance(grid, 1.0, effective.tau_above[c]) for c in range(self.channels)}
         if not effective.interfaces:
             return lambda c: sum(base_rows(effective.base, c, cos_o, self.surface, grid, _ENERGY))[0] @ outside[c], None
         top = effective.interfaces[0]
@@ -176,13 +176,13 @@ class Adding:
     def specular_albedo(self, cos_theta: np.ndarray) -> np.ndarray:
         """The part (..., 3) of the albedo that is mirror-like and has no f, for view cosines (...)."""
         cos_theta = np.asarray(cos_theta, float)
-        return specular_reflectance(self._effective, cos_theta.ravel()).reshape(cos_theta.shape + (3,))
+        return specular_reflectance(self._effective, cos_theta.ravel()).reshape(cos_theta.shape + (self.channels,))
 
     def layer_energies(self) -> LayerEnergies:
         """Energies of all layers without the base."""
         effective, grid = self._effective, self._grid
         n_below = effective.base.n_above
-        nodal = {key: np.zeros((grid.count(n), 3)) for key, n in (("r_up", 1.0), ("t_down", 1.0), ("r_down", n_below), ("t_up", n_below))}
+        nodal = {key: np.zeros((grid.count(n), self.channels)) for key, n in (("r_up", 1.0), ("t_down", 1.0), ("r_down", n_below), ("t_up", n_below))}
         for channel, members in effective.channels():
             whole = self._layers(channel)
             for key, values in nodal.items():
@@ -249,7 +249,7 @@ class Adding:
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """BRDF (..., 3) in 1/sr without cosine; mirror-like parts have no f; 0 below the horizon."""
         visible = (wo[:, 2] > 0.0) & (wi[:, 2] > 0.0)
-        result = np.zeros(wo.shape)
+        result = np.zeros((len(wo), self.channels))
         wo, wi = wo[visible], wi[visible]
         if len(wo):
             value = self.direct_f(wo, wi) + self._interpolated(wo, wi)
@@ -271,7 +271,7 @@ class Adding:
         harmonics = chebyshev(turn, self._shape.modes)
         # along the normal there is no azimuth: its mean alone counts
         harmonics[1:] *= np.where(sines > 1e-6, 2.0, 0.0)
-        result = np.zeros((len(wo), 3))
+        result = np.zeros((len(wo), self.channels))
         for channel, members in self._effective.channels():
             density = self._remainder[channel]
             value = np.zeros(len(wo))

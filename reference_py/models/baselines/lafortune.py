@@ -5,7 +5,7 @@ f = d / pi + sum of max(Cxy (x x' + y y') + Cz z z', 0)^n. It is a fit to measur
 material is that of option `fit`, and the stack is not used at all. `blue_paint` stands in for the measured latex
 paint of Weidlich07, figure 9, which is not at hand: three lobes per channel as printed in pbrt version 1 (Pharr and
 Humphreys 2004), materials/bluepaint.cpp, not checked against the paper of 1997.
-Limits: fixed data, no mirror-like coat. The third lobe peaks off the mirror direction; the first is a
+Limits: fixed data in RGB, no mirror-like coat. The third lobe peaks off the mirror direction; the first is a
 retroreflection, the second broad. Its albedo is .31 .40 .73 at normal and .38 .46 .75 at grazing views.
 
 option | default    | meaning
@@ -37,7 +37,7 @@ _FITS = {
 }
 
 
-@supports("model")
+@supports("model", spectral=False)
 class Lafortune(Baseline):
     """Lafortune 1997: the fit of a blue paint; it ignores the stack."""
 

@@ -45,7 +45,7 @@ class OpenPbrCoat(Baseline):
         self._darkens = one_of(f"model {self.name}", "darkening", darkening, ("on", "off")) == "on"
         surfaces = self.optics.interfaces
         self._coat = self._lobe = None
-        self._tau = sum((s.tau for s in surfaces), np.zeros(3))
+        self._tau = sum((s.tau for s in surfaces), np.zeros(self.channels))
         if surfaces:
             self._eta = surfaces[0].eta
             self._coat = Lobe(surfaces[0].alpha, GGX, dielectric(self._eta))
@@ -78,7 +78,7 @@ class OpenPbrCoat(Baseline):
             left = 1.0 - self._gloss_albedo(wo[..., 2]) if self._lobe else 1.0
             base = base + left * self.optics.base.f(wi, wo)
         if not self._coat:
-            return base * np.ones(3)
+            return base * np.ones(self.channels)
         return self._coat.f(wo, wi) + self._throughput(wo[..., 2], wi[..., 2]) * base
 
     def _throughput(self, cos_o, cos_i):
@@ -89,7 +89,7 @@ class OpenPbrCoat(Baseline):
 
     def _darkening(self, cos_o):
         if not self._darkens:
-            return np.ones(3)
+            return np.ones(self.channels)
         smooth = fresnel_dielectric(cos_o, self._eta)
         rough = 1.0 - (1.0 - self._mean_fresnel) / self._eta**2
         inside = (smooth + self._base_roughness * (rough - smooth))[..., None]
@@ -98,7 +98,7 @@ class OpenPbrCoat(Baseline):
     def _specular_albedo(self, cos_o):
         base = self._lobe.specular_albedo(cos_o) if self._lobe else super()._specular_albedo(cos_o)
         if not self._coat:
-            return base * np.ones(3)
+            return base * np.ones(self.channels)
         return self._coat.specular_albedo(cos_o) + self._throughput(cos_o, cos_o) * base
 
     def _widths(self):

@@ -64,7 +64,7 @@ class Baseline:
 
     def _specular_albedo(self, cos_o: np.ndarray) -> np.ndarray:
         """Energy (..., 3) of mirror-like lobes."""
-        return np.zeros(cos_o.shape + (3,))
+        return np.zeros(cos_o.shape + (self.channels,))
 
 
 @dataclass(frozen=True)

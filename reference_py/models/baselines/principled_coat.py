@@ -82,7 +82,7 @@ class PrincipledCoat(Baseline):
     def _throughput(self, cos_o):
         """What the coat leaves of the base, (..., 3)."""
         if not self._coat:
-            return np.ones(cos_o.shape + (3,))
+            return np.ones(cos_o.shape + (self.channels,))
         path = 1.0 / cos_theta_t(cos_o, self._coat_eta)
         return self._coat.left(cos_o) * self._tint ** path[..., None]
 

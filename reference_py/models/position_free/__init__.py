@@ -97,7 +97,7 @@ class PositionFree:
         def sample(figure, rng):
             return connected_f(self._surfaces, start[figure], end[figure], rng)
 
-        return self._spread(visible, *self._estimate(sample, len(start), (3,), rng, progress, cancel))
+        return self._spread(visible, *self._estimate(sample, len(start), (self.channels,), rng, progress, cancel))
 
     @per_direction(color_axis, color_axis)
     def albedo_stderr(self, wo, *, rng=None, progress=None, cancel=None) -> tuple[np.ndarray, np.ndarray]:
@@ -106,12 +106,12 @@ class PositionFree:
         wo_visible = wo[visible]
 
         def sample(figure, rng):
-            energy = np.zeros((3, len(figure))).T
+            energy = np.zeros((self.channels, len(figure))).T
             for rays in Walk(self._surfaces, wo_visible[figure], rng).exits():
                 energy[rays.path] = rays.throughput
             return energy
 
-        return self._spread(visible, *self._estimate(sample, len(wo_visible), (3,), rng, progress, cancel))
+        return self._spread(visible, *self._estimate(sample, len(wo_visible), (self.channels,), rng, progress, cancel))
 
     @per_direction(_depth_axes, _depth_axes)
     def albedo_by_depth(self, wo, *, rng=None, progress=None, cancel=None) -> tuple[np.ndarray, np.ndarray]:
@@ -122,12 +122,12 @@ class PositionFree:
 
         def sample(figure, rng):
             walk = Walk(self._surfaces, wo_visible[figure], rng)
-            energy = np.zeros((len(figure), depths, 3))
+            energy = np.zeros((len(figure), depths, self.channels))
             for rays in walk.exits():
                 energy[rays.path, walk.deepest[rays.path]] = rays.throughput
             return energy
 
-        return self._spread(visible, *self._estimate(sample, len(wo_visible), (depths, 3), rng, progress, cancel))
+        return self._spread(visible, *self._estimate(sample, len(wo_visible), (depths, self.channels), rng, progress, cancel))
 
     def histogram(self, wo, theta_edges, phi_edges, *, deepest: int | None = None, rng=None, progress=None, cancel=None) -> Histogram:
         """Where the energy that meets the stack along -wo, wo (3,), leaves to; edges in radians, ascending.
@@ -138,7 +138,7 @@ class PositionFree:
         theta_edges, phi_edges = np.asarray(theta_edges, float), np.asarray(phi_edges, float)
         shape = (len(theta_edges) - 1, len(phi_edges) - 1)
         azimuth = np.arctan2(wo[1], wo[0])
-        total, squares = np.zeros((2, shape[0] * shape[1], 3))
+        total, squares = np.zeros((2, shape[0] * shape[1], self.channels))
         for count, batch_rng in self._batches(1, rng, progress, cancel):
             walk = Walk(self._surfaces, np.broadcast_to(wo, (len(count), 3)), batch_rng)
             for rays in walk.exits():
@@ -150,11 +150,11 @@ class PositionFree:
                 if deepest is not None:
                     inside &= walk.deepest[rays.path] == deepest % len(self._surfaces)
                 bins, energy = (row * shape[1] + column)[inside], rays.throughput[inside]
-                for channel in range(3):
+                for channel in range(self.channels):
                     total[:, channel] += np.bincount(bins, energy[:, channel], len(total))
                     squares[:, channel] += np.bincount(bins, np.square(energy[:, channel]), len(total))
         mean, stderr = _mean_and_stderr(total, squares, self.walks)
-        return Histogram(mean.reshape(*shape, 3), stderr.reshape(*shape, 3), theta_edges, phi_edges)
+        return Histogram(mean.reshape(*shape, self.channels), stderr.reshape(*shape, self.channels), theta_edges, phi_edges)
 
     def _batches(self, figures: int, rng, progress, cancel):
         """Yield (index of the figure per walk, rng) until every figure has its walks."""
