@@ -48,6 +48,7 @@ def spectra(stack, channels):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("channels", [1, 3, 7, 31])
 @pytest.mark.parametrize("stack", STACKS)
 @pytest.mark.parametrize("name", SPECTRAL)
@@ -57,7 +58,7 @@ def test_many_channels_are_what_each_gives_alone(name, stack, channels):
     model = make_model(name, make(nm), **options)
     f, albedo = model.f(WO, WI), model.albedo(WO)
     assert f.shape == albedo.shape == (2, channels) and model.channels == channels
-    some = range(channels)[:: max(channels // 3, 1)]
+    some = sorted({0, channels // 2, channels - 1})
     alone = [make_model(name, make(nm[c : c + 1]), **options) for c in some]
     if model.stochastic:  # other walks: what is absorbed in one channel ends them in another
         for many, method, args in ((f, "f_stderr", (WO, WI)), (albedo, "albedo_stderr", (WO,))):

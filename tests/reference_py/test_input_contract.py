@@ -71,6 +71,7 @@ def test_what_is_no_direction_is_refused_in_one_line(name, wo, said):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.slow
 @with_and_without_patches
 @every_model
 def test_a_direction_with_a_nan_gives_nan_and_harms_no_other(name, covered):
@@ -96,6 +97,7 @@ def test_no_directions_give_an_empty_result(name, covered):
         assert empty.shape == (2, 0, *np.shape(one)) and empty.dtype == one.dtype
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in MODELS if not MODELS[name].stochastic])
 def test_a_value_does_not_depend_on_its_batch(name):
     model = model_of(name)
