@@ -123,7 +123,7 @@ def _place(material: bpy.types.Material, given: str, name: str, image: Image, ou
         return [f"lost: {given} image {file}: the stack has no place for it"]
     if backend_of(material) != OSL and PLACES[name][1] != "coverage":
         return [*notes, f"lost: {given} image {file}: it stays linked, but stock nodes cannot follow it and show the socket's own value"]
-    return [*notes, f"kept: {given} image {file}: " + ("through nodes that keep the mean albedo" if name == "base_color" else "linked to the layer")]
+    return [*notes, f"kept: {given} image {file}: " + ("through nodes that keep the mean color" if name == "base_color" else "linked to the layer")]
 
 
 def _texture(tree: bpy.types.NodeTree, image: Image, place, row: int, notes: list[str]) -> bpy.types.NodeSocket:
