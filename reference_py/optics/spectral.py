@@ -39,16 +39,16 @@ def spectral_stack(
     base. Greys count as flat spectra and named metals have their measured index, so only what is coloured must be
     given. Raises LaminaError for a coloured value without spectrum, a wrong length, values outside 0 to 1, and a thin film, which is for RGB.
     """
-    wavelength_nm = np.asarray(wavelength_nm, float)
-    if wavelength_nm.ndim != 1 or not len(wavelength_nm) or not np.all(np.isfinite(wavelength_nm)) or not np.all(np.diff(wavelength_nm) > 0.0):
-        raise LaminaError(f"wavelengths must be a list that increases, in nm; got {wavelength_nm.tolist()}")
+    nm = np.asarray(wavelength_nm, float)
+    if nm.ndim != 1 or not len(nm) or not np.all(np.isfinite(nm)) or not np.all(np.diff(nm) > 0.0):
+        raise LaminaError(f"wavelengths must be a list that increases, in nm; got {nm.tolist()}")
     tints = dict(tints or {})
     unknown = sorted(set(tints) - set(range(len(stack.layers))))
     if unknown:
         raise LaminaError(f"tint spectrum for layer {unknown[0]}; the stack has {len(stack.layers)} layers, numbered from 0")
-    layers = tuple(_spectral_layer(layer, wavelength_nm, tints.get(i), f"layer {i}") for i, layer in enumerate(stack.layers))
-    base = _spectral_base(stack.base, wavelength_nm, color, "base")
-    return SpectralStack(layers, base, stack.name, stack.source, stack.unknown, tuple(wavelength_nm.tolist()))
+    layers = tuple(_spectral_layer(layer, nm, tints.get(i), f"layer {i}") for i, layer in enumerate(stack.layers))
+    base = _spectral_base(stack.base, nm, color, "base")
+    return SpectralStack(layers, base, stack.name, stack.source, stack.unknown, tuple(nm.tolist()))
 
 
 def gaussian_band(wavelength_nm: np.ndarray, center_nm: float, width_nm: float, depth: float) -> np.ndarray:
