@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials of MaterialX files that are layers of BSDFs, to stacks and back.
+
+A `layer` node of MaterialX leaves out the light between two layers; a stack has it. So the base color is solved both ways,
+such that the mean albedo stays, and a stack that goes out and comes back is itself.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from ..errors import LaminaError
+from ..material.stack import Stack
+from ..optics.colour import known_spaces
+from .appearance import Appearance
+from .bsdf_albedo import light_of
+from .bsdf_stack import Builder, metal_row, relative_colors
+from .bsdf_tree import SURFACE, Leaf, Mixed, Tree, TreeReader, images_of, leaves, mapped
+from .conversion import Converted, matched
+from .matching import FINE, Albedos, color_key, color_map, mean, truth
+from .materialx_document import Document
+from .materialx_graph import Image, input_of
+from .report import APPROXIMATED, LOST, Loss, Report, shown
+from .slots import MOST_REFLECTANCE
+
+NAME = "a graph of layers"
+# Inputs of leaves that a texture may feed, as parameters of an element.
+_LINKED = {"color": "color", "color0": "color", "roughness": "roughness", "normal": "normal", "weight": "coverage", "thinfilm_thickness": "film_thickness"}
+
+
+@dataclass(frozen=True)
+class LayeredMaterial:
+    """One material of a file whose surface is a BSDF; `emission` and `opacity` are those of the surface. Used as `materialx.Material`."""
+
+    name: str
+    tree: Tree
+    emission: tuple = (0.0, 0.0, 0.0)
+    opacity: float = 1.0
+    losses: tuple[Loss, ...] = ()
+    """What reading it cost."""
+    node: str = SURFACE
+    values: Mapping = field(default_factory=dict)
+    """It has no inputs of its own."""
+
+    @property
+    def images(self) -> dict[str, Image]:
+        """By what they feed: the node's name and the input."""
+        return images_of(self.tree)
+
+    def with_means(self, means: Mapping[str, np.ndarray]) -> "LayeredMaterial":
+        """With the means of images as the values of what they feed."""
+
+        def change(part: Tree) -> Tree:
+            if isinstance(part, Mixed):
+                return replace(part, share=float(means[f"{part.name} mix"][0])) if f"{part.name} mix" in means else part
+            assert isinstance(part, Leaf)
+            here = {given: means[f"{part.name} {given}"] for given in part.images if f"{part.name} {given}" in means and given in part.values}
+            return replace(part, values={**part.values, **{given: _as_value(part, given, mean_) for given, mean_ in here.items()}})
+
+        return replace(self, tree=mapped(self.tree, change))
+
+    def to_stack(self, without: frozenset[str] = frozenset()) -> Converted:
+        """The stack that is as bright; `without`: images that are not linked to it, and are lost. Raises LaminaError."""
+        tree = mapped(self.tree, lambda part: _without(part, without))
+        builder = Builder()
+        rows = builder.rows(tree)
+        for index, leaf in rows.sources.items():
+            element = rows.base if index < 0 else rows.layers[index]
+            if "normal" in leaf.images:
+                element["normal"] = (0.0, 0.0, 0.0)
+            if "weight" in leaf.images and index >= 0:
+                element["coverage"] = 1.0
+        losses = [*self.losses, *builder.losses]
+        losses += [Loss(i, f"image {self.images[i].file}", LOST, _stands_in(self.tree, i)) for i in sorted(without)]
+        if rows.media:
+            losses.append(Loss("multiply", np.prod([np.power(t, 2.0 * d) for t, d in rows.media], axis=0), APPROXIMATED, "in the base color"))
+        data = {"name": self.name, "source": f"Converted from {NAME}", "layers": rows.layers, "base": rows.base}
+        stack = Stack.from_dict(data, self.name or NAME)
+        look = self._look(tree)
+        losses += [
+            Loss(leaf, "", LOST, f"light that no stack sends back; that is {_share(light, look):.1f} % of its light") for leaf, light in look.lost.items()
+        ]
+        base = rows.sources.get(-1)
+        start, exact = (stack.base["color"], truth(stack)) if base is None or "color" in stack.base else _metal_albedos(stack, base, rows.n)
+        color, report = matched(stack, exact, start, MOST_REFLECTANCE if "reflectance" in stack.base else 1.0, look, self.name, losses, FINE)
+        told = {(loss.parameter, loss.how): loss for loss in report.losses}  # a leaf may be linked twice
+        owners = {f"{leaf.name} {given}": index for index, leaf in rows.sources.items() for given in leaf.images}
+        owners |= {f"{mix} mix": index for mix, covering in builder.covers.items() for index, leaf in rows.sources.items() if leaf == covering}
+        colors = None
+        if base is not None and (base_color := next((i for i in ("color", "color0") if i in base.images), None)):
+            colors = color_map(lambda c: self._look(_recolored(tree, base, base_color, c)).solid, truth(stack))
+        return Converted(_with_color(stack, color, base, rows.n), {}, None, owners, Report(tuple(told.values()), report.match), colors)
+
+    def places(self, given: str, converted: Converted) -> list[tuple[int, str]]:
+        """Where an image of `images` goes: elements by index, -1 the base, and their parameter."""
+        parameter = "coverage" if given.endswith(" mix") else _LINKED.get(given.rpartition(" ")[2])
+        return [(converted.owners[given], parameter)] if parameter and given in converted.owners else []
+
+    def _look(self, tree: Tree) -> Appearance:
+        light = light_of(tree)
+        lost = {name: self.opacity * np.broadcast_to(part, light.back.shape) for name, part in light.lost.items() if np.any(part > 0.0)}
+        if any(self.emission):
+            lost["emission"] = np.broadcast_to(self.opacity * np.array(self.emission), light.back.shape)
+        if self.opacity < 1.0:
+            lost["opacity"] = np.full(light.back.shape, 1.0 - self.opacity)
+        return Appearance(light.back, self.opacity * light.back, lost)
+
+
+def read_layered(document: Document, name: str, node: Element, folder: Path | None = None) -> LayeredMaterial:
+    """The material of a `surface` node. Raises LaminaError without a BSDF, or for one that is not known."""
+    reader = TreeReader(document, folder)
+    tree = reader.tree(input_of(node, "bsdf"))
+    if tree is None:
+        raise LaminaError(f"{document.where}: {node.get('name', SURFACE)} has no BSDF")
+    losses = list(reader.losses)
+    emission: tuple = (0.0, 0.0, 0.0)
+    if (edf := input_of(node, "edf")) is not None and (found := reader.graph.node(edf)) is not None:
+        color = input_of(found[0], "color")
+        value = reader.graph.value(color) if color is not None else np.ones(3)
+        emission = tuple(float(c) for c in np.broadcast_to(value[:3], 3)) if isinstance(value, np.ndarray) else (1.0, 1.0, 1.0)
+    opacity = 1.0
+    if (given := input_of(node, "opacity")) is not None:
+        value = reader.graph.value(given)
+        if isinstance(value, np.ndarray):
+            opacity = float(np.clip(value[0], 0.0, 1.0))
+        else:
+            losses.append(Loss("opacity", "linked", LOST, "a stack is opaque"))
+    losses += [
+        Loss("color space", space[:40], APPROXIMATED, f"unknown: read as linear Rec.709; known are {', '.join(known_spaces())}")
+        for space in sorted(reader.graph.unknown)
+    ]
+    return LayeredMaterial(name, tree, emission, opacity, tuple(losses))
+
+
+def _without(part: Tree, without: frozenset[str]) -> Tree:
+    if isinstance(part, Mixed):
+        return replace(part, image=None) if f"{part.name} mix" in without else part
+    assert isinstance(part, Leaf)
+    return replace(part, images={given: image for given, image in part.images.items() if f"{part.name} {given}" not in without})
+
+
+def _as_value(leaf: Leaf, given: str, mean_: np.ndarray):
+    """A mean as the value of an input: of a roughness its square, twice."""
+    if given == "roughness" and isinstance(leaf.values[given], tuple):
+        return (float(mean_[0]) ** 2,) * 2
+    default = leaf.values[given]
+    return tuple(float(c) for c in np.broadcast_to(mean_, 3)) if isinstance(default, tuple) else float(mean_[0])
+
+
+def _stands_in(tree: Tree, given: str) -> str:
+    node, _, name = given.rpartition(" ")
+    value = next((leaf.values.get(name) for leaf in leaves(tree) if leaf.name == node), None)
+    return "left out" if value is None else f"{shown(value)} stands in"
+
+
+def _share(light: np.ndarray, look: Appearance) -> float:
+    return 100.0 * float(np.sum(mean(light))) / max(float(np.sum(mean(look.seen + look.all_lost))), 1e-9)
+
+
+def _recolored(tree: Tree, leaf: Leaf, given: str, color) -> Tree:
+    values = {**leaf.values, given: tuple(float(c) for c in np.broadcast_to(color, 3))}
+    return mapped(tree, lambda part: replace(part, values=values) if part == leaf else part)
+
+
+def _metal_albedos(stack: Stack, leaf: Leaf, n: float) -> tuple[np.ndarray, Albedos]:
+    """Color against the medium above, and the albedos of the stack whose metal has another one."""
+    start, edge = relative_colors(leaf)
+
+    def albedos(color) -> np.ndarray:
+        return truth(replace(stack, base=stack.base.with_values(**_metal_colors(color, edge, n))))()
+
+    return start, albedos
+
+
+def _metal_colors(color, edge, n: float) -> dict:
+    return {key: value for key, value in metal_row(color, edge, n).items() if key != "kind"}
+
+
+def _with_color(stack: Stack, color: np.ndarray, leaf: Leaf | None, n: float) -> Stack:
+    if "reflectance" in stack.base and leaf is not None:
+        values = _metal_colors(color, relative_colors(leaf)[1], n)
+    else:
+        values = {color_key(stack.base): tuple(float(c) for c in color)}
+    return replace(stack, base=stack.base.with_values(**values))
