@@ -113,10 +113,6 @@ def _with_means(material: Material | LayeredMaterial) -> tuple[Material | Layere
                 means[given] = mean_of_image(image)
             except LaminaError as error:
                 notes.append(f"lost: {error}")
-    notes += [
-        f"approximated: {given} image {files[given].file}: its mean, {shown(mean)}, is the value; a material in Blender gets the image"
-        for given, mean in means.items()
-    ]
     return material.with_means(means), notes
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..material.schema import CONDUCTOR as METAL
 from ..material.schema import DIELECTRIC as CLEAR
-from ..material.schema import LAMBERT, THIN_FILM
+from ..material.schema import LAMBERT, SCHEMA, THIN_FILM
 from ..material.schema import OREN_NAYAR as ROUGH_BASE
 from ..models.baselines.parts import dielectric_f0
 from ..optics.colour import artist_color, artist_index
@@ -28,6 +28,8 @@ _MOST_RATIO = 0.9
 _DIFFUSE = (OREN_NAYAR, BURLEY, SUBSURFACE)
 # Half of the crossing that a tint is meant for, each way.
 _ONE_WAY = 0.5
+# Values that differ by less are the same surface's.
+_ALIKE = 1e-4
 
 
 @dataclass
@@ -182,38 +184,41 @@ class Builder:
         return metal_row(color, edge, n) | self._facets(leaf)
 
     def _mixed(self, tree: Mixed, n: float) -> Rows:
-        if tree.image is None and tree.share in (0.0, 1.0):
-            return self.rows(tree.second if tree.share else tree.first, n)
         merged = _merged(tree.first, tree.second, tree.share) if tree.image is None else None
         if merged is not None:
             return self.rows(merged, n)
-        begun = len(self.losses)
-        for above, below, share, exact in ((tree.second, tree.first, tree.share, True), (tree.first, tree.second, 1.0 - tree.share, tree.image is None)):
-            if not exact:
-                break
-            found = self._covering(above, below, share, n)
-            if found is not None:
-                if tree.image is not None:
-                    self.covers[tree.name] = found.sources[0]
-                return found
-            del self.losses[begun:]
+        ways = [(tree.second, tree.first, tree.share)]
+        if tree.image is None:  # no node says one less an image
+            ways.append((tree.first, tree.second, 1.0 - tree.share))
+        for put in (self._covering, self._spotted):
+            for above, below, share in ways:
+                begun = len(self.losses)
+                if (found := put(above, below, share, n)) is not None:
+                    if tree.image is not None:
+                        self.covers[tree.name] = found.sources[0]
+                    return found
+                del self.losses[begun:]
         return self.rows(self._stronger(tree, "a stack mixes coated and uncoated, or with one bare opaque surface"), n)
 
     def _covering(self, above: Tree, below: Tree, share: float, n: float) -> Rows | None:
-        """One layer more, there by its share, or an opaque one; None where it is neither."""
+        """What is below, with one more layer on a share of it; None where `above` is not that."""
         rest = self.rows(below, n)
-        if isinstance(above, Leaf) and (_is_opaque(above) or above.kind in _DIFFUSE):
-            row = self._metal(above, n) if _is_opaque(above) else self._diffuse(above)
-            return rest.under([row | {"coverage": share}], [above]) if not rest.media else None
-        begun = len(self.losses)
         whole = self.rows(above, n)
-        del self.losses[begun:]
-        if not whole.layers or whole.media or "coverage" in whole.layers[0]:
+        if not whole.layers or whole.media or rest.media or "coverage" in whole.layers[0] or SCHEMA.is_opaque(whole.layers[0]["kind"]):
             return None
-        if not _alike([*whole.layers[1:], whole.base], [*rest.layers, rest.base]):
+        # where both are over the same node, a metal there is another one below a medium
+        inner = above.base.bsdf if isinstance(above, Layered) and isinstance(above.base, Scaled) else above.base if isinstance(above, Layered) else None
+        if inner != below and not _alike([*whole.layers[1:], whole.base], [*rest.layers, rest.base]):
             return None
-        self._interfaces(above.top if isinstance(above, Layered) else above, n)  # for what it says
-        return replace(rest.under([whole.layers[0] | {"coverage": share}], [whole.sources[0]]), n=whole.n)
+        return replace(whole, layers=[whole.layers[0] | {"coverage": share}, *whole.layers[1:]])
+
+    def _spotted(self, above: Tree, below: Tree, share: float, n: float) -> Rows | None:
+        """What is below, with an opaque layer on a share of it; None where `above` is none."""
+        if not isinstance(above, Leaf) or not (_is_opaque(above) or above.kind in _DIFFUSE):
+            return None
+        rest = self.rows(below, n)
+        row = self._metal(above, n) if _is_opaque(above) else self._diffuse(above)
+        return rest.under([row | {"coverage": share}], [above]) if not rest.media else None
 
     def _added(self, tree: Added, n: float) -> Rows:
         merged = _merged(tree.first, tree.second, None)
@@ -273,12 +278,12 @@ def _lowest(tree: Tree) -> Leaf | None:
 
 def _merged(first: Tree, second: Tree, share: float | None) -> Leaf | None:
     """One leaf of two diffuse ones, mixed or, without a share, added; None of others."""
-    if not (isinstance(first, Leaf) and isinstance(second, Leaf) and first.kind in _DIFFUSE and second.kind in _DIFFUSE):
+    if not (isinstance(first, Leaf) and isinstance(second, Leaf) and first.kind in _DIFFUSE and second.kind in _DIFFUSE) or first.images or second.images:
         return None
     a, b = (1.0, 1.0) if share is None else (1.0 - share, share)
     colors = [np.multiply(f * leaf.values["weight"], leaf.values["color"]) for f, leaf in ((a, first), (b, second))]
     kept = first if np.sum(colors[0]) >= np.sum(colors[1]) else second
-    return replace(kept, values={**kept.values, "weight": 1.0, "color": tuple(np.clip(colors[0] + colors[1], 0.0, 1.0))}, images={})
+    return replace(kept, values={**kept.values, "weight": 1.0, "color": tuple(np.clip(colors[0] + colors[1], 0.0, 1.0))})
 
 
 def _alike(first: list[dict], second: list[dict]) -> bool:
@@ -286,8 +291,10 @@ def _alike(first: list[dict], second: list[dict]) -> bool:
     if len(first) != len(second):
         return False
     for a, b in zip(first, second):
-        numbers = [k for k in {**a, **b} if k not in ("kind", "name")]
-        if a["kind"] != b["kind"] or any(k not in a or k not in b or not np.allclose(a[k], b[k], atol=1e-4) for k in numbers):
+        if a.get("kind") != b.get("kind") or a.get("distribution") != b.get("distribution"):
+            return False
+        numbers = [k for k in {**a, **b} if k not in ("kind", "name", "distribution")]
+        if any(k not in a or k not in b or not np.allclose(a[k], b[k], atol=_ALIKE) for k in numbers):
             return False
     return True
 

@@ -4,7 +4,7 @@
 Inputs and defaults are those of the node definitions of MaterialX 1.39. A leaf's roughness is (alpha_x, alpha_y).
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -38,7 +38,10 @@ DEFAULTS: dict[str, dict] = {
 # Inputs that are limited, and to what; all others are shares.
 _LIMITS = {"ior": (0.0, 100.0), "extinction": (0.0, 100.0), "thinfilm_ior": (1.0, 100.0), "thinfilm_thickness": (0.0, 1e9), "exponent": (0.0, 100.0)}
 _LIMITS |= {"radius": (0.0, 1e9), "anisotropy": (-1.0, 1.0)}
+# Inputs that change nothing of the amount of light.
+_WORDS = ("distribution", "mode")
 _ROUGH = ("roughness_anisotropy", "glossiness_anisotropy")
+_EMITTING = {"multiply": ("in1",), "generalized_schlick_edf": ("base",), "layer": ("base",), "add": ("in1", "in2"), "mix": ("bg", "fg")}
 _MOST_NODES = 200
 _EVEN = 0.5
 
@@ -137,6 +140,29 @@ class TreeReader:
             raise LaminaError(f"{self._document.where}: {name} is {node.tag}, which no stack has; known are layer, mix, add, multiply, {', '.join(DEFAULTS)}")
         return self._leaf(node)
 
+    def emission(self, given: Element | None) -> np.ndarray:
+        """Radiance (3,) of an input of type EDF, along the normal; what cannot be read counts as 1."""
+        found = self.graph.node(given) if given is not None else None
+        if found is None:
+            return np.zeros(3)
+        self._nodes += 1
+        if self._nodes > _MOST_NODES:
+            raise LaminaError(f"{self._document.where}: its graph of light is too large, or runs in a circle")
+        node, _ = found
+        if node.tag in ("multiply", "generalized_schlick_edf", "layer", "add", "mix"):
+            inner = [self.emission(input_of(node, name)) for name in _EMITTING[node.tag]]
+            if node.tag == "mix":
+                share = self._number(input_of(node, "mix"), 0.0)
+                return (1.0 - share) * inner[0] + share * inner[1]
+            factor = {"multiply": "in2", "generalized_schlick_edf": "color0"}.get(node.tag)
+            return sum(inner) * (self._number(input_of(node, factor), 1.0) if factor else 1.0)
+        return np.broadcast_to(self._number(input_of(node, "color"), 1.0), 3)
+
+    def _number(self, given: Element | None, default: float) -> np.ndarray:
+        """(1,) or (3,) of an input, or the default."""
+        value = self.graph.value(given) if given is not None else None
+        return value[:3] if isinstance(value, np.ndarray) else np.full(1, default)
+
     def _required(self, given: Element | None, node: Element) -> Tree:
         found = self.tree(given)
         if found is None:
@@ -196,7 +222,7 @@ class TreeReader:
         values, images, mode, turn = dict(DEFAULTS[kind]), {}, "R", 0.0
         for given in node:
             parameter = given.get("name", "")
-            if given.tag != "input" or parameter == "distribution":
+            if given.tag != "input" or parameter in _WORDS:
                 continue
             if parameter == "scatter_mode":
                 mode = given.get("value", "R")
@@ -260,29 +286,40 @@ class TreeReader:
 _BLACK = Leaf(OREN_NAYAR, "black", DEFAULTS[OREN_NAYAR] | {"color": (0.0, 0.0, 0.0)})
 
 
-def leaves(tree: Tree) -> list[Leaf]:
-    """All leaves; one that is linked twice is there as often."""
-    return [tree] if isinstance(tree, Leaf) else [leaf for part in _parts(tree) for leaf in leaves(part)]
+def every_part(tree: Tree) -> Iterator[Tree]:
+    """The tree and all below it; what is linked twice is there as often."""
+    yield tree
+    for part in _parts(tree):
+        yield from every_part(part)
 
 
 def images_of(tree: Tree) -> dict[str, Image]:
     """By what they feed: the node's name and the input."""
-    found = {f"{tree.name} {given}": image for given, image in tree.images.items()} if isinstance(tree, Leaf) else {}
-    if isinstance(tree, Mixed) and tree.image is not None:
-        found[f"{tree.name} mix"] = tree.image
-    return {key: image for part in _parts(tree) for key, image in images_of(part).items()} | found
+    found = {}
+    for part in every_part(tree):
+        if isinstance(part, Leaf):
+            found |= {f"{part.name} {given}": image for given, image in part.images.items()}
+        elif isinstance(part, Mixed) and part.image is not None:
+            found[f"{part.name} mix"] = part.image
+    return found
 
 
 def mapped(tree: Tree, change: Callable[[Tree], Tree]) -> Tree:
-    """A copy with every leaf and mix as `change` makes it."""
-    if isinstance(tree, Leaf):
-        return change(tree)
+    """A copy with every part as `change` makes it, from the leaves on."""
     if isinstance(tree, Scaled):
-        return replace(tree, bsdf=mapped(tree.bsdf, change))
+        return change(replace(tree, bsdf=mapped(tree.bsdf, change)))
     if isinstance(tree, Layered):
-        return Layered(mapped(tree.top, change), mapped(tree.base, change))
-    joined = replace(tree, first=mapped(tree.first, change), second=mapped(tree.second, change))
-    return change(joined) if isinstance(tree, Mixed) else joined
+        return change(Layered(mapped(tree.top, change), mapped(tree.base, change)))
+    if isinstance(tree, (Mixed, Added)):
+        return change(replace(tree, first=mapped(tree.first, change), second=mapped(tree.second, change)))
+    return change(tree)
+
+
+def without_nothing(part: Tree) -> Tree:
+    """For `mapped`: a mix of all and none, and a factor of white, are what they leave."""
+    if isinstance(part, Mixed) and part.image is None and part.share in (0.0, 1.0):
+        return part.second if part.share else part.first
+    return part.bsdf if isinstance(part, Scaled) and min(part.color) == 1.0 else part
 
 
 def _parts(tree: Tree) -> tuple["Tree", ...]:

@@ -24,8 +24,9 @@ _SEEN = 2e-3
 class Converted:
     """`owners`: the index of the layer, or -1 for the base, that each slot ("base", "gloss", "coat") is in the stack.
 
-    `values` are the model's parameters by name; `slots` are None of a graph of layers, which needs none. `colors` maps base colors of what is converted to those of the result,
-    for textures; None unless asked for, or where what is the base has no color or is an opaque layer.
+    `values` are the model's parameters by name; `slots` are None of a graph of layers, which needs none. `colors` maps base
+    colors of what is converted to those of the result, for textures; None unless asked for, or where what is the base has no
+    color or is an opaque layer.
     """
 
     stack: Stack
@@ -57,26 +58,39 @@ def slots_to_stack(slots: Slots, original: Albedos, look: Appearance, name: str,
     stack can have. Raises LaminaError where nothing that is seen would be left.
     """
     stack, owners = to_stack(slots, name, source, losses)
-    exact, most = truth(stack), MOST_REFLECTANCE if slots.is_metal else 1.0
-    color, report = matched(stack, exact, stack.base[color_key(stack.base)], most, look, name, losses)
-    stack = replace(stack, base=recolored(stack.base, color))
-    return Converted(stack, {}, slots, owners, report, color_map(original, exact, most) if textured else None)
+    most = MOST_REFLECTANCE if slots.is_metal else 1.0
+    stack, color, report = matched(stack, truth, stack.base[color_key(stack.base)], most, look, name, losses)
+    colors = color_map(original, truth(stack), most) if textured else None
+    return Converted(replace(stack, base=recolored(stack.base, color)), {}, slots, owners, report, colors)
 
 
 def matched(
-    stack: Stack, exact: Albedos, start, most: float, look: Appearance, name: str, losses: list[Loss], tolerance: float = TOLERANCE
-) -> tuple[np.ndarray, Report]:
-    """The base color (3,), from `start` on and up to `most`, that makes a stack of these albedos as bright as what its file says, and the report.
+    stack: Stack, exact: Callable[[Stack], Albedos], start, most: float, look: Appearance, name: str, losses: list[Loss], tolerance: float = TOLERANCE
+) -> tuple[Stack, np.ndarray, Report]:
+    """The stack, the base color (3,), from `start` on and up to `most`, that makes it as bright as what its file says, and the report.
 
-    Raises LaminaError where nothing that is seen would be left.
+    `exact` gives a stack's albedos. Where no color is bright enough below a tinted medium, that is made lighter. Raises
+    LaminaError where nothing that is seen would be left.
     """
     has_film = any(e.has(THIN_FILM) and e["film_thickness"] for e in (*stack.layers, stack.base))
     if np.max(mean(look.seen)) < _SEEN and look.lost and not has_film:
         raise LaminaError(f"{name or 'material'}: nothing that is seen would be left: all light is of {', '.join(look.lost)}, which no stack has")
     wanted = mean(look.solid)
-    color, found = solve(exact, wanted, start, most, tolerance)
+    color, found = solve(exact(stack), wanted, start, most, tolerance)
+    tinted = next((i for i, e in enumerate(stack.layers) if "tint" in e and min(e["tint"]) < 1.0 and e["thickness"] > 0.0), None)
+    if tinted is not None and np.max(wanted - mean(found)) > _REACHED:
+        given = stack.layers[tinted]["tint"]
+
+        def lightened(tint) -> Stack:
+            layer = stack.layers[tinted].with_values(tint=tuple(float(c) for c in tint))
+            return replace(stack, layers=(*stack.layers[:tinted], layer, *stack.layers[tinted + 1 :]))
+
+        tint, found = solve(lambda tint: exact(lightened(tint))(color), wanted, np.array(given), 1.0, tolerance)
+        stack = lightened(tint)
+        how = f"lighter, {shown(tint)}, as light crosses a layer aslant and more than once, and no base below is bright enough"
+        losses = [*losses, Loss("tint", given, APPROXIMATED, how)]
     losses = [*losses, *unmatched("base color", color, mean(found) - wanted)]
-    return color, Report(tuple(losses), compared(look.seen, found, has_film, look.all_lost))
+    return stack, color, Report(tuple(losses), compared(look.seen, found, has_film, look.all_lost))
 
 
 def _has_film(slots: Slots) -> bool:

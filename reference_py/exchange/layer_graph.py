@@ -18,12 +18,12 @@ from ..optics.colour import known_spaces
 from .appearance import Appearance
 from .bsdf_albedo import light_of
 from .bsdf_stack import Builder, metal_row, relative_colors
-from .bsdf_tree import SURFACE, Leaf, Mixed, Tree, TreeReader, images_of, leaves, mapped
+from .bsdf_tree import SURFACE, Leaf, Mixed, Tree, TreeReader, every_part, images_of, mapped, without_nothing
 from .conversion import Converted, matched
-from .matching import FINE, Albedos, color_key, color_map, mean, truth
+from .matching import FINE, Albedos, color_map, mean, recolored, truth
 from .materialx_document import Document
 from .materialx_graph import Image, input_of
-from .report import APPROXIMATED, LOST, Loss, Report, shown
+from .report import APPROXIMATED, LOST, Loss, Report, image_loss
 from .slots import MOST_REFLECTANCE
 
 NAME = "a graph of layers"
@@ -41,6 +41,8 @@ class LayeredMaterial:
     opacity: float = 1.0
     losses: tuple[Loss, ...] = ()
     """What reading it cost."""
+    means: frozenset[str] = frozenset()
+    """Images whose means the values are."""
     node: str = SURFACE
     values: Mapping = field(default_factory=dict)
     """It has no inputs of its own."""
@@ -56,15 +58,16 @@ class LayeredMaterial:
         def change(part: Tree) -> Tree:
             if isinstance(part, Mixed):
                 return replace(part, share=float(means[f"{part.name} mix"][0])) if f"{part.name} mix" in means else part
-            assert isinstance(part, Leaf)
+            if not isinstance(part, Leaf):
+                return part
             here = {given: means[f"{part.name} {given}"] for given in part.images if f"{part.name} {given}" in means and given in part.values}
             return replace(part, values={**part.values, **{given: _as_value(part, given, mean_) for given, mean_ in here.items()}})
 
-        return replace(self, tree=mapped(self.tree, change))
+        return replace(self, tree=mapped(self.tree, change), means=frozenset(means))
 
     def to_stack(self, without: frozenset[str] = frozenset()) -> Converted:
         """The stack that is as bright; `without`: images that are not linked to it, and are lost. Raises LaminaError."""
-        tree = mapped(self.tree, lambda part: _without(part, without))
+        tree = mapped(mapped(self.tree, lambda part: _without(part, without)), without_nothing)
         builder = Builder()
         rows = builder.rows(tree)
         for index, leaf in rows.sources.items():
@@ -74,7 +77,7 @@ class LayeredMaterial:
             if "weight" in leaf.images and index >= 0:
                 element["coverage"] = 1.0
         losses = [*self.losses, *builder.losses]
-        losses += [Loss(i, f"image {self.images[i].file}", LOST, _stands_in(self.tree, i)) for i in sorted(without)]
+        losses += [image_loss(i, self.images[i], _value_of(self.tree, i), i in self.means) for i in sorted(without)]
         if rows.media:
             losses.append(Loss("multiply", np.prod([np.power(t, 2.0 * d) for t, d in rows.media], axis=0), APPROXIMATED, "in the base color"))
         data = {"name": self.name, "source": f"Converted from {NAME}", "layers": rows.layers, "base": rows.base}
@@ -84,15 +87,20 @@ class LayeredMaterial:
             Loss(leaf, "", LOST, f"light that no stack sends back; that is {_share(light, look):.1f} % of its light") for leaf, light in look.lost.items()
         ]
         base = rows.sources.get(-1)
-        start, exact = (stack.base["color"], truth(stack)) if base is None or "color" in stack.base else _metal_albedos(stack, base, rows.n)
-        color, report = matched(stack, exact, start, MOST_REFLECTANCE if "reflectance" in stack.base else 1.0, look, self.name, losses, FINE)
+        is_metal = base is not None and "reflectance" in stack.base
+        start, edge = relative_colors(base) if base is not None and is_metal else (stack.base["color"], None)
+
+        def exact(of: Stack) -> Albedos:
+            return truth(of) if edge is None else lambda color: truth(_with_color(of, color, edge, rows.n))()
+
+        stack, color, report = matched(stack, exact, start, MOST_REFLECTANCE if is_metal else 1.0, look, self.name, losses, FINE)
         told = {(loss.parameter, loss.how): loss for loss in report.losses}  # a leaf may be linked twice
         owners = {f"{leaf.name} {given}": index for index, leaf in rows.sources.items() for given in leaf.images}
         owners |= {f"{mix} mix": index for mix, covering in builder.covers.items() for index, leaf in rows.sources.items() if leaf == covering}
         colors = None
         if base is not None and (base_color := next((i for i in ("color", "color0") if i in base.images), None)):
             colors = color_map(lambda c: self._look(_recolored(tree, base, base_color, c)).solid, truth(stack))
-        return Converted(_with_color(stack, color, base, rows.n), {}, None, owners, Report(tuple(told.values()), report.match), colors)
+        return Converted(_with_color(stack, color, edge, rows.n), {}, None, owners, Report(tuple(told.values()), report.match), colors)
 
     def places(self, given: str, converted: Converted) -> list[tuple[int, str]]:
         """Where an image of `images` goes: elements by index, -1 the base, and their parameter."""
@@ -116,11 +124,7 @@ def read_layered(document: Document, name: str, node: Element, folder: Path | No
     if tree is None:
         raise LaminaError(f"{document.where}: {node.get('name', SURFACE)} has no BSDF")
     losses = list(reader.losses)
-    emission: tuple = (0.0, 0.0, 0.0)
-    if (edf := input_of(node, "edf")) is not None and (found := reader.graph.node(edf)) is not None:
-        color = input_of(found[0], "color")
-        value = reader.graph.value(color) if color is not None else np.ones(3)
-        emission = tuple(float(c) for c in np.broadcast_to(value[:3], 3)) if isinstance(value, np.ndarray) else (1.0, 1.0, 1.0)
+    emission = tuple(float(c) for c in reader.emission(input_of(node, "edf")))
     opacity = 1.0
     if (given := input_of(node, "opacity")) is not None:
         value = reader.graph.value(given)
@@ -138,7 +142,8 @@ def read_layered(document: Document, name: str, node: Element, folder: Path | No
 def _without(part: Tree, without: frozenset[str]) -> Tree:
     if isinstance(part, Mixed):
         return replace(part, image=None) if f"{part.name} mix" in without else part
-    assert isinstance(part, Leaf)
+    if not isinstance(part, Leaf):
+        return part
     return replace(part, images={given: image for given, image in part.images.items() if f"{part.name} {given}" not in without})
 
 
@@ -150,10 +155,11 @@ def _as_value(leaf: Leaf, given: str, mean_: np.ndarray):
     return tuple(float(c) for c in np.broadcast_to(mean_, 3)) if isinstance(default, tuple) else float(mean_[0])
 
 
-def _stands_in(tree: Tree, given: str) -> str:
+def _value_of(tree: Tree, given: str):
+    """What an image feeds has this value; None for what has none."""
     node, _, name = given.rpartition(" ")
-    value = next((leaf.values.get(name) for leaf in leaves(tree) if leaf.name == node), None)
-    return "left out" if value is None else f"{shown(value)} stands in"
+    named = next(part for part in every_part(tree) if isinstance(part, (Leaf, Mixed)) and part.name == node)
+    return named.share if isinstance(named, Mixed) else named.values.get(name)
 
 
 def _share(light: np.ndarray, look: Appearance) -> float:
@@ -165,23 +171,8 @@ def _recolored(tree: Tree, leaf: Leaf, given: str, color) -> Tree:
     return mapped(tree, lambda part: replace(part, values=values) if part == leaf else part)
 
 
-def _metal_albedos(stack: Stack, leaf: Leaf, n: float) -> tuple[np.ndarray, Albedos]:
-    """Color against the medium above, and the albedos of the stack whose metal has another one."""
-    start, edge = relative_colors(leaf)
-
-    def albedos(color) -> np.ndarray:
-        return truth(replace(stack, base=stack.base.with_values(**_metal_colors(color, edge, n))))()
-
-    return start, albedos
-
-
-def _metal_colors(color, edge, n: float) -> dict:
-    return {key: value for key, value in metal_row(color, edge, n).items() if key != "kind"}
-
-
-def _with_color(stack: Stack, color: np.ndarray, leaf: Leaf | None, n: float) -> Stack:
-    if "reflectance" in stack.base and leaf is not None:
-        values = _metal_colors(color, relative_colors(leaf)[1], n)
-    else:
-        values = {color_key(stack.base): tuple(float(c) for c in color)}
-    return replace(stack, base=stack.base.with_values(**values))
+def _with_color(stack: Stack, color: np.ndarray, edge: np.ndarray | None, n: float) -> Stack:
+    """With a base of another color: of a metal, which has an edge color, that against a medium of index n."""
+    if edge is None:
+        return replace(stack, base=recolored(stack.base, color))
+    return replace(stack, base=stack.base.with_values(**{key: value for key, value in metal_row(color, edge, n).items() if key != "kind"}))

@@ -19,7 +19,7 @@ from ..optics.interface import Microfacets, film_of, optical_depth
 from ..optics.microfacet import GGX
 from ..optics.optical_stack import OpticalStack
 from .bsdf_albedo import light_of
-from .bsdf_tree import CONDUCTOR, DEFAULTS, DIELECTRIC, DISTRIBUTION, OREN_NAYAR, SURFACE, Layered, Leaf, Mixed, Scaled, Tree, leaves
+from .bsdf_tree import CONDUCTOR, DEFAULTS, DIELECTRIC, DISTRIBUTION, OREN_NAYAR, SURFACE, Layered, Leaf, Mixed, Scaled, Tree, every_part
 from .conversion import unmatched
 from .matching import FINE, compared, mean, solve, truth
 from .report import APPROXIMATED, LOST, Loss, Report
@@ -39,7 +39,7 @@ class LayerGraph:
     @property
     def values(self) -> dict:
         """What is not at its default, by the node's name and the input."""
-        found = {leaf.name: leaf for leaf in leaves(self.tree)}
+        found = {part.name: part for part in every_part(self.tree) if isinstance(part, Leaf)}
         return {f"{name} {key}": value for name, leaf in found.items() for key, value in leaf.values.items() if value != DEFAULTS[leaf.kind][key]}
 
 

@@ -20,7 +20,7 @@ from .layer_graph_writing import add_surface
 from .materialx_document import Document
 from .materialx_graph import Graph, Image, Unread
 from .openpbr import PLACES, from_surface
-from .report import APPROXIMATED, LOST, Loss, Report, shown
+from .report import APPROXIMATED, LOST, Loss, Report, image_loss, shown
 from .surfaces import SURFACES, Surface
 
 SUFFIX = ".mtlx"
@@ -53,6 +53,8 @@ class Material:
     images: dict[str, Image] = field(default_factory=dict)
     losses: tuple[Loss, ...] = ()
     """What reading it cost."""
+    means: frozenset[str] = frozenset()
+    """Images whose means the values are."""
 
     @property
     def node(self) -> str:
@@ -65,7 +67,7 @@ class Material:
         for given, mean in means.items():
             if (default := self.surface.defaults.get(given)) is not None:
                 values[given] = tuple(float(c) for c in np.broadcast_to(mean, 3)) if isinstance(default, tuple) else float(mean[0])
-        return replace(self, values=self.values | values)
+        return replace(self, values=self.values | values, means=frozenset(means))
 
     def places(self, given: str, converted: Converted) -> list[tuple[int, str]]:
         """Where an image of `images` goes: elements by index, -1 the base, and their parameter; a normal to all that there are."""
@@ -82,9 +84,7 @@ class Material:
         used = frozenset(own.get(i, NORMALS.get(i, i)) for i in self.images if i not in without)
         textured = self.surface.own("base_color") in self.images and self.surface.own("base_color") not in without
         converted = from_surface(self.surface, self.values, self.name, textured, used)
-        left_out = [
-            Loss(i, f"image {self.images[i].file}", LOST, f"{shown(self.values[i])} stands in" if i in self.values else "left out") for i in sorted(without)
-        ]
+        left_out = [image_loss(i, self.images[i], self.values.get(i), i in self.means) for i in sorted(without)]
         report = Report((*self.losses, *left_out, *converted.report.losses), converted.report.match)
         return replace(converted, report=report)
 

@@ -83,6 +83,11 @@ def _artistic(inputs) -> np.ndarray:
     return np.concatenate(artist_index(reflectance, np.clip(inputs("edge_color", np.array([0.998, 0.981, 0.751])), 0.0, 1.0)))
 
 
+def _if(holds: Callable) -> Callable:
+    """The first of two where two values are so, else the second."""
+    return lambda i: i("in1", _ZERO) if holds(i("value1", _ONE)[0], i("value2", _ZERO)[0]) else i("in2", _ZERO)
+
+
 FUNCTIONS: dict[str, Callable] = {
     "add": lambda i: i("in1", _ZERO) + i("in2", _ZERO), "subtract": lambda i: i("in1", _ZERO) - i("in2", _ZERO),
     "multiply": lambda i: i("in1", _ZERO) * i("in2", _ONE), "divide": _divided, "mix": _mix,
@@ -92,6 +97,8 @@ FUNCTIONS: dict[str, Callable] = {
     "sqrt": lambda i: np.sqrt(np.maximum(i("in", _ZERO), 0.0)), "absval": lambda i: np.abs(i("in", _ZERO)), "extract": _extract,
     "combine2": lambda i: np.concatenate([i(f"in{n}", _ZERO)[:1] for n in (1, 2)]),
     "combine3": lambda i: np.concatenate([i(f"in{n}", _ZERO)[:1] for n in (1, 2, 3)]),
+    "ifgreater": _if(lambda a, b: a > b), "ifgreatereq": _if(lambda a, b: a >= b), "ifequal": _if(lambda a, b: a == b),
+    "sign": lambda i: np.sign(i("in", _ZERO)), "floor": lambda i: np.floor(i("in", _ZERO)), "ceil": lambda i: np.ceil(i("in", _ZERO)),
     "roughness_anisotropy": lambda i: _widths(i("roughness", _ZERO), i), "glossiness_anisotropy": lambda i: _widths(1.0 - i("glossiness", _ONE), i),
     "open_pbr_anisotropy": _open_widths, "roughness_dual": _dual, "artistic_ior": _artistic,
     "luminance": lambda i: np.full(3, np.array([0.2126, 0.7152, 0.0722]) @ i("in", np.zeros(3))[:3]),
