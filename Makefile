@@ -8,13 +8,15 @@ READY := $(VENV)/ready
 RUN := $(VENV)/bin/python
 # What looks at style and types has an environment of its own.
 CHECK := .venv-check
+# What builds the manual, too.
+DOCS := .venv-docs
 SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py' -o -name '*.osl' -o -name '*.h' -o -name '*.json' \))
 
 # The tests that run beside all others.
 FIRST_HALF := $(shell cat tests/first_half.txt)
 QUICK := -q -m "not blender and not slow"
 
-.PHONY: fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes branches surroundings numbers fuzz faults calibration mitsuba-slabs matrix licences clean
+.PHONY: fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes branches surroundings numbers fuzz faults calibration mitsuba-slabs docs sliders matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -49,6 +51,8 @@ help:
 	@echo "make numbers   put the numbers of the tables into README.md and docs/ (a test compares)"
 	@echo "make fuzz      throw 100000 broken inputs at every reader"
 	@echo "make faults    put deliberate faults into a copy, one at a time, and say which the tests catch (three minutes)"
+	@echo "make docs      build the manual as a site, manual/index.html, which the extension ships"
+	@echo "make sliders   render the manual's strips, one for each parameter (ten minutes)"
 	@echo "make matrix    run the tests on every supported Blender whose Python is here, and print a table"
 	@echo "make licences  print the licence of every pinned package"
 	@echo "make clean     remove what was built (not $(VENV))"
@@ -101,7 +105,7 @@ operations: $(READY)
 bench: $(READY)
 	$(RUN) tests/benchmarks/reference.py
 
-zip: $(READY)
+zip: $(READY) docs
 	@rm -rf dist
 	$(RUN) tools/extension.py build dist
 
@@ -186,6 +190,18 @@ fuzz: $(READY)
 faults: $(READY)
 	$(RUN) tests/deliberate_faults.py
 
+docs: $(DOCS)/ready
+	@rm -rf manual
+	$(DOCS)/bin/mkdocs build --quiet
+
+$(DOCS)/ready: requirements/docs.txt
+	$(or $(PYTHON),python3) -m venv $(DOCS)
+	$(DOCS)/bin/python -m pip --disable-pip-version-check install --quiet --require-hashes --only-binary :all: -r requirements/docs.txt
+	@touch $@
+
+sliders: $(READY)
+	$(VENV)/bin/lamina chart sliders -o docs/pictures
+
 matrix:
 	@$(or $(PYTHON),python3) tools/matrix.py -o figures/matrix.txt
 
@@ -193,5 +209,5 @@ licences: $(READY)
 	@$(RUN) tools/licences.py
 
 clean:
-	rm -rf build dist .pytest_cache .hypothesis
+	rm -rf build dist manual .pytest_cache .hypothesis
 	find . -name __pycache__ -not -path './.venv*' -prune -exec rm -rf {} +

@@ -68,7 +68,6 @@ def build_parser() -> argparse.ArgumentParser:
     evaluate.add_argument("--wi", required=True, nargs="+", metavar="THETA,PHI", help="directions to the light, degrees")
     for command in (albedo, evaluate):
         command.add_argument("--model", default="adding", help="see `lamina models` (default: %(default)s, the truth)")
-        command.add_argument("--surface", choices=("single", "multiple"), help="surfaces of the truths: one scattering event or lossless")
         command.add_argument("--option", action="append", default=[], metavar="NAME=VALUE", help="an option of the model; repeatable")
 
     render = _command(commands, "render", "render", "render a stack with Cycles")
@@ -113,6 +112,15 @@ def build_parser() -> argparse.ArgumentParser:
     convert.add_argument("--material", metavar="NAME", help="which material of a MaterialX file (default: the first)")
     convert.add_argument("--to", choices=("principled", "openpbr", "standard_surface", "gltf_pbr", "layers"), help="what a stack becomes")
     convert.add_argument("-o", "--output", metavar="FILE", help="file to write: .json for Principled and stacks, .mtlx for the others")
+    export = _command(commands, "export", "export", "write a stack for other renderers: a table of the truth, read back and its error stated")
+    export.add_argument("stack", metavar="STACK", help=STACK_HELP)
+    export.add_argument("--to", required=True, choices=("merl", "rgl"), help="MERL's table (.binary), or RGL's (.bsdf)")
+    export.add_argument("-o", "--output", required=True, metavar="FILE", help="file to write")
+    export.add_argument(
+        "--walks", type=_between(16, 1_000_000), default=256, metavar="N", help="walks per value, where the truth is walks (default: %(default)s)"
+    )
+    for command in (albedo, evaluate, export):
+        command.add_argument("--surface", choices=("single", "multiple"), help="surfaces of the truths: one scattering event or lossless")
     principled = _command(commands, "principled", "principled", "write a .blend file whose Lamina materials are Principled ones, and say each one's error")
     principled.add_argument("input", metavar="IN.blend", nargs="?")
     principled.add_argument("-o", "--output", metavar="OUT.blend")

@@ -108,7 +108,7 @@ def _place(material: bpy.types.Material, given: str, places: list[tuple[int, str
             link_through(outputs[image], target, converted.colors)
         else:
             material.node_tree.links.new(outputs[image], target)
-        linked = "coverage" if name == "coverage" else "through nodes that keep the mean albedo" if is_base_color else "linked to the layer"
+        linked = "coverage" if name == "coverage" else "through nodes that keep the mean color" if is_base_color else "linked to the layer"
     file = Path(image.file).name
     if not linked:
         return [f"lost: {given} image {file}: the stack has no place for it"]

@@ -39,6 +39,12 @@ def reflect(w: np.ndarray, wm: np.ndarray) -> np.ndarray:
     return 2.0 * dot(w, wm)[..., None] * wm - w
 
 
+def rotate_z(w: np.ndarray, angle) -> np.ndarray:
+    """Directions w turned about z by angles (...) in radians, from x towards y."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([c * w[..., 0] - s * w[..., 1], s * w[..., 0] + c * w[..., 1], w[..., 2]], axis=-1)
+
+
 def half_vector(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """Unit half vector; the normal where it is undefined (wi = -wo, both on the horizon)."""
     h = np.asarray(wi, float) + np.asarray(wo, float)

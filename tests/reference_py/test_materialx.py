@@ -120,7 +120,7 @@ def test_a_metals_coat_stays_and_tints_once():
     converted = read(inputs, node="standard_surface").to_stack()
     (coat,) = converted.stack.layers
     np.testing.assert_allclose(np.power(coat["tint"], 2.0 * coat["thickness"]), (0.9, 0.6, 0.5), atol=1e-6)
-    metal = 0.7  # its edge dips as much as it rises
+    metal = 0.75  # the mean over views: its edge rises
     np.testing.assert_allclose(converted.report.match.mean, 0.09 + 0.91 * metal * np.array([0.9, 0.6, 0.5]), atol=0.02)
 
 
