@@ -9,6 +9,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
+from ...reference_py.atomic import write_text
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange import SUFFIX, materialx, openpbr
 from ...reference_py.exchange import report as reports
@@ -118,7 +119,7 @@ class LAMINA_OT_export_mtlx(ops.LayeredOperator, ExportHelper, bpy.types.Operato
     def run(self, context):
         material = ops.material_of(context)
         converted = openpbr.to_openpbr(reading.measured_stack(material))
-        materialx.save_mtlx(converted.values, material.name, self.filepath)
+        write_text(self.filepath, materialx.to_mtlx(converted.values, material.name))
         tell(self, Path(self.filepath).name, converted.report, materialx_import.lost_textures(material))
 
 
