@@ -12,42 +12,41 @@ from importlib.util import find_spec, module_from_spec
 from types import ModuleType
 
 MODULES = (
-    "addon.check.check",
-    "addon.exchange.conversion",
-    "addon.exchange.materialx_import",
-    "addon.exchange.sources",
-    "addon.exchange.textures",
-    "addon.jobs.prefetch",
-    "addon.library.preset_assets",
-    "addon.library.thumbnails",
-    "addon.material.elements",
-    "addon.material.entry",
-    "addon.material.hand_over",
-    "addon.material.layers",
-    "addon.material.live_values",
-    "addon.material.material",
-    "addon.material.osl_setting",
-    "addon.material.pasted",
-    "addon.material.principled_node",
-    "addon.material.reading",
-    "addon.material.record",
-    "addon.material.roles",
-    "addon.material.shader_node",
-    "addon.material.state",
-    "addon.shader.working_space",
-    "addon.ui.swatch",
-    "addon.ui.value_notes",
-    "reference_py.exchange.conversion_process",
-    "reference_py.exchange.hand_over",
-    "reference_py.exchange.materialx",
-    "reference_py.exchange.openpbr",
-    "reference_py.exchange.report",
-    "reference_py.fit.fit_process",
-    "reference_py.fit.forward",
-    "reference_py.fit.metric",
-    "reference_py.fit.outcome",
-    "reference_py.lobes.methods",
-    "reference_py.optics.microfacet",
+    "addon/check/check",
+    "addon/exchange/conversion",
+    "addon/exchange/materialx_import",
+    "addon/exchange/sources",
+    "addon/exchange/textures",
+    "addon/jobs/prefetch",
+    "addon/library/preset_assets",
+    "addon/material/elements",
+    "addon/material/entry",
+    "addon/material/hand_over",
+    "addon/material/layers",
+    "addon/material/live_values",
+    "addon/material/material",
+    "addon/material/osl_setting",
+    "addon/material/pasted",
+    "addon/material/principled_node",
+    "addon/material/reading",
+    "addon/material/record",
+    "addon/material/roles",
+    "addon/material/shader_node",
+    "addon/material/state",
+    "addon/shader/working_space",
+    "addon/ui/swatch",
+    "addon/ui/value_notes",
+    "reference_py/exchange/conversion_process",
+    "reference_py/exchange/hand_over",
+    "reference_py/exchange/materialx",
+    "reference_py/exchange/openpbr",
+    "reference_py/exchange/report",
+    "reference_py/fit/fit_process",
+    "reference_py/fit/forward",
+    "reference_py/fit/metric",
+    "reference_py/fit/outcome",
+    "reference_py/lobes/methods",
+    "reference_py/optics/microfacet",
 )
 
 
@@ -68,8 +67,8 @@ class _Unread(ModuleType):
 def import_later() -> None:
     """Put the modules that are not there yet in their places, unread."""
     package = __package__.rpartition(".")[0]
-    for name in MODULES:
-        full = f"{package}.{name}"
+    for path in MODULES:
+        full = f"{package}.{path.replace('/', '.')}"
         if full not in sys.modules:
             parent, _, own = full.rpartition(".")
             module = sys.modules[full] = module_from_spec(find_spec(full))

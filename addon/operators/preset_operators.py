@@ -10,7 +10,7 @@ from bpy.props import StringProperty
 from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
 from ..blender.user_folders import presets_folder
-from ..library import asset_library, preset_assets, thumbnails, user_presets
+from ..library import asset_library, preset_assets, user_presets
 from ..library.preset_catalogues import CATALOGUES, OWN, catalogue_id
 from ..library.preset_icons import preset_icon, user_preset_icon
 from ..material import material as materials
@@ -47,15 +47,8 @@ class LAMINA_OT_save_preset(ops.LayeredOperator, bpy.types.Operator):
         material = ops.material_of(context)
         stack = reading.measured_stack(material)
         stack = replace(stack, name=self.name.strip(), source=_source(stack.source))
-        preset_assets.require_savable(material)
         sentences = preset_assets.left_out(material)
-
-        def keep(path) -> None:
-            picture = path.with_suffix(".png")
-            pixels = thumbnails.pixels_of(picture) if picture.is_file() else None
-            preset_assets.write_asset(path, material, stack, catalogue_id(OWN), pixels)
-
-        name, why = user_presets.save(self.name, stack, lambda path: thumbnails.render_thumbnail(material, path), keep)
+        name, why = preset_assets.save(material, self.name, stack, catalogue_id(OWN))
         asset_library.show_own()
         for sentence in sentences:
             self.report({"INFO"}, f"Lamina: {sentence}")
