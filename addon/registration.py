@@ -8,7 +8,16 @@ from .blender.user_folders import cache_folder
 from .jobs import bakes, fitting, staleness, stamp_note
 from .library import asset_library, preset_icons
 from .material import properties
-from .operators import check_operators, exchange_operators, fit_operators, layer_operators, material_operators, preset_operators, texture_operator
+from .operators import (
+    check_operators,
+    exchange_operators,
+    fit_operators,
+    layer_operators,
+    material_operators,
+    note_operator,
+    preset_operators,
+    texture_operator,
+)
 from .ui import panel, panel_layers, preferences, swatch_icons, translation
 
 CLASSES = (
@@ -16,6 +25,7 @@ CLASSES = (
     *material_operators.CLASSES,
     *layer_operators.CLASSES,
     *check_operators.CLASSES,
+    *note_operator.CLASSES,
     *preset_operators.CLASSES,
     *fit_operators.CLASSES,
     *exchange_operators.CLASSES,

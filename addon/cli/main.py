@@ -110,7 +110,7 @@ def build_parser() -> argparse.ArgumentParser:
     convert.add_argument("source", metavar="STACK|FILE.mtlx|IN.blend", help=STACK_HELP + ", a MaterialX file, or a Blender file")
     convert.add_argument("--object", metavar="NAME", help="the object of IN.blend whose material is converted")
     convert.add_argument("--material", metavar="NAME", help="which material of a MaterialX file (default: the first)")
-    convert.add_argument("--to", choices=("principled", "openpbr", "standard_surface", "gltf_pbr"), help="what a stack becomes")
+    convert.add_argument("--to", choices=("principled", "openpbr", "standard_surface", "gltf_pbr", "layers"), help="what a stack becomes")
     convert.add_argument("-o", "--output", metavar="FILE", help="file to write: .json for Principled and stacks, .mtlx for the others")
     export = _command(commands, "export", "export", "write a stack for other renderers: a table of the truth, read back and its error stated")
     export.add_argument("stack", metavar="STACK", help=STACK_HELP)

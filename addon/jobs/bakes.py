@@ -157,7 +157,7 @@ def _collect() -> None:
     for name, key in _state.debounced.items():
         if key == bake.key:
             _state.failed[name] = f"{key}\n{bake.error}"
-            print(f"Lamina: {name}: the bake failed: {bake.error}; its shader stays that of the tier analytic")
+            print(f"Lamina: {name}: computing the final look failed: {bake.error}; it stays a preview")
 
 
 def _fail(material, reason: str) -> None:

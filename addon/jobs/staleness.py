@@ -99,7 +99,7 @@ def shown_wrong(scene: bpy.types.Scene) -> list[str]:
     _for_each(lambda m: state.is_stale(m) and not _only_animation_moved(m), say(_STALE))
     _for_each(
         lambda m: not state.is_stale(m) and not state.is_settled(m),
-        say("renders with the tier analytic, as its bake is not done; a save without a window makes it"),
+        say("renders as a preview, as its final look is not computed; a save without a window computes it"),
     )
     return said
 

@@ -11,6 +11,8 @@ from ...reference_py.material.schema import COLOR, FLOAT, NORMAL, SCHEMA, Kind, 
 from ..shader.working_space import into_working
 
 KIND_KEY = "lamina_kind"
+# What sockets were called before, by what they are called now.
+_FORMER_LABELS = {"Scattered Share": "Scatter Albedo"}
 _SOCKET_TYPES = {FLOAT: "NodeSocketFloat", COLOR: "NodeSocketColor"}
 
 
@@ -62,6 +64,7 @@ def _has_ends(tree) -> bool:
 
 def declare_missing(tree: bpy.types.NodeTree, kind: Kind) -> None:
     """Give a kind's group, as an older file has it, the sockets that came later, at its end."""
+    _rename(tree)
     present = {item.name for item in tree.interface.items_tree if item.in_out == "INPUT"}
     missing = [p for p in kind.sockets if p.label not in present]
     for parameter in missing:
@@ -71,10 +74,18 @@ def declare_missing(tree: bpy.types.NodeTree, kind: Kind) -> None:
         _give_defaults(tree, missing)
 
 
+def _rename(tree) -> None:
+    """Sockets of older files get their present names; links, values and animation stay."""
+    for item in tree.interface.items_tree:
+        label = next((now for now, former in _FORMER_LABELS.items() if item.name == former), None)
+        if label is not None:
+            item.name = label
+
+
 def _declare(tree, parameter: Parameter) -> None:
     socket_type = _SOCKET_TYPES.get(parameter.type, "NodeSocketVector")
     socket = tree.interface.new_socket(parameter.label, in_out="INPUT", socket_type=socket_type)
-    socket.description = parameter.help
+    socket.description = parameter.tooltip
     if parameter.type == COLOR:
         socket.default_value = (*into_working(parameter.default), 1.0)
     else:

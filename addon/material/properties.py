@@ -20,6 +20,8 @@ from .selection import select_layer, selected_layer
 _NOT_ANIMATABLE: set[str] = set()
 _ACRONYMS = {"ggx": "GGX"}
 _BACKEND_LABELS = {AUTO: "Automatic", OSL: "OSL", NODES: "Stock Nodes"}
+# The methods as artists know them.
+QUALITY_LABELS = {"weidlich_wilkie": "Paper of 2007", "analytic": "Preview", "baked": "Final", "auto": "Automatic"}
 
 _quiet = False
 _followers: list[Callable[[bpy.types.PropertyGroup, str], None]] = []
@@ -72,7 +74,7 @@ def _enum(name: str, items: list[tuple[str, str]], label: str, help_text: str, d
 def structure_annotations(schema: Schema) -> dict:
     """One enum per structural parameter of the schema, one switch per feature, and `given`, the alternative that describes a kind."""
     kinds = (*schema.layers.values(), *schema.bases.values())
-    annotations = {p.name: _enum(p.name, [(c, choice_label(c)) for c in p.choices], p.label, p.help, p.default) for kind in kinds for p in kind.structure}
+    annotations = {p.name: _enum(p.name, [(c, choice_label(c)) for c in p.choices], p.label, p.tooltip, p.default) for kind in kinds for p in kind.structure}
     for feature in {f.name: f for kind in kinds for f in kind.features}.values():
         name = f"use_{feature.name}"
         annotations[name] = BoolProperty(name=feature.label, description=feature.help, options=_NOT_ANIMATABLE, update=_update(name))
@@ -114,8 +116,8 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     base: PointerProperty(type=LaminaElement)
     tier: EnumProperty(
         name="Quality",
-        description="How the stack is told to Cycles",
-        items=[(name, name.replace("_", " ").title(), row.help) for name, row in METHODS.items()],
+        description="How exactly the layers are rendered, and at what cost",
+        items=[(name, QUALITY_LABELS[name], row.help) for name, row in METHODS.items()],
         default=DEFAULT_METHOD,
         options=_NOT_ANIMATABLE,
         update=_update("tier"),
@@ -130,7 +132,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     )
     tolerance: FloatProperty(
         name="Tolerance",
-        description="The largest error that the tier auto may show, as a share of the reflected light",
+        description="The largest error that the quality Automatic may show, as a share of the reflected light: 2 % is hard to see",
         min=0.1,
         max=100.0,
         default=100.0 * DEFAULT_TOLERANCE,

@@ -9,8 +9,9 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
+from ...reference_py.atomic import write_text
 from ...reference_py.errors import LaminaError
-from ...reference_py.exchange.materialx import SUFFIX, load_mtlx, save_mtlx
+from ...reference_py.exchange.materialx import SUFFIX, load_mtlx, to_mtlx
 from ...reference_py.exchange.openpbr import to_openpbr
 from ...reference_py.exchange.report import Report
 from ..exchange import conversion, materialx_import
@@ -120,7 +121,7 @@ class LAMINA_OT_export_mtlx(ops.LayeredOperator, ExportHelper, bpy.types.Operato
     def run(self, context):
         material = ops.material_of(context)
         converted = to_openpbr(measured_stack(material))
-        save_mtlx(converted.values, material.name, self.filepath)
+        write_text(self.filepath, to_mtlx(converted.values, material.name))
         tell(self, Path(self.filepath).name, converted.report, materialx_import.lost_textures(material))
 
 

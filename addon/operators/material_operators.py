@@ -220,8 +220,8 @@ class LAMINA_OT_regenerate(LayeredOperator, bpy.types.Operator):
 
 class LAMINA_OT_cancel_bake(LayeredOperator, bpy.types.Operator):
     bl_idname = "lamina.cancel_bake"
-    bl_label = "Cancel Bake"
-    bl_description = "Stop computing; the material stays as the tier analytic shows it until a value changes"
+    bl_label = "Cancel Computing"
+    bl_description = "Stop computing the final look; the material stays a preview until a value changes"
     bl_options = {"REGISTER"}
 
     def run(self, context):
@@ -230,8 +230,8 @@ class LAMINA_OT_cancel_bake(LayeredOperator, bpy.types.Operator):
 
 class LAMINA_OT_retry_bake(LayeredOperator, bpy.types.Operator):
     bl_idname = "lamina.retry_bake"
-    bl_label = "Bake Again"
-    bl_description = "Compute what the material's tier stands for, in the background"
+    bl_label = "Compute Again"
+    bl_description = "Compute the final look in the background"
     bl_options = {"REGISTER"}
 
     def run(self, context):

@@ -14,7 +14,7 @@ from lamina.addon.blender import environment
 from lamina.addon.check import check
 from lamina.addon.library.preset_catalogues import CATALOGUES, OWN
 from lamina.addon.material.properties import choice_label
-from lamina.addon.ui.panel_values import UNITS
+from lamina.addon.ui.value_notes import UNITS
 from lamina.reference_py.material.schema import SCHEMA
 
 ADDON = Path(lamina.__file__).parent / "addon"
@@ -35,8 +35,10 @@ def strings() -> set[str]:
 
 def _of_schema() -> Iterator[str]:
     for kind in (*SCHEMA.layers.values(), *SCHEMA.bases.values()):
-        for thing in (kind, *kind.features, *kind.all_parameters):
+        for thing in (kind, *kind.features):
             yield from (thing.label, thing.help)
+        for parameter in kind.all_parameters:
+            yield from (parameter.label, parameter.tooltip)
         yield from (choice_label(c) for p in kind.structure for c in p.choices)
 
 

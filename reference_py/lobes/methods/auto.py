@@ -155,7 +155,7 @@ COMPUTED = Computed(
 
 METHOD = Method(
     NAME,
-    "Live while values change; when they rest, the cheapest shader whose error stays under the tolerance",
+    "Preview while values change; when they rest, the cheapest shader that keeps to the tolerance",
     _make,
     lambda stack, live: True,
     COMPUTED,

@@ -50,7 +50,7 @@ COMPUTED = Computed(
 
 METHOD = Method(
     NAME,
-    "The truth, computed once when values rest and fitted by few lobes: closest and cheapest",
+    "Computed in the background when values rest: the closest look at the lowest cost",
     _make,
     _follows,
     COMPUTED,
