@@ -75,30 +75,31 @@ SCENES = {
 
 def export(options) -> None:
     """Write the file, and print what it is made of and its error."""
-    form, path, report = {**TABLES, **SCENES}[options.to], Path(options.output), say(options.command)
-    if path.suffix.lower() != form.suffix:
-        raise LaminaError(f"-o {path}: --to {options.to} writes a file that ends in {form.suffix}")
-    is_scene, is_layers = options.to in SCENES, options.form == LAYERS
-    _refuse_what_has_no_effect(options, is_scene, is_layers)
-    table = path.with_suffix(form.table.suffix) if is_scene else path
-    for file in {path} if is_layers else {path, table}:
+    scene, path, report = SCENES.get(options.to), Path(options.output), say(options.command)
+    form = scene.table if scene else TABLES[options.to]
+    suffix = scene.suffix if scene else form.suffix
+    if path.suffix.lower() != suffix:
+        raise LaminaError(f"-o {path}: --to {options.to} writes a file that ends in {suffix}")
+    _refuse_what_has_no_effect(options)
+    table = path.with_suffix(form.suffix)
+    for file in {path} if options.form == LAYERS else {path, table}:
         require_writable(file)
     stack = load_stack(options.stack)
     name = stack.name or Path(options.stack).stem
-    if is_layers:
-        write_text(path, form.layers(stack))
+    if scene and options.form == LAYERS:
+        write_text(path, scene.layers(stack))
         print(f"{path}: {name} as layers with single facets; compare with lamina albedo {options.stack} --surface single")
         return
-    _write_table(form.table if is_scene else form, stack, table, options, report)
-    if is_scene:
-        write_text(path, form.measured(name, table.name))
+    _write_table(form, stack, table, options, report)
+    if scene:
+        write_text(path, scene.measured(name, table.name))
         print(f"{path}: a scene with {table.name}")
 
 
-def _refuse_what_has_no_effect(options, is_scene: bool, is_layers: bool) -> None:
-    if options.form and not is_scene:
+def _refuse_what_has_no_effect(options) -> None:
+    if options.form and options.to not in SCENES:
         raise LaminaError(f"--as {options.form} goes with --to {' or '.join(SCENES)}, not with {options.to}")
-    if is_layers and options.surface == "multiple":
+    if options.form == LAYERS and options.surface == "multiple":
         raise LaminaError("--as layers has the renderer's own facets, which light meets once: leave out --surface multiple")
     if options.step and options.to != "csv":
         raise LaminaError(f"--step goes with --to csv, not with {options.to}")
