@@ -32,7 +32,8 @@ help:
 	@echo "make thumbnails  render the presets' pictures into addon/presets"
 	@echo "make assets    build the asset library of the presets in addon/presets anew"
 	@echo "make charts    measure the tables of figures/ anew and draw them"
-	@echo "make mitsuba-slabs  hold stacks with media that scatter against explicit slabs in Mitsuba 3, which .venv must have"
+	@echo "make mitsuba   install Mitsuba 3 beside the rest and hold exports against it (a minute)"
+	@echo "make mitsuba-slabs  hold stacks with media that scatter against explicit slabs in Mitsuba 3"
 	@echo "make pareto    measure error against cost in Cycles anew and draw it (half an hour, best on a quiet machine)"
 	@echo "make viewport  measure how EEVEE shows presets (half an hour without a graphics card; LAMINA_BLENDER names a Blender that has it)"
 	@echo "make calibration  find the constants of the tier analytic and of the cost estimate again, and compare (an hour; writes tables alone)"
@@ -130,7 +131,14 @@ charts: $(READY)
 	for chart in lobes presets tiers error stress suite scattering; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
 	$(VENV)/bin/lamina figures --out figures/paper
 
-mitsuba-slabs: $(READY)
+$(VENV)/mitsuba: $(READY) requirements/mitsuba.txt
+	$(RUN) -m pip --disable-pip-version-check install --quiet --require-hashes --only-binary :all: -r requirements/mitsuba.txt
+	@touch $@
+
+mitsuba: $(VENV)/mitsuba
+	$(RUN) -m pytest -q tests/reference_py/test_mitsuba.py
+
+mitsuba-slabs: $(VENV)/mitsuba
 	$(RUN) -m lamina.study.mitsuba_slabs
 
 pareto: $(READY)

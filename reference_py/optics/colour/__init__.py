@@ -11,6 +11,7 @@ from .difference import ciede2000, lab_of_linear
 from .metals import conductor_rgb, load_metal, metal_index, metal_names
 from .spaces import canonical, is_known, known_spaces, srgb_encoded, to_linear_rec709
 from .spectrum import reflectance_to_rgb, reflectance_to_xyz, resample, rgb_weights, standard_wavelengths, xyz_to_rgb
+from .upsampling import upsampled
 
 __all__ = [
     "artist_color",
@@ -31,5 +32,6 @@ __all__ = [
     "srgb_encoded",
     "standard_wavelengths",
     "to_linear_rec709",
+    "upsampled",
     "xyz_to_rgb",
 ]
