@@ -5,8 +5,8 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...reference_py.material.schema import COLOR, CONDUCTOR
-from ...reference_py.optics.microfacet import slope_deg_from_roughness
-from ..material.elements import find_node, kind_of
+from ...reference_py.optics import microfacet
+from ..material import elements
 from ..material.properties import choice_label
 from ..operators import layer_operators as layer_ops
 from ..operators import material_operators as ops
@@ -66,8 +66,8 @@ def draw_row_buttons(layout, lamina, element, index: int, has_grip: bool = True)
 
 def _draw_facts(layout, element, shown: list[str]) -> None:
     """The color, the roughness in degrees and the thickness, as far as they fit; each has its place also where an element has none."""
-    node = find_node(element)
-    label = next((p.label for p in kind_of(element).sockets if p.type == COLOR and p.name in ("tint", "color")), None)
+    node = elements.find_node(element)
+    label = next((p.label for p in elements.kind_of(element).sockets if p.type == COLOR and p.name in ("tint", "color")), None)
     if "swatch" in shown:
         swatch = _place(layout, "swatch")
         if node is not None and label is not None and not node.inputs[label].is_linked:
@@ -97,7 +97,7 @@ def _distribution(element, label: str) -> tuple[str, ...]:
 
 
 def _slope(roughness: float, distribution: str) -> str:
-    return f"{slope_deg_from_roughness(roughness, distribution):.1f}\N{DEGREE SIGN}"
+    return f"{microfacet.slope_deg_from_roughness(roughness, distribution):.1f}\N{DEGREE SIGN}"
 
 
 def _row_selected(_window) -> int:
@@ -173,7 +173,7 @@ def _draw_base_row(box, context, base) -> None:
 def _base_name(base) -> str:
     """What the base is, in a row: a named metal's name, else its kind's."""
     named = base.kind == CONDUCTOR.name and base.given == "metal"
-    return f"{iface_('Base')}: {iface_(choice_label(base.metal) if named else kind_of(base).label)}"
+    return f"{iface_('Base')}: {iface_(choice_label(base.metal) if named else elements.kind_of(base).label)}"
 
 
 CLASSES = (LaminaWindow, LAMINA_UL_layers, LAMINA_MT_add_layer, LAMINA_MT_specials)

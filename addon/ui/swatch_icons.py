@@ -3,12 +3,11 @@
 
 import bpy
 import bpy.utils.previews
-import numpy as np
 
 from ...reference_py.material.schema import COLOR, CONDUCTOR, COVERAGE, SCHEMA
-from ..material.elements import find_node, kind_of
-from ..shader.working_space import out_of_working
-from .swatch import SIZE, base_picture, layer_picture
+from ..material import elements
+from ..shader import working_space
+from . import swatch
 
 # Looks that are kept; then all are drawn anew.
 _LIMIT = 400
@@ -19,7 +18,7 @@ _icons: bpy.utils.previews.ImagePreviewCollection | None = None
 
 def icon_of(element) -> int:
     """The number of an icon that shows a layer or a base from the side; 0 where its node is gone."""
-    node = find_node(element)
+    node = elements.find_node(element)
     if node is None or _icons is None:
         return 0
     look = _look(element, node)
@@ -27,22 +26,21 @@ def icon_of(element) -> int:
     if name not in _icons:
         if len(_icons) >= _LIMIT:
             _icons.clear()
-        picture = base_picture(*look[1:]) if look[0] == "base" else layer_picture(*look[1:])
+        picture = swatch.base_picture(*look[1:]) if look[0] == "base" else swatch.layer_picture(*look[1:])
         icon = _icons.new(name)
-        icon.icon_size = (SIZE, SIZE)
+        icon.icon_size = (swatch.SIZE, swatch.SIZE)
         icon.icon_pixels_float = picture.ravel()
     return _icons[name].icon_id
 
 
 def shown_color(element, node: bpy.types.Node) -> tuple[float, float, float]:
     """The color of an element, linear RGB: what a layer's medium leaves of white, what a base reflects straight up."""
-    value = {p.name: node.inputs[p.label].default_value for p in kind_of(element).sockets if p.label in node.inputs}
-    value |= {p.name: out_of_working(value[p.name][:3]) for p in kind_of(element).sockets if p.type == COLOR and p.name in value}
+    value = {p.name: node.inputs[p.label].default_value for p in elements.kind_of(element).sockets if p.label in node.inputs}
+    value |= {p.name: working_space.out_of_working(value[p.name][:3]) for p in elements.kind_of(element).sockets if p.type == COLOR and p.name in value}
     if "tint" in value:
-        return tuple(np.clip(value["tint"], 0.0, 1.0) ** max(value["thickness"], 0.0))
+        return tuple(min(max(c, 0.0), 1.0) ** max(value["thickness"], 0.0) for c in value["tint"])
     if element.kind == CONDUCTOR.name and "reflectance" not in element.given:
-        n, k = np.array(value["eta"]), np.array(value["k"])
-        return tuple(((n - 1.0) ** 2 + k**2) / ((n + 1.0) ** 2 + k**2))
+        return tuple(((n - 1.0) ** 2 + k**2) / ((n + 1.0) ** 2 + k**2) for n, k in zip(value["eta"], value["k"]))
     return tuple(value["reflectance" if element.kind == CONDUCTOR.name else "color"])[:3]
 
 

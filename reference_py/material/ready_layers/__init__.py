@@ -20,13 +20,24 @@ def names() -> list[str]:
     return sorted(path.stem for path in FOLDER.glob("*.json"))
 
 
+def label_and_source(name: str) -> tuple[str, str]:
+    """What a menu shows of a ready layer, without a look at its layers. Raises LaminaError as `load`."""
+    data, _ = _read(name)
+    return data["name"], data["source"]
+
+
 def load(name: str) -> tuple[str, str, tuple[Layer, ...]]:
     """Label, source and layers, from the top, of a ready layer. Raises LaminaError; an unknown name lists the choices."""
-    if name not in names():
-        raise LaminaError(f"unknown ready layer {name!r}; choose {', '.join(names())}")
+    data, where = _read(name)
+    return data["name"], data["source"], layers_of(data, where)
+
+
+def _read(name: str) -> tuple[dict, str]:
+    """What a ready layer's file says, and its path."""
     where = FOLDER / f"{name}.json"
-    data = parse_json(read_text(where, "layer file"), str(where))
-    return data["name"], data["source"], layers_of(data, str(where))
+    if not name.isidentifier() or not where.is_file():
+        raise LaminaError(f"unknown ready layer {name!r}; choose {', '.join(names())}")
+    return parse_json(read_text(where, "layer file"), str(where)), str(where)
 
 
 def layers_of(data: Mapping, where: str) -> tuple[Layer, ...]:

@@ -12,6 +12,7 @@ from .metals import conductor_rgb, load_metal, metal_index, metal_names
 from .spaces import canonical, is_known, known_spaces, srgb_encoded, to_linear_rec709
 from .spectrum import reflectance_to_rgb, reflectance_to_xyz, resample, rgb_weights, standard_wavelengths, xyz_to_rgb
 from .tint import tint_of_spectrum
+from .upsampling import upsampled
 
 __all__ = [
     "artist_color",
@@ -33,5 +34,6 @@ __all__ = [
     "standard_wavelengths",
     "tint_of_spectrum",
     "to_linear_rec709",
+    "upsampled",
     "xyz_to_rgb",
 ]
