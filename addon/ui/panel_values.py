@@ -6,6 +6,7 @@ import textwrap
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.schema import Parameter
 from ..blender import environment
+from ..material import seen_color
 from ..material.backend import OSL
 from ..material.elements import feature_parameters, given_of, kind_of, node_of, use_of, used_features
 from ..operators.note_operator import LAMINA_OT_note
@@ -31,6 +32,10 @@ def draw_element(layout, element) -> None:
             draw_choice(column, element, parameter.name)
         else:
             _draw_socket(column, element, node, parameter)
+        if parameter.name == "thickness" and seen_color.has_seen_color(element):
+            row = column.row()
+            row.enabled = seen_color.is_settable(element)
+            row.prop(node, seen_color.NAME)
     used = used_features(element)
     for feature in kind.features:
         draw_choice(column, element, use_of(feature))
