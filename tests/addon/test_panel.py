@@ -17,7 +17,8 @@ from lamina.addon.jobs import bakes, fitting
 from lamina.addon.material import kind_groups, seen_color
 from lamina.addon.material import material as materials
 from lamina.addon.material.elements import node_of
-from lamina.addon.ui import panel, panel_feedback, panel_layers, value_notes
+from lamina.addon.ui import panel, panel_feedback, panel_layers, swatch_icons, value_notes
+from lamina.reference_py.material import presets, ready_layers
 from lamina.reference_py.material.schema import COLOR, FLOAT, SCHEMA
 from lamina.reference_py.material.stack import Stack
 
@@ -245,3 +246,41 @@ def test_color_as_seen_is_two_crossings_and_sets_the_tint(material):
         material.node_tree.links.remove(link)
     node.inputs["Tint"].keyframe_insert("default_value", frame=1)
     assert not seen_color.is_settable(layer)
+
+
+def test_every_ready_layer_is_offered_in_its_group_with_a_picture(blender, monkeypatch):
+    pictures = {}
+    monkeypatch.setattr(swatch_icons, "_icon", lambda look: pictures.setdefault(look, 1 + len(pictures)))
+    menu = Recorder()
+    panel_layers.LAMINA_MT_add_layer.draw(SimpleNamespace(layout=menu), None)
+    assert [properties.ready for _, properties in menu.operators if hasattr(properties, "ready")] == [
+        name for group in ready_layers.GROUPS for name in ready_layers.names() if ready_layers.group_of(name) == group
+    ]
+    assert [properties.kind for _, properties in menu.operators if hasattr(properties, "kind")] == list(SCHEMA.layers)
+    assert all(properties.icon for _, properties in menu.operators) and len(pictures) > 15
+    titles = [name for what, name in menu.words if what == "label"]
+    assert titles == ["Plain", "Coats", "Glazes", "Metals", "Dirt", "Wear"]
+    for title in titles[1:]:
+        assert title.lower() in {ready_layers.group_of(name) for name in ready_layers.names()}
+
+
+def test_a_new_material_is_a_base_and_takes_the_place_of_none(material):
+    item, undone = bpy.context.object, material.name
+    assert bpy.ops.lamina.new_material("EXEC_DEFAULT", True) == {"FINISHED"}
+    made = item.active_material
+    assert made != material and made.name == "Lamina Material" and len(made.lamina.layers) == 0 and made.lamina.is_layered
+    assert len(material.lamina.layers) == 2 and len(item.material_slots) == 1
+    assert bpy.ops.lamina.layer_add_ready(ready="dust") == {"FINISHED"} and [e.name for e in made.lamina.layers] == ["Dust"]
+    bpy.ops.mesh.primitive_plane_add()
+    layout = Recorder()
+    panel.LAMINA_PT_material.draw(SimpleNamespace(layout=layout, bl_label="Lamina"), window(DEFAULT_WIDTH))
+    assert "lamina.new_material" in [name for name, _ in layout.operators]
+    assert bpy.ops.lamina.new_material() == {"FINISHED"} and bpy.context.object.active_material.name == "Lamina Material.001"
+    assert undone in bpy.data.materials
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_layers_of_presets_have_names_of_their_own(name):
+    labels = {kind.label for kind in SCHEMA.layers.values()}
+    names = [layer.unknown.get("name") for layer in presets.load(name).layers]
+    assert all(names) and not labels & set(names) and len(set(names)) == len(names)

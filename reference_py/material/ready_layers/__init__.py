@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Ready layers: one JSON file each, named by its file, with the source of its numbers.
 
-A file is a stack without a base: "layers" from the top, all of which are put on a stack at once.
+A file is a stack without a base: "layers" from the top, all of which are put on a stack at once, and the "group" that it is
+offered in.
 """
 
 from collections.abc import Mapping
@@ -13,6 +14,7 @@ from ..schema import LAMBERT
 from ..stack import Layer, Stack
 
 FOLDER = Path(__file__).parent
+GROUPS = ("coats", "glazes", "metals", "dirt", "wear")
 
 
 def names() -> list[str]:
@@ -24,9 +26,24 @@ def load(name: str) -> tuple[str, str, tuple[Layer, ...]]:
     """Label, source and layers, from the top, of a ready layer. Raises LaminaError; an unknown name lists the choices."""
     if name not in names():
         raise LaminaError(f"unknown ready layer {name!r}; choose {', '.join(names())}")
-    where = FOLDER / f"{name}.json"
-    data = parse_json(read_text(where, "layer file"), str(where))
-    return data["name"], data["source"], layers_of(data, str(where))
+    data = _read(name)
+    return data["name"], data["source"], layers_of(data, str(_path(name)))
+
+
+def group_of(name: str) -> str:
+    """Which of GROUPS a ready layer is offered in. Raises LaminaError where its file says another."""
+    group = _read(name).get("group")
+    if group not in GROUPS:
+        raise LaminaError(f"{_path(name)}: unknown group {group!r}; choose {', '.join(GROUPS)}")
+    return group
+
+
+def _path(name: str) -> Path:
+    return FOLDER / f"{name}.json"
+
+
+def _read(name: str) -> Mapping:
+    return parse_json(read_text(_path(name), "layer file"), str(_path(name)))
 
 
 def layers_of(data: Mapping, where: str) -> tuple[Layer, ...]:
