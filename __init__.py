@@ -14,11 +14,20 @@ def register() -> None:
     global _command
     import bpy
 
+    from .addon.later import import_later
+
+    import_later()  # before what imports these modules
     from .addon import registration
-    from .addon.cli.main import run
 
     registration.register()
-    _command = bpy.utils.register_cli_command("lamina", run)
+    _command = bpy.utils.register_cli_command("lamina", _run)
+
+
+def _run(arguments: list[str]) -> int:
+    """The command, which nobody waits for when Blender starts."""
+    from .addon.cli.main import run
+
+    return run(arguments)
 
 
 def unregister() -> None:

@@ -5,9 +5,9 @@ import bpy
 
 from ..reference_py.lobes.cache import keep_in
 from .blender.user_folders import cache_folder
-from .jobs import bakes, fitting, staleness, stamp_note
+from .jobs import bakes, fitting, older_groups, staleness, stamp_note
 from .library import asset_library, preset_icons
-from .material import kind_groups, properties, seen_color
+from .material import properties, seen_color
 from .operators import (
     check_operators,
     exchange_operators,
@@ -48,12 +48,12 @@ def register() -> None:
     asset_library.register()
     bpy.types.TOPBAR_MT_file_import.append(exchange_operators.show_import)
     keep_in(cache_folder(), lambda message: print(f"Lamina: {message}"))
-    for handlers, handler in (*kind_groups.handlers(), *staleness.handlers(), *stamp_note.handlers(), *bakes.handlers()):
+    for handlers, handler in (*older_groups.handlers(), *staleness.handlers(), *stamp_note.handlers(), *bakes.handlers()):
         handlers.append(handler)
 
 
 def unregister() -> None:
-    for handlers, handler in (*kind_groups.handlers(), *staleness.handlers(), *stamp_note.handlers(), *bakes.handlers()):
+    for handlers, handler in (*older_groups.handlers(), *staleness.handlers(), *stamp_note.handlers(), *bakes.handlers()):
         handlers.remove(handler)
     bakes.stop()
     fitting.stop()

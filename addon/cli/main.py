@@ -110,11 +110,21 @@ def build_parser() -> argparse.ArgumentParser:
     convert.add_argument("source", metavar="STACK|FILE.mtlx|IN.blend", help=STACK_HELP + ", a MaterialX file, or a Blender file")
     convert.add_argument("--object", metavar="NAME", help="the object of IN.blend whose material is converted")
     convert.add_argument("--material", metavar="NAME", help="which material of a MaterialX file (default: the first)")
-    convert.add_argument("--to", choices=("principled", "openpbr", "standard_surface", "gltf_pbr"), help="what a stack becomes")
+    convert.add_argument("--to", choices=("principled", "openpbr", "standard_surface", "gltf_pbr", "layers"), help="what a stack becomes")
     convert.add_argument("-o", "--output", metavar="FILE", help="file to write: .json for Principled and stacks, .mtlx for the others")
     export = _command(commands, "export", "export", "write a stack for other renderers: a table of the truth, read back and its error stated")
     export.add_argument("stack", metavar="STACK", help=STACK_HELP)
-    export.add_argument("--to", required=True, choices=("merl", "rgl"), help="MERL's table (.binary), or RGL's (.bsdf)")
+    export.add_argument(
+        "--to", required=True, choices=("merl", "rgl", "csv", "mitsuba", "pbrt"),
+        help="MERL's table (.binary), RGL's (.bsdf), angles as text (.csv), a scene of Mitsuba 3 (.xml) or a material of pbrt-v4 (.pbrt)",
+    )  # fmt: skip
+    export.add_argument(
+        "--as",
+        dest="form",
+        choices=("measured", "layers"),
+        help="mitsuba, pbrt: by RGL's table beside FILE (default), or as explicit layers with single facets",
+    )
+    export.add_argument("--step", type=_between(1, 45), metavar="DEG", help="csv: degrees between the angles (default: 5; anisotropic 10)")
     export.add_argument("-o", "--output", required=True, metavar="FILE", help="file to write")
     export.add_argument(
         "--walks", type=_between(16, 1_000_000), default=256, metavar="N", help="walks per value, where the truth is walks (default: %(default)s)"

@@ -7,7 +7,6 @@ there whatever happens to the order. Interfaces are append-only, so files of old
 
 import bpy
 import numpy as np
-from bpy.app.handlers import persistent
 
 from ...reference_py.material.schema import COLOR, FLOAT, NORMAL, SCHEMA, Kind, Parameter
 from ..shader.working_space import into_working
@@ -100,18 +99,12 @@ def _describe(item, parameter: Parameter) -> None:
             setattr(item, name, value)
 
 
-@persistent
-def update_groups(*_) -> None:
-    """After a file is opened: sliders of an older version's groups get the ranges of this one's. No value changes."""
+def update_groups() -> None:
+    """Give the sliders of an older version's groups the ranges of this one's. No value changes."""
     kinds = {group_key(kind): kind for kind in (*SCHEMA.layers.values(), *SCHEMA.bases.values())}
     for tree in bpy.data.node_groups:
         if tree.library is None and tree.get(KIND_KEY) in kinds:
             _follow_schema(tree, kinds[tree[KIND_KEY]])
-
-
-def handlers() -> list[tuple]:
-    """(list of Blender's handlers, ours) for `registration`."""
-    return [(bpy.app.handlers.load_post, update_groups)]
 
 
 def _declare(tree, parameter: Parameter) -> None:

@@ -5,12 +5,10 @@ White light goes in and out along the normal, so it crosses the layer twice: tin
 """
 
 import bpy
-import numpy as np
 from bpy.props import FloatVectorProperty
 
-from ..shader.working_space import into_working, out_of_working
-from .elements import find_node, kind_of
-from .live_values import what_moves
+from ..shader import working_space
+from . import elements, live_values
 
 NAME = "lamina_seen"
 _TINT, _THICKNESS = "Tint", "Thickness"
@@ -18,28 +16,32 @@ _TINT, _THICKNESS = "Tint", "Thickness"
 
 def has_seen_color(element) -> bool:
     """Whether a layer has a tint and a thickness."""
-    return {"tint", "thickness"} <= {p.name for p in kind_of(element).sockets}
+    return {"tint", "thickness"} <= {p.name for p in elements.kind_of(element).sockets}
 
 
 def is_settable(element) -> bool:
     """Whether a tint gives every color as seen: nothing else gives tint or thickness, and there is a thickness."""
-    node = find_node(element)
-    return node is not None and not {"tint", "thickness"} & set(what_moves(element)) and node.inputs[_THICKNESS].default_value > 0.0
+    node = elements.find_node(element)
+    return node is not None and not {"tint", "thickness"} & set(live_values.what_moves(element)) and node.inputs[_THICKNESS].default_value > 0.0
 
 
 def _seen(node) -> tuple[float, ...]:
     tint, thickness = node.inputs.get(_TINT), node.inputs.get(_THICKNESS)
     if tint is None or thickness is None:
         return (1.0, 1.0, 1.0)
-    color = np.clip(out_of_working(tint.default_value[:3]), 0.0, 1.0)
-    return tuple(into_working(color ** (2.0 * max(thickness.default_value, 0.0))))
+    return _raised(tint.default_value, 2.0 * max(thickness.default_value, 0.0))
 
 
 def _see(node, value) -> None:
     thickness = node.inputs[_THICKNESS].default_value
     if thickness > 0.0:
-        color = np.clip(out_of_working(value[:3]), 0.0, 1.0) ** (0.5 / thickness)
-        node.inputs[_TINT].default_value = (*into_working(color), 1.0)
+        node.inputs[_TINT].default_value = (*_raised(value, 0.5 / thickness), 1.0)
+
+
+def _raised(color, exponent: float) -> tuple[float, ...]:
+    """A power of a color of the working space, taken in the model's."""
+    inside = [min(max(c, 0.0), 1.0) ** exponent for c in working_space.out_of_working(color[:3])]
+    return tuple(working_space.into_working(inside))
 
 
 def register() -> None:

@@ -15,12 +15,9 @@ from ...reference_py.material.schema import LAMBERT, SCHEMA
 from ...reference_py.material.stack import Stack
 from ..jobs import bakes
 from ..library import user_presets
+from ..material import entry, live_values, osl_setting, reading
 from ..material import material as materials
-from ..material.entry import find_entry, surface_output
 from ..material.holders import can_hold_material
-from ..material.live_values import live_values
-from ..material.osl_setting import enable_osl
-from ..material.reading import measured_stack
 
 _JSON = "*.json"
 _UNNAMED = "Lamina"
@@ -47,17 +44,17 @@ def what_gives_way(material: bpy.types.Material) -> str:
     """What a first stack takes the place of, in words, where that is more or less than the Principled node at the surface."""
     if material.node_tree is None or material.lamina.is_layered:
         return ""
-    entry = find_entry(surface_output(material.node_tree))
-    if entry.former is None:
+    found = entry.find_entry(entry.surface_output(material.node_tree))
+    if found.former is None:
         return ""
-    words = {"node": entry.former.label or entry.former.name, "count": entry.bodies}
-    if entry.is_mixed:
+    words = {"node": found.former.label or found.former.name, "count": found.bodies}
+    if found.is_mixed:
         sentence = (
             rpt_("{node}, one of {count} surfaces that are mixed, gives way; the others stay")
-            if entry.bodies > 1
+            if found.bodies > 1
             else rpt_("{node} gives way; what it is mixed with stays")
         )
-    elif entry.former.bl_idname != "ShaderNodeBsdfPrincipled":
+    elif found.former.bl_idname != "ShaderNodeBsdfPrincipled":
         sentence = rpt_("{node} gives way as a whole; it stays in the node tree without a link")
     else:
         return ""
@@ -209,12 +206,12 @@ class LAMINA_OT_export_stack(LayeredOperator, ExportHelper, bpy.types.Operator):
 
     def run(self, context):
         material = material_of(context)
-        measured_stack(material).save(self.filepath)
+        reading.measured_stack(material).save(self.filepath)
         hidden = len(material.lamina.layers) - len(material.lamina.shown_layers)
         sentence = rpt_("Lamina: stack written to {path}").format(path=self.filepath)
         if hidden:
             sentence = rpt_("{sentence}; hidden layers left out: {count}").format(sentence=sentence, count=hidden)
-        if moved := len(live_values(material)):
+        if moved := len(live_values.live_values(material)):
             sentence = rpt_("{sentence}; values whose texture or animation is left out: {count}").format(sentence=sentence, count=moved)
         self.report({"INFO"}, sentence)
 
@@ -270,7 +267,7 @@ class LAMINA_OT_enable_osl(LaminaOperator, bpy.types.Operator):
     bl_description = "Switch the scene to Cycles and Open Shading Language on"
 
     def run(self, context):
-        for notice in enable_osl(context.scene):
+        for notice in osl_setting.enable_osl(context.scene):
             self.report({"INFO"}, f"Lamina: {notice}")
 
 

@@ -14,6 +14,9 @@ from ..errors import LaminaError
 
 SCHEMA_VERSION = 4
 
+# Light by which spectra become colors: daylight, lamp light, equal energy; the first unless a stack names another.
+ILLUMINANTS = ("D65", "A", "E")
+
 FLOAT, COLOR, VECTOR, CHOICE = "float", "color", "vector", "choice"
 
 
