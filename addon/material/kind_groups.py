@@ -103,7 +103,7 @@ def update_groups() -> None:
     """Give the sliders of an older version's groups the ranges of this one's. No value changes."""
     kinds = {group_key(kind): kind for kind in (*SCHEMA.layers.values(), *SCHEMA.bases.values())}
     for tree in bpy.data.node_groups:
-        if tree.library is None and tree.get(KIND_KEY) in kinds:
+        if tree.is_editable and tree.get(KIND_KEY) in kinds:
             _follow_schema(tree, kinds[tree[KIND_KEY]])
 
 
