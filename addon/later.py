@@ -22,6 +22,7 @@ MODULES = (
     "addon/material/elements",
     "addon/material/entry",
     "addon/material/hand_over",
+    "addon/material/kind_groups",
     "addon/material/layers",
     "addon/material/live_values",
     "addon/material/material",
@@ -46,6 +47,7 @@ MODULES = (
     "reference_py/fit/metric",
     "reference_py/fit/outcome",
     "reference_py/lobes/methods",
+    "reference_py/optics/colour",
     "reference_py/optics/microfacet",
 )
 

@@ -6,7 +6,7 @@ import textwrap
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.schema import Parameter
 from ..blender import environment
-from ..material import elements
+from ..material import elements, seen_color
 from ..material.backend import OSL
 from ..operators.note_operator import LAMINA_OT_note
 from . import value_notes
@@ -31,6 +31,10 @@ def draw_element(layout, element) -> None:
             draw_choice(column, element, parameter.name)
         else:
             _draw_socket(column, element, node, parameter)
+        if parameter.name == "thickness" and seen_color.has_seen_color(element):
+            row = column.row()
+            row.enabled = seen_color.is_settable(element)
+            row.prop(node, seen_color.NAME)
     used = elements.used_features(element)
     for feature in kind.features:
         draw_choice(column, element, elements.use_of(feature))
