@@ -16,7 +16,7 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 FIRST_HALF := $(shell cat tests/first_half.txt)
 QUICK := -q -m "not blender and not slow"
 
-.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes branches surroundings numbers fuzz faults calibration mitsuba-slabs docs sliders matrix licences clean
+.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes start branches surroundings numbers fuzz faults calibration mitsuba-slabs docs sliders matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -32,7 +32,8 @@ help:
 	@echo "make thumbnails  render the presets' pictures into addon/presets"
 	@echo "make assets    build the asset library of the presets in addon/presets anew"
 	@echo "make charts    measure the tables of figures/ anew and draw them"
-	@echo "make mitsuba-slabs  hold stacks with media that scatter against explicit slabs in Mitsuba 3, which .venv must have"
+	@echo "make mitsuba   install Mitsuba 3 beside the rest and hold exports against it (a minute)"
+	@echo "make mitsuba-slabs  hold stacks with media that scatter against explicit slabs in Mitsuba 3"
 	@echo "make pareto    measure error against cost in Cycles anew and draw it (half an hour, best on a quiet machine)"
 	@echo "make viewport  measure how EEVEE shows presets (half an hour without a graphics card; LAMINA_BLENDER names a Blender that has it)"
 	@echo "make calibration  find the constants of the tier analytic and of the cost estimate again, and compare (an hour; writes tables alone)"
@@ -46,6 +47,7 @@ help:
 	@echo "make production    put a scene as productions have them through batch, farm, apply and saves, beside a former commit (ten minutes)"
 	@echo "make field     try a material beside a Principled one through the rest of Blender, and write figures/field.csv (ten minutes)"
 	@echo "make bakes     measure what bakes cost beside those of a former commit, and how they follow a base's color (fifteen minutes)"
+	@echo "make start     measure what the extension adds to Blender's start (two minutes on a quiet machine; LAMINA_BLENDER names a Blender)"
 	@echo "make branches  measure what both branches of a material cost beside one alone (five minutes on a quiet machine)"
 	@echo "make gpu       hold ten presets on this machine's graphics card against the model (three minutes, no network; LAMINA_BLENDER names a Blender from blender.org)"
 	@echo "make surroundings  render one file in its four surroundings (LAMINA_BLENDER names a Blender that has EEVEE)"
@@ -130,7 +132,14 @@ charts: $(READY)
 	for chart in lobes presets tiers error stress suite scattering; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
 	$(VENV)/bin/lamina figures --out figures/paper
 
-mitsuba-slabs: $(READY)
+$(VENV)/mitsuba: $(READY) requirements/mitsuba.txt
+	$(RUN) -m pip --disable-pip-version-check install --quiet --require-hashes --only-binary :all: -r requirements/mitsuba.txt
+	@touch $@
+
+mitsuba: $(VENV)/mitsuba
+	$(RUN) -m pytest -q tests/reference_py/test_mitsuba.py
+
+mitsuba-slabs: $(VENV)/mitsuba
 	$(RUN) -m lamina.study.mitsuba_slabs
 
 pareto: $(READY)
@@ -175,6 +184,9 @@ field: $(READY)
 bakes: $(READY)
 	$(RUN) tests/benchmarks/bakes.py figures/bakes.csv
 	$(VENV)/bin/lamina chart base_color -o figures
+
+start: $(READY)
+	$(RUN) tests/benchmarks/start.py figures/start.csv
 
 branches: $(READY)
 	$(RUN) tests/benchmarks/branches.py figures/branches.csv

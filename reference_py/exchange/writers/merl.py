@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writes MERL's binary tables, which `fit.readers.merl` describes and reads; and looks them up as the database's own code does."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -41,9 +42,14 @@ def write(values: np.ndarray, path: Path) -> None:
         file.write(np.moveaxis(stored, -1, 0).astype("<f8").tobytes())
 
 
-def lookup(path: Path, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """f (n, 3) of a file of this module at directions (n, 3): that of their cell, as in the database's BRDFRead."""
-    theta_h, theta_d, phi_d = half_angles(wi, wo)
-    places = (np.sqrt(theta_h / (0.5 * np.pi)), theta_d / (0.5 * np.pi), phi_d / np.pi)
-    cell = np.ravel_multi_index([np.minimum((p * n).astype(int), n - 1) for p, n in zip(places, SIZES)], SIZES)
-    return (np.fromfile(path, "<f8", offset=12).reshape(3, -1)[:, cell].T) * SCALES
+def reader(path: Path) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+    """f(wi, wo), (n, 3), of a file of this module: that of the directions' cell, as in the database's BRDFRead."""
+    values = np.fromfile(path, "<f8", offset=12).reshape(3, -1)
+
+    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        theta_h, theta_d, phi_d = half_angles(wi, wo)
+        places = (np.sqrt(theta_h / (0.5 * np.pi)), theta_d / (0.5 * np.pi), phi_d / np.pi)
+        cell = np.ravel_multi_index([np.minimum((p * n).astype(int), n - 1) for p, n in zip(places, SIZES)], SIZES)
+        return values[:, cell].T * SCALES
+
+    return f

@@ -7,7 +7,7 @@ surface of facets would tell, D(w) ~ 4 sigma(w) f(w, w) cos: so it has the narro
 and by `luminance`; a value is f cos(theta_o) 4 sigma(wi) / D(wm), which is smooth where f is not.
 
 fields: description, phi_i, theta_i, ndf (v, u), sigma (v, u), vndf (phi_i, theta_i, v, u), luminance (phi_i, theta_i, t, s),
-rgb (phi_i, theta_i, 3, t, s), jacobian 1.
+jacobian 1, and the values: rgb (phi_i, theta_i, 3, t, s), or spectra (phi_i, theta_i, wavelengths, t, s) with wavelengths, which pbrt wants.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ import numpy as np
 
 from ...atomic import replacing
 from ...fit.readers.rgl import bilinear
-from ...optics.colour import xyz_to_rgb
+from ...optics.colour import upsampled, xyz_to_rgb
 from ...optics.frame import azimuth, reflect, spherical
 from .tensor_file import tensor_bytes
 from .truth import Progress, Truth, is_isotropic, require_finite
@@ -54,7 +54,7 @@ def require_holdable(stack) -> None:
     require_finite(stack, FORMAT)
 
 
-def fields(truth: Truth, description: str, progress: Progress | None = None) -> dict[str, np.ndarray]:
+def fields(truth: Truth, description: str, progress: Progress | None = None, spectral: bool = False) -> dict[str, np.ndarray]:
     """The fields of a file by name."""
     isotropic = is_isotropic(truth.stack)
     sampling = (WALKED if truth.stochastic else ISOTROPIC) if isotropic else ANISOTROPIC
@@ -66,13 +66,20 @@ def fields(truth: Truth, description: str, progress: Progress | None = None) -> 
     values = _values(truth, normals, wi, _placed(visible, sampling.places), isotropic, progress)
     stored = {
         "phi_i": phi_i, "theta_i": theta_i, "ndf": normals.ndf, "sigma": normals.sigma, "vndf": visible,
-        "luminance": _luminance(values), "rgb": np.moveaxis(values, -1, 2),
+        "luminance": _luminance(values), **_channels(values, spectral),
     }  # fmt: skip
     return {
         "description": np.frombuffer(description.encode(), np.uint8),
         "jacobian": np.ones(1, np.uint8),
         **{name: np.asarray(array, np.float32) for name, array in stored.items()},
     }
+
+
+def _channels(values: np.ndarray, spectral: bool) -> dict[str, np.ndarray]:
+    if not spectral:
+        return {"rgb": np.moveaxis(values, -1, 2)}
+    wavelength_nm, spectra = upsampled(values)
+    return {"wavelengths": wavelength_nm, "spectra": np.moveaxis(spectra, -1, 2)}
 
 
 def write(stored: dict[str, np.ndarray], path: Path) -> None:
