@@ -23,7 +23,7 @@ NARROWEST_CURVE = 0.01
 # Energies are this power of what is kept.
 POWER = 4
 # Rows of one axis, and of two.
-_ROWS = {1: (64,), 2: (49, 21)}
+_ROWS = {1: (64,), 2: (41, 17)}
 # What a Fresnel curve makes of a lobe is smooth in its width and index, and takes long: knots of an axis that changes these, by how many do.
 _FOLDED = {0: 2, 1: 25, 2: 13}
 
