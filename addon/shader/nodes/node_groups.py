@@ -125,10 +125,11 @@ def _content(tree) -> str:
 
 
 def _pixels_of(image: bpy.types.Image, known: dict[str, str]) -> str:
-    """A hash of an image's pixels as the file keeps them, or that somebody painted on them."""
+    """A hash of an image's pixels."""
     if image.name not in known:
-        packed = image.packed_file
-        known[image.name] = "painted" if packed is None or image.is_dirty else hashlib.sha256(packed.data).hexdigest()
+        pixels = np.empty(len(image.pixels), np.float32)
+        image.pixels.foreach_get(pixels)
+        known[image.name] = hashlib.sha256(pixels.tobytes()).hexdigest()
     return known[image.name]
 
 

@@ -104,7 +104,7 @@ def followed_by_nodes(stack: Stack, method: str, live: tuple[Place, ...]) -> tup
 def _lost(patch: Patch, live: tuple[Place, ...]) -> list[Place]:
     """Those of the live values of the whole stack that the stock nodes of a patch, which has them, do not follow."""
     own = {place: there for place in live if (there := patch.place(place)) is not None}
-    followed = () if not_bakeable(patch.stack) else in_tables(patch.stack, tuple(own.values()))
+    followed = () if not_bakeable(patch.stack) or baking.is_bare_oren_nayar(patch.stack) else in_tables(patch.stack, tuple(own.values()))
     return [place for place, there in own.items() if there not in followed]
 
 
