@@ -15,6 +15,7 @@ import numpy as np
 
 from ..errors import LaminaError
 from ..material.schema import DIELECTRIC
+from . import AUTO
 from .certainty import independent_pairs
 from .fitting import SAMPLES, Fit, Progress, corrected, polished, rough_fits, share_of, space_mapping_step, subsampled
 from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, require_fittable, stand_in
@@ -22,7 +23,6 @@ from .metric import Metric, percent
 from .parameters import BASES, Parameters, Structure
 from .readers.measurement import Measurement
 
-AUTO = "auto"
 DISTRIBUTIONS = DIELECTRIC.parameter("distribution").choices
 MOST_LAYERS, LEAST_SAMPLES = 8, 50
 _AUTO_LAYERS = 3

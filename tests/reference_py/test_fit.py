@@ -8,16 +8,16 @@ import pytest
 from support.measured import paint
 
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.fit import fit_structure, select
 from lamina.reference_py.fit.baseline_fits import BASELINE_MODELS, fit_baseline
 from lamina.reference_py.fit.certainty import certainty, independent_pairs
 from lamina.reference_py.fit.dense import evaluate_all
-from lamina.reference_py.fit.fitting import corrected, subsampled
+from lamina.reference_py.fit.fitting import corrected, fit_structure, subsampled
 from lamina.reference_py.fit.metric import Metric, shape_error
 from lamina.reference_py.fit.outcome import outcome
 from lamina.reference_py.fit.parameters import Parameters, Structure
 from lamina.reference_py.fit.readers.measurement import checked, spread_pairs
 from lamina.reference_py.fit.readers.sampled import sample_model
+from lamina.reference_py.fit.selection import select
 from lamina.reference_py.fit.solve import least_squares
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack

@@ -49,7 +49,7 @@ class _SmoothRun:
         crossing = [np.exp(-tau / np.maximum(c, 1e-12)[:, None]) for tau, c in zip((effective.tau_above, *effective.taus), cosines)]
         reflectances = [fresnel_dielectric(cosine, i.eta)[:, None] for cosine, i in zip(cosines, run)]
         self.depth = len(run)
-        self.mirrored = np.zeros((len(cos_theta), 3))
+        self.mirrored = np.zeros((len(cos_theta), effective.base.channels))
         if self.depth == len(effective.interfaces) and effective.base.is_specular:
             self.mirrored = effective.base.reflectance(cosines[-1])
         self._below, trips = [], []
@@ -59,7 +59,7 @@ class _SmoothRun:
             trips.insert(0, 1.0 / np.maximum(1.0 - f * back, 1e-13))
             self.mirrored = f + np.square(1.0 - f) * back * trips[0]
         self.mirrored = self.mirrored * np.square(crossing[0])
-        self.through, self._entering, self._shares = crossing[0] * np.ones(3), [], crossing[1:]
+        self.through, self._entering, self._shares = crossing[0], [], crossing[1:]
         for f, share, more in zip(reflectances, crossing[1:], trips):
             self._entering.append(self.through * (1.0 - f) * more)
             self.through = self._entering[-1] * share
@@ -94,13 +94,13 @@ def _event(effective: EffectiveStack, k: int, surface: str, wo, wi) -> np.ndarra
     cos_h = np.clip(dot(wi, wh), 0.0, 1.0)
     if k < len(effective.interfaces):
         interface = effective.interfaces[k]
-        fresnel = fresnel_dielectric(cos_h, interface.eta)[:, None] * np.ones(3)
+        fresnel = fresnel_dielectric(cos_h, interface.eta)[:, None]
         lobe = reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], interface.alpha, interface.distribution, surface)
         return fresnel * lobe[:, None]
     base = effective.base
     if base.facets is None:
         return base.f(wi, wo)
     if base.is_specular:
-        return np.zeros(wo.shape)
+        return np.zeros((len(wo), base.channels))
     lobe = reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], base.facets.alpha, base.facets.distribution, surface)
     return base.reflectance(cos_h) * lobe[:, None]
