@@ -6,10 +6,11 @@ from pathlib import Path
 
 from ...reference_py.atomic import require_writable, write_text
 from ...reference_py.errors import LaminaError
+from ...reference_py.exchange import SUFFIX
 from ...reference_py.exchange.conversion import Converted
 from ...reference_py.exchange.layer_graph import LayeredMaterial
 from ...reference_py.exchange.layer_graph_writing import LayerGraph, to_layers
-from ...reference_py.exchange.materialx import SUFFIX, Material, layers_to_mtlx, load_mtlx, to_mtlx
+from ...reference_py.exchange.materialx import Material, layers_to_mtlx, load_mtlx, to_mtlx
 from ...reference_py.exchange.openpbr import to_surface
 from ...reference_py.exchange.principled import to_principled
 from ...reference_py.exchange.report import shown

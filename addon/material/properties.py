@@ -11,8 +11,7 @@ from contextlib import contextmanager
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty, StringProperty
 
-from ...reference_py.lobes.made import DEFAULT_TOLERANCE
-from ...reference_py.lobes.methods import DEFAULT_METHOD, METHODS
+from ...reference_py.material.qualities import DEFAULT_METHOD, DEFAULT_TOLERANCE, QUALITIES
 from ...reference_py.material.schema import SCHEMA, SCHEMA_VERSION, Feature, Kind, Schema
 from .backend import AUTO, BACKENDS, DEFAULT_BACKEND, NODES, OSL
 from .selection import select_layer, selected_layer
@@ -24,13 +23,6 @@ _BACKEND_LABELS = {AUTO: "Automatic", OSL: "OSL", NODES: "Stock Nodes"}
 QUALITY_LABELS = {"weidlich_wilkie": "Paper of 2007", "analytic": "Preview", "baked": "Final", "auto": "Automatic"}
 
 _quiet = False
-_followers: list[Callable[[bpy.types.PropertyGroup, str], None]] = []
-
-
-def follow(function: Callable[[bpy.types.PropertyGroup, str], None]) -> Callable[[bpy.types.PropertyGroup, str], None]:
-    """A decorator: call the function with the property group and the name of each property that is set."""
-    _followers.append(function)
-    return function
 
 
 @contextmanager
@@ -49,8 +41,9 @@ def _update(name: str) -> Callable:
 
     def update(group, _context) -> None:
         if not _quiet:
-            for follower in _followers:
-                follower(group, name)
+            from .material import structure_changed  # which needs these properties itself
+
+            structure_changed(group, name)
 
     return update
 
@@ -117,7 +110,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     tier: EnumProperty(
         name="Quality",
         description="How exactly the layers are rendered, and at what cost",
-        items=[(name, QUALITY_LABELS[name], row.help) for name, row in METHODS.items()],
+        items=[(name, QUALITY_LABELS[name], text) for name, text in QUALITIES.items()],
         default=DEFAULT_METHOD,
         options=_NOT_ANIMATABLE,
         update=_update("tier"),

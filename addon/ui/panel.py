@@ -6,7 +6,7 @@ The list is the first thing in it, and nothing above it comes or goes: whoever c
 
 import bpy
 
-from ..material.elements import kind_of
+from ..material import elements
 from ..material.holders import can_hold_material
 from ..operators import material_operators as ops
 from ..operators.fit_operators import LAMINA_OT_fit_measurement
@@ -52,6 +52,7 @@ class LAMINA_PT_material(bpy.types.Panel):
         material = ops.material_of(context)
         if material is None or not material.lamina.is_layered:
             layout.menu(LAMINA_MT_presets.__name__, text="Pick a Preset", icon="PRESET")
+            layout.operator(ops.LAMINA_OT_new_material.bl_idname, icon="ADD")
             layout.operator("lamina.convert_principled", icon="NODE_MATERIAL")
             draw_unlayered_status(layout, context, material)
             return
@@ -68,7 +69,7 @@ class LAMINA_PT_material(bpy.types.Panel):
                 draw_element(body, layer)
         header, body = layout.panel("lamina_base")
         header.label(text="Base")
-        header.operator_menu_enum(ops.LAMINA_OT_set_base.bl_idname, "kind", text=kind_of(lamina.base).label)
+        header.operator_menu_enum(ops.LAMINA_OT_set_base.bl_idname, "kind", text=elements.kind_of(lamina.base).label)
         if body:
             draw_element(body, lamina.base)
         header, body = layout.panel("lamina_shader", default_closed=True)

@@ -5,22 +5,17 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.lobes.methods import MAX_CLOSURES, auto, holds_values
+from ...reference_py.lobes import methods
+from ...reference_py.material.qualities import AUTO
 from ..check import check
 from ..jobs import bakes, fitting
-from ..material import state
+from ..material import hand_over, reading, roles, shader_node, state
 from ..material.backend import NODES, OSL, branches_here, notice
-from ..material.hand_over import has_hand_over
-from ..material.reading import require_editable
-from ..material.roles import node_with
-from ..material.shader_node import backend_of
 from ..operators import check_operators as check_ops
 from ..operators import material_operators as ops
 from .panel_values import draw_choice, draw_fact, draw_message
 
 _POPOVER_UNITS = 18
-# An icon for each level of what is found, the worst first.
-_ICONS = {check.ERROR: "ERROR", check.WARNING: "INFO", check.NOTE: "CHECKMARK"}
 
 
 def problem_of(material) -> str:
@@ -28,7 +23,7 @@ def problem_of(material) -> str:
     if material is None:
         return ""
     try:
-        require_editable(material)
+        reading.require_editable(material)
         if not material.lamina.is_layered:
             branches_here(material.lamina.backend)
     except LaminaError as error:
@@ -44,7 +39,8 @@ def draw_status(layout, context, material) -> None:
     problem = problem_of(material) or _unfound_problem(material, findings)
     level = check.ERROR if problem else next((finding.level for finding in findings), check.NOTE)
     _draw_line(row, material, next((f.text(iface_) for f in findings if f.level != check.NOTE), problem))
-    row.popover(LAMINA_PT_findings.__name__, text="", icon=_ICONS[level])
+    # an icon for each level of what is found
+    row.popover(LAMINA_PT_findings.__name__, text="", icon={check.ERROR: "ERROR", check.WARNING: "INFO", check.NOTE: "CHECKMARK"}[level])
 
 
 def _draw_line(row, material, problem: str) -> None:
@@ -67,7 +63,7 @@ def _draw_line(row, material, problem: str) -> None:
 def shown_quality(material) -> str:
     """How final what a material shows is, in words."""
     try:
-        return iface_("Final look" if holds_values(material.lamina.tier) and state.is_settled(material) else "Preview")
+        return iface_("Final look" if methods.holds_values(material.lamina.tier) and state.is_settled(material) else "Preview")
     except LaminaError:
         return iface_("Preview")  # a value is out of range, which Check tells
 
@@ -88,7 +84,7 @@ def draw_unlayered_status(layout, context, material) -> None:
         draw_message(layout, context, sentence, "INFO")
 
 
-def _findings(context, material) -> list[check.Finding]:
+def _findings(context, material) -> list["check.Finding"]:
     return check.find(material, context.scene, context.preferences)
 
 
@@ -142,8 +138,8 @@ def draw_findings(layout, context, material) -> None:
 
 def _device_notes(material) -> list[str]:
     """What the devices that run no OSL, or few lobes, make of a material."""
-    notes = [notice(material.lamina.backend, iface_)] if backend_of(material) != OSL else []
-    if material.lamina.lobe_count > MAX_CLOSURES:
+    notes = [notice(material.lamina.backend, iface_)] if shader_node.backend_of(material) != OSL else []
+    if material.lamina.lobe_count > methods.MAX_CLOSURES:
         notes.append(iface_("too many covered layers for OptiX devices, which may show less of them"))
     return notes
 
@@ -154,10 +150,10 @@ def draw_shader(layout, material) -> None:
     layout.prop(lamina, "stack_name")
     draw_choice(layout, lamina, "tier")
     row = layout.row()
-    row.active = lamina.tier == auto.NAME
+    row.active = lamina.tier == AUTO
     row.prop(lamina, "tolerance")
     layout.prop(lamina, "backend")
-    script, stock = node_with(material, OSL), node_with(material, NODES)
+    script, stock = roles.node_with(material, OSL), roles.node_with(material, NODES)
     draw_fact(layout, "Made Of", iface_("OSL and Stock Nodes" if script and stock else "OSL" if script else "Stock Nodes"))
     draw_fact(layout, "Estimated Error", f"{lamina.error:.2g} %" if lamina.error >= 0.0 else iface_("not known"))
     cost = iface_("{times} of a glossy node").format(times=f"{lamina.cost:.1f}\N{MULTIPLICATION SIGN}")
@@ -169,7 +165,7 @@ def draw_shader(layout, material) -> None:
 def _hand_over(material) -> str:
     """What exporters find of a material."""
     error = material.lamina.hand_over_error
-    if not has_hand_over(material):
+    if not hand_over.has_hand_over(material):
         return iface_("none until the next change or save")
     if error < 0.0:
         return iface_("Principled, error not known until values rest")

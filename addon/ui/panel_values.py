@@ -4,12 +4,13 @@
 import textwrap
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.material.schema import Parameter
+from ...reference_py.material.schema import COVERAGE, Parameter
 from ..blender import environment
+from ..material import elements, mask_links, seen_color
 from ..material.backend import OSL
-from ..material.elements import feature_parameters, given_of, kind_of, node_of, use_of, used_features
+from ..operators import mask_link_operators as mask_ops
 from ..operators.note_operator import LAMINA_OT_note
-from .value_notes import note_of
+from . import value_notes
 
 _NOTE = 0.8  # buttons: the place of an icon beside a value
 _MARGIN, _CHARACTER, _UNIT = 60, 6.4, 20  # pixels at scale 1: what borders and the icon take, a mean letter, and a button
@@ -18,11 +19,11 @@ _MARGIN, _CHARACTER, _UNIT = 60, 6.4, 20  # pixels at scale 1: what borders and 
 def draw_element(layout, element) -> None:
     """Every parameter of a layer or the base: choices from the properties, values from the node's sockets."""
     try:
-        node = node_of(element)
+        node = elements.node_of(element)
     except LaminaError as error:
         layout.label(text=str(error), icon="ERROR")
         return
-    kind = kind_of(element)
+    kind = elements.kind_of(element)
     column = layout.column()
     if kind.alternatives:
         draw_choice(column, element, "given")
@@ -31,15 +32,32 @@ def draw_element(layout, element) -> None:
             draw_choice(column, element, parameter.name)
         else:
             _draw_socket(column, element, node, parameter)
-    used = used_features(element)
+        if parameter.name == "thickness" and seen_color.has_seen_color(element):
+            row = column.row()
+            row.enabled = seen_color.is_settable(element)
+            row.prop(node, seen_color.NAME)
+    used = elements.used_features(element)
     for feature in kind.features:
-        draw_choice(column, element, use_of(feature))
+        draw_choice(column, element, elements.use_of(feature))
         if feature not in used:
             continue
         if feature.alternatives:
-            draw_choice(column, element, given_of(feature))
-        for parameter in feature_parameters(element, feature):
+            draw_choice(column, element, elements.given_of(feature))
+        for parameter in elements.feature_parameters(element, feature):
             _draw_socket(column, element, node, parameter)
+        if feature is COVERAGE:
+            _draw_mask(column, element)
+
+
+def _draw_mask(layout, layer) -> None:
+    """The ways to make a layer's mask, and its ramp, if it has one."""
+    row = layout.row(align=True)
+    row.use_property_split = False
+    row.menu(mask_ops.LAMINA_MT_mask.__name__, text="Mask", icon="MOD_MASK")
+    row.operator(mask_ops.LAMINA_OT_mask_paint.bl_idname, text="", icon="BRUSH_DATA")
+    ramp = mask_links.ramp_of(layer)
+    if ramp is not None:
+        layout.template_color_ramp(ramp, "color_ramp")
 
 
 def _draw_socket(layout, element, node, parameter: Parameter) -> None:
@@ -52,7 +70,7 @@ def _draw_socket(layout, element, node, parameter: Parameter) -> None:
         return
     row = layout.row(align=True)
     row.column().template_node_view(element.id_data.node_tree, node, socket)
-    note = note_of(element, node, parameter)
+    note = value_notes.note_of(element, node, parameter)
     row = row.row()
     row.ui_units_x = _NOTE
     if note is None:

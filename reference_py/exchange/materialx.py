@@ -23,7 +23,6 @@ from .openpbr import PLACES, from_surface
 from .report import APPROXIMATED, LOST, Loss, Report, image_loss, shown
 from .surfaces import SURFACES, Surface
 
-SUFFIX = ".mtlx"
 _VERSION = "1.39"
 _MATERIAL, _INCLUDE, _MOST_FILES = "surfacematerial", "xi:include", 32
 # Inputs that are vectors in space: what says nothing where no image feeds it.

@@ -199,7 +199,7 @@ class WeidlichWilkie:
     @per_direction(color_axis)
     def albedo(self, wo: np.ndarray) -> np.ndarray:
         """Directional albedo (..., 3), mirror-like components included."""
-        widths = [(kind, alpha) for alpha, kind in filter(None, self.lobes)]
+        widths = [(distribution, alpha) for alpha, distribution in filter(None, self.lobes)]
         return directional_albedo(self.f, wo, widths) + self.specular_albedo(wo)
 
     def specular_albedo(self, wo: np.ndarray) -> np.ndarray:

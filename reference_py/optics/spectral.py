@@ -17,6 +17,7 @@ import numpy as np
 from ..errors import LaminaError
 from ..material.schema import COLOR, NORMAL, SCHEMA, THIN_FILM, VECTOR
 from ..material.stack import Base, Layer, LayerOrBase, Stack
+from ..material.tint_spectrum import spectrum_of
 from .colour import metal_index, rgb_weights
 
 
@@ -36,7 +37,7 @@ def spectral_stack(
     """`stack` on increasing wavelengths (n,) in nm.
 
     tints: per layer index, what one crossing of unit thickness leaves, (n,); color: reflectance (n,) of a diffuse
-    base. Greys count as flat spectra and named metals have their measured index, so only what is coloured must be
+    base. Greys count as flat spectra, named metals have their measured index and layers their `tint_spectrum`, so only what else is coloured must be
     given. Raises LaminaError for a coloured value without spectrum, a wrong length, values outside 0 to 1, and a thin film, which is for RGB.
     """
     nm = np.asarray(wavelength_nm, float)
@@ -77,6 +78,8 @@ def _spectral_layer(layer: Layer, wavelength_nm: np.ndarray, tint, where: str) -
             raise LaminaError(f"{where}: an opaque {layer.kind} has no tint")
         return _spectral_base(layer, wavelength_nm, None, where)
     _refuse_film(layer, where)
+    if tint is None and (own := spectrum_of(layer)) is not None:
+        tint = np.interp(wavelength_nm, *own)
     colors = [p.name for p in SCHEMA.layers[layer.kind].all_parameters if p.type in (COLOR, VECTOR) and p.name in layer and p not in NORMAL.parameters]
     return layer.with_values(**{name: _spectrum(layer, name, tint if name == "tint" else None, len(wavelength_nm), where) for name in colors})
 

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from ...reference_py.errors import LaminaError
+from ...reference_py.exchange import SUFFIX
 from ...reference_py.exchange.layer_graph import LayeredMaterial
-from ...reference_py.exchange.materialx import SUFFIX, Material, load_mtlx
+from ...reference_py.exchange.materialx import Material, load_mtlx
 from ...reference_py.exchange.report import APPROXIMATED, LOST
 from ..colorimetry import colour_science, delta_e_2000, xyz_of_linear
 from ..tables import Report, write_table

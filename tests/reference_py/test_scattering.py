@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.lobes.cache import truth_of
 from lamina.reference_py.lobes.lobe import GlossyLobe
 from lamina.reference_py.lobes.methods import make_lobe_set, provisional
+from lamina.reference_py.lobes.truth import truth_of
 from lamina.reference_py.material.place import Place
 from lamina.reference_py.material.schema import SCATTERING
 from lamina.reference_py.material.stack import Stack

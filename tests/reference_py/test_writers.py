@@ -13,7 +13,7 @@ from lamina.addon.cli.main import run
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.exchange.writers import csv_table, error, merl, mitsuba, pbrt, rgl
 from lamina.reference_py.exchange.writers.truth import Truth
-from lamina.reference_py.fit import read
+from lamina.reference_py.fit.readers.by_suffix import read
 from lamina.reference_py.fit.readers.rgl import Material
 from lamina.reference_py.optics.colour import reflectance_to_rgb
 from lamina.reference_py.optics.frame import azimuth, spherical

@@ -13,11 +13,11 @@ from ...material.place import Place
 from ...material.stack import Stack
 from ...optics.microfacet import GGX
 from ...optics.optical_stack import OpticalStack, rough_surfaces
-from ..cache import truth_of
 from ..closure import unit_energy
 from ..live_grid import LiveLobes
 from ..samples import truth_at
 from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
+from ..truth import truth_of
 from ..view_table import BASE_COLOR, KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
 from .energy import shares, top_lobe
 from .fit_lobes import LEAST_ALPHA

@@ -7,6 +7,7 @@
 from ...errors import LaminaError
 from ...material.coverage import Patch, is_plain, patches
 from ...material.place import Place, in_words
+from ...material.qualities import DEFAULT_METHOD
 from ...material.schema import THIN_FILM
 from ...material.stack import Stack
 from ...optics.optical_stack import OpticalStack
@@ -29,13 +30,11 @@ METHODS = {
     for row in (
         Method(
             PaperLobes.name,
-            "Follows every value at once, as in the paper of 2007: often too dark or too bright",
             lambda stack, options: Made(PaperLobes.name, stack, PaperLobes(stack)),
             lambda stack, live: True,
         ),
         Method(
             AnalyticLobes.name,
-            "Follows every value, texture and animation at once; a little less exact than what is computed first",
             lambda stack, options: Made(AnalyticLobes.name, stack, featured_analytic(stack)),
             lambda stack, live: True,
         ),
@@ -43,7 +42,6 @@ METHODS = {
         auto.METHOD,
     )
 }
-DEFAULT_METHOD = auto.METHOD.name
 
 
 def method_of(name: str) -> Method:
