@@ -22,8 +22,10 @@ MODULES = (
     "addon/material/elements",
     "addon/material/entry",
     "addon/material/hand_over",
+    "addon/material/kind_groups",
     "addon/material/layers",
     "addon/material/live_values",
+    "addon/material/mask_links",
     "addon/material/material",
     "addon/material/osl_setting",
     "addon/material/pasted",
@@ -46,6 +48,7 @@ MODULES = (
     "reference_py/fit/metric",
     "reference_py/fit/outcome",
     "reference_py/lobes/methods",
+    "reference_py/optics/colour",
     "reference_py/optics/microfacet",
 )
 

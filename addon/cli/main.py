@@ -65,8 +65,15 @@ def build_parser() -> argparse.ArgumentParser:
     evaluate = _command(commands, "eval", "numbers", "BRDF value in 1/sr, without the cosine")
     evaluate.add_argument("stack", metavar="STACK", help=STACK_HELP)
     evaluate.add_argument("--wo", required=True, metavar="THETA,PHI", help="direction to the viewer, degrees")
-    evaluate.add_argument("--wi", required=True, nargs="+", metavar="THETA,PHI", help="directions to the light, degrees")
-    for command in (albedo, evaluate):
+    lights = evaluate.add_mutually_exclusive_group(required=True)
+    lights.add_argument("--wi", nargs="+", metavar="THETA,PHI", help="directions to the light, degrees")
+    lights.add_argument("--grid", type=_between(1, 45), metavar="DEG", help="all directions to the light on a grid of this many degrees")
+    evaluate.add_argument("--csv", action="store_true", help="print a table: angles in degrees, f, and its standard error where the model has one")
+    plot = _command(commands, "plot", "plot", "draw a stack: its layers, albedo by angle, f in the plane of incidence, and lobes")
+    plot.add_argument("stack", metavar="STACK", help=STACK_HELP)
+    plot.add_argument("-o", "--output", required=True, metavar="FILE.svg", help="picture to write")
+    plot.add_argument("--theta", type=float, nargs="+", default=[0.0, 30.0, 60.0], metavar="DEG", help="view angles of the lobes (default: 0 30 60)")
+    for command in (albedo, evaluate, plot):
         command.add_argument("--model", default="adding", help="see `lamina models` (default: %(default)s, the truth)")
         command.add_argument("--option", action="append", default=[], metavar="NAME=VALUE", help="an option of the model; repeatable")
 
@@ -129,7 +136,7 @@ def build_parser() -> argparse.ArgumentParser:
     export.add_argument(
         "--walks", type=_between(16, 1_000_000), default=256, metavar="N", help="walks per value, where the truth is walks (default: %(default)s)"
     )
-    for command in (albedo, evaluate, export):
+    for command in (albedo, evaluate, plot, export):
         command.add_argument("--surface", choices=("single", "multiple"), help="surfaces of the truths: one scattering event or lossless")
     principled = _command(commands, "principled", "principled", "write a .blend file whose Lamina materials are Principled ones, and say each one's error")
     principled.add_argument("input", metavar="IN.blend", nargs="?")

@@ -12,7 +12,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.material import presets
-from ...reference_py.material.schema import SCHEMA
+from ...reference_py.material.schema import LAMBERT, SCHEMA
 from ...reference_py.material.stack import Stack
 from ..jobs import bakes
 from ..library import user_presets
@@ -22,6 +22,7 @@ from ..material.holders import can_hold_material
 
 _JSON = "*.json"
 _UNNAMED = "Lamina"
+_NEW = "Lamina Material"
 
 
 def why_no_material(context: bpy.types.Context) -> str:
@@ -113,12 +114,16 @@ class StackOperator(LaminaOperator):
             cls.poll_message_set(why)
         return not why
 
+    def target(self, context: bpy.types.Context) -> bpy.types.Material | None:
+        """The material that gets the stack; None for a new one."""
+        return material_of(context)
+
     def apply(self, material: bpy.types.Material, stack: Stack) -> None:
         materials.apply_stack(material, stack)
 
     def run(self, context):
         stack = self.stack()
-        material = material_of(context)
+        material = self.target(context)
         made = material is None
         if made:
             material = bpy.data.materials.new(stack.name or _UNNAMED)
@@ -155,6 +160,27 @@ class LAMINA_OT_apply_preset(StackOperator, bpy.types.Operator):
 
     def stack(self) -> Stack:
         return presets.load(self.preset)
+
+
+class LAMINA_OT_new_material(StackOperator, bpy.types.Operator):
+    bl_idname = "lamina.new_material"
+    bl_label = "New Lamina Material"
+    bl_description = "Give the object a new material that is a base alone, to put layers on; the former material stays in the file"
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        if getattr(context, "object", None) is None:
+            cls.poll_message_set(tip_("Select an object that can have a material"))
+            return False
+        return True
+
+    def target(self, _context):
+        return None
+
+    def stack(self) -> Stack:
+        return Stack.from_dict({"name": _NEW, "base": {"kind": LAMBERT.name}})
 
 
 class LAMINA_OT_import_stack(StackOperator, ImportHelper, bpy.types.Operator):
@@ -253,6 +279,7 @@ class LAMINA_OT_enable_osl(LaminaOperator, bpy.types.Operator):
 
 CLASSES = (
     LAMINA_OT_apply_preset,
+    LAMINA_OT_new_material,
     LAMINA_OT_import_stack,
     LAMINA_OT_export_stack,
     LAMINA_OT_set_base,

@@ -52,6 +52,7 @@ class LAMINA_PT_material(bpy.types.Panel):
         material = ops.material_of(context)
         if material is None or not material.lamina.is_layered:
             layout.menu(LAMINA_MT_presets.__name__, text="Pick a Preset", icon="PRESET")
+            layout.operator(ops.LAMINA_OT_new_material.bl_idname, icon="ADD")
             layout.operator("lamina.convert_principled", icon="NODE_MATERIAL")
             draw_unlayered_status(layout, context, material)
             return

@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The list of layers in the panel, the base as its last row, and the buttons and menus beside it."""
 
+from functools import cache
+
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ...reference_py.material.schema import COLOR, CONDUCTOR
+from ...reference_py.material import ready_layers
+from ...reference_py.material.schema import COLOR, CONDUCTOR, SCHEMA
 from ...reference_py.optics import microfacet
 from ..material import elements
 from ..material.properties import choice_label
 from ..operators import layer_operators as layer_ops
 from ..operators import material_operators as ops
 from .panel_values import draw_choice
-from .swatch_icons import icon_of
+from .swatch_icons import icon_of, icon_of_layer
 
 _ROWS, _MOST_ROWS = 4, 12
 _BUTTON = 20  # pixels at scale 1
@@ -121,9 +124,32 @@ class LAMINA_MT_add_layer(bpy.types.Menu):
     bl_label = "Add Layer"
 
     def draw(self, _context):
-        self.layout.operator_enum(layer_ops.LAMINA_OT_layer_add.bl_idname, "kind")
-        self.layout.separator()
-        self.layout.operator_enum(layer_ops.LAMINA_OT_layer_add_ready.bl_idname, "ready")
+        row = self.layout.row()
+        column = _group(row, text="Plain")
+        for kind in SCHEMA.layers.values():
+            icon = icon_of_layer(ready_layers.layers_of({"layers": [{"kind": kind.name}]}, kind.name)[0])
+            column.operator(layer_ops.LAMINA_OT_layer_add.bl_idname, text=kind.label, icon_value=icon).kind = kind.name
+        for group, names in _ready_groups().items():
+            column = _group(row, text=group.title())
+            for name, (label, layer) in names.items():
+                column.operator(layer_ops.LAMINA_OT_layer_add_ready.bl_idname, text=label, icon_value=icon_of_layer(layer)).ready = name
+
+
+def _group(row, text: str):
+    column = row.column()
+    column.label(text=text)
+    column.separator()
+    return column
+
+
+@cache
+def _ready_groups() -> dict[str, dict[str, tuple]]:
+    """By group and name: a ready layer's label, and the lowest of its layers, which gives it its color; read when a menu first shows them."""
+    groups: dict[str, dict[str, tuple]] = {group: {} for group in ready_layers.GROUPS}
+    for name in ready_layers.names():
+        label, _source, layers = ready_layers.load(name)
+        groups[ready_layers.group_of(name)][name] = (label, layers[-1])
+    return groups
 
 
 class LAMINA_MT_specials(bpy.types.Menu):

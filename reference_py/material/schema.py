@@ -36,6 +36,14 @@ class Parameter:
     look: str = ""
     """What it does to the look and what is usual, for those who drag it; empty where `help` says that."""
 
+    soft_maximum: float | None = None
+    """Where a slider ends, if not at `maximum`: what is typed may be more."""
+
+    @property
+    def slider_maximum(self) -> float:
+        """The largest value that is dragged to."""
+        return self.maximum if self.soft_maximum is None else self.soft_maximum
+
     @property
     def tooltip(self) -> str:
         """What Blender says of it under the mouse."""
@@ -256,6 +264,7 @@ THIN_FILM = Feature(
             "Film Thickness",
             "Thickness of the film; 0 is no film",
             maximum=2000.0,
+            soft_maximum=1000.0,
             unit="nm",
             look="Colors that change with the angle, as on soap or oil: 0 is no film, 200 to 600 are the most colorful",
         ),
@@ -334,6 +343,7 @@ SCATTERING = Feature(
             "Density",
             "Optical depth of the scattering medium per unit of thickness; 0 is a clear one",
             maximum=1000.0,
+            soft_maximum=10.0,
             look="How cloudy the layer is at thickness 1: 0 is clear, 1 a veil, 10 hides nearly all that is below",
         ),
         Parameter(
@@ -343,6 +353,7 @@ SCATTERING = Feature(
             "Scatter Extinction",
             "Optical depth per unit of thickness, scattering and absorption together, RGB; the tint's comes on top",
             maximum=1000.0,
+            soft_maximum=10.0,
             look="How soon the cloudy medium stops red, green and blue light: 0 is clear, 10 hides nearly all that is below",
         ),
         Parameter(
@@ -379,6 +390,7 @@ DIELECTRIC = Kind(
             "Absolute index of refraction of the medium below the interface",
             minimum=1.0,
             maximum=4.0,
+            soft_maximum=2.5,
             look="How strongly the layer reflects: water 1.33, varnish and plastic 1.5, diamond 2.42",
         ),
         _ROUGHNESS,
@@ -397,6 +409,7 @@ DIELECTRIC = Kind(
             "Thickness",
             "Thickness of the medium, in units of the tint's crossing",
             maximum=1000.0,
+            soft_maximum=2.0,
             look="How deep the tint becomes: 0 is clear, 1 the tint itself, 2 the tint twice over",
         ),
         _DISTRIBUTION,
@@ -436,6 +449,7 @@ CONDUCTOR = Kind(
             "Real part n of the absolute complex index, per RGB channel",
             minimum=0.01,
             maximum=20.0,
+            soft_maximum=5.0,
             look="First half of the metal's index, for red, green and blue: most metals lie between 0.1 and 3",
         ),
         Parameter(
@@ -445,6 +459,7 @@ CONDUCTOR = Kind(
             "Extinction",
             "Imaginary part k of the absolute complex index, per RGB channel",
             maximum=20.0,
+            soft_maximum=10.0,
             look="Second half of the metal's index: more is brighter; most metals lie between 2 and 8",
         ),
         Parameter(

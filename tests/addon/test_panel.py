@@ -4,6 +4,7 @@
 import re
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 bpy = pytest.importorskip("bpy")
@@ -11,11 +12,14 @@ bpy = pytest.importorskip("bpy")
 from support import translatable
 from support.layouts import Recorder
 
+from lamina.addon.blender.versions import node_tree
 from lamina.addon.jobs import bakes, fitting
+from lamina.addon.material import kind_groups, seen_color
 from lamina.addon.material import material as materials
 from lamina.addon.material.elements import node_of
-from lamina.addon.ui import panel, panel_feedback, panel_layers, value_notes
-from lamina.reference_py.material.schema import SCHEMA
+from lamina.addon.ui import panel, panel_feedback, panel_layers, swatch_icons, value_notes
+from lamina.reference_py.material import presets, ready_layers
+from lamina.reference_py.material.schema import COLOR, FLOAT, SCHEMA
 from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
@@ -184,3 +188,99 @@ def test_notes_are_tooltips_and_lines_stay_where_they_are(material):
     assert drawn().height == before
     material.lamina.layers[0].use_thin_film = True
     assert note(material, 0, "film_thickness").text.startswith("In nanometers")
+
+
+@pytest.mark.parametrize("kind", [*SCHEMA.layers.values(), *SCHEMA.bases.values()], ids=lambda kind: kind.label)
+def test_sliders_end_where_looks_end_and_take_more(blender, kind):
+    node = node_tree(blender.data.materials.new("one")).nodes.new("ShaderNodeGroup")
+    node.node_tree = kind_groups.group_of(kind)
+    ranges = {item.name: item for item in node.node_tree.interface.items_tree if item.in_out == "INPUT"}
+    for parameter in kind.sockets:
+        assert ranges[parameter.label].description == parameter.tooltip
+        if parameter.type == COLOR:
+            continue
+        assert ranges[parameter.label].max_value == np.float32(parameter.slider_maximum) and parameter.slider_maximum <= parameter.maximum
+        if parameter.type == FLOAT:
+            node.inputs[parameter.label].default_value = parameter.maximum
+            assert node.inputs[parameter.label].default_value == np.float32(parameter.maximum)
+
+
+def test_a_group_of_an_older_file_gets_ranges_and_names_and_keeps_values(material, tmp_path):
+    node = node_of(material.lamina.layers[0])
+    for item in node.node_tree.interface.items_tree:
+        if item.name == "Thickness" and item.in_out == "INPUT":
+            item.max_value, item.description = 1000.0, "older"
+        if item.name == "Scattered Share":
+            item.name = "Scatter Albedo"
+    node.inputs["Thickness"].default_value = 44.0
+    node.inputs["Scatter Albedo"].default_value = (0.1, 0.2, 0.3, 1.0)
+    source = material.node_tree.nodes.new("ShaderNodeTexNoise")
+    material.node_tree.links.new(source.outputs["Color"], node.inputs["Scatter Albedo"])
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "older.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "older.blend"))
+    material = bpy.data.materials["coated"]
+    node = node_of(material.lamina.layers[0])
+    thickness = next(i for i in node.node_tree.interface.items_tree if i.name == "Thickness" and i.in_out == "INPUT")
+    assert thickness.max_value == 2.0 and thickness.description == SCHEMA.layers["dielectric"].parameter("thickness").tooltip
+    assert node.inputs["Thickness"].default_value == 44.0
+    assert tuple(node.inputs["Scattered Share"].default_value[:3]) == pytest.approx((0.1, 0.2, 0.3)) and node.inputs["Scattered Share"].is_linked
+    assert materials.stack_of(material).layers[0]["thickness"] == 44.0
+
+
+def test_color_as_seen_is_two_crossings_and_sets_the_tint(material):
+    layer = material.lamina.layers[0]
+    node = node_of(layer)
+    node.inputs["Tint"].default_value, node.inputs["Thickness"].default_value = (0.25, 0.81, 1.0, 1.0), 0.5
+    assert tuple(node.lamina_seen) == pytest.approx((0.25, 0.81, 1.0), rel=1e-6)
+    node.inputs["Thickness"].default_value = 1.0
+    assert tuple(node.lamina_seen) == pytest.approx((0.0625, 0.6561, 1.0), rel=1e-5)
+    node.lamina_seen = (0.25, 0.5, 0.0)
+    assert tuple(node.inputs["Tint"].default_value[:3]) == pytest.approx((0.5, 0.5**0.5, 0.0), rel=1e-6)
+    assert "lamina_seen" in [name for _, name in drawn().words] and seen_color.is_settable(layer)
+    node.inputs["Thickness"].default_value = 0.0
+    assert not seen_color.is_settable(layer)
+    node.inputs["Thickness"].default_value = 2.0
+    for label in ("Tint", "Thickness"):
+        link = material.node_tree.links.new(material.node_tree.nodes.new("ShaderNodeTexNoise").outputs["Color"], node.inputs[label])
+        assert not seen_color.is_settable(layer)
+        material.node_tree.links.remove(link)
+    node.inputs["Tint"].keyframe_insert("default_value", frame=1)
+    assert not seen_color.is_settable(layer)
+
+
+def test_every_ready_layer_is_offered_in_its_group_with_a_picture(blender, monkeypatch):
+    pictures = {}
+    monkeypatch.setattr(swatch_icons, "_icon", lambda look: pictures.setdefault(look, 1 + len(pictures)))
+    menu = Recorder()
+    panel_layers.LAMINA_MT_add_layer.draw(SimpleNamespace(layout=menu), None)
+    assert [properties.ready for _, properties in menu.operators if hasattr(properties, "ready")] == [
+        name for group in ready_layers.GROUPS for name in ready_layers.names() if ready_layers.group_of(name) == group
+    ]
+    assert [properties.kind for _, properties in menu.operators if hasattr(properties, "kind")] == list(SCHEMA.layers)
+    assert all(properties.icon for _, properties in menu.operators) and len(pictures) > 15
+    titles = [name for what, name in menu.words if what == "label"]
+    assert titles == ["Plain", "Coats", "Glazes", "Metals", "Dirt", "Wear"]
+    for title in titles[1:]:
+        assert title.lower() in {ready_layers.group_of(name) for name in ready_layers.names()}
+
+
+def test_a_new_material_is_a_base_and_takes_the_place_of_none(material):
+    item, undone = bpy.context.object, material.name
+    assert bpy.ops.lamina.new_material("EXEC_DEFAULT", True) == {"FINISHED"}
+    made = item.active_material
+    assert made != material and made.name == "Lamina Material" and len(made.lamina.layers) == 0 and made.lamina.is_layered
+    assert len(material.lamina.layers) == 2 and len(item.material_slots) == 1
+    assert bpy.ops.lamina.layer_add_ready(ready="dust") == {"FINISHED"} and [e.name for e in made.lamina.layers] == ["Dust"]
+    bpy.ops.mesh.primitive_plane_add()
+    layout = Recorder()
+    panel.LAMINA_PT_material.draw(SimpleNamespace(layout=layout, bl_label="Lamina"), window(DEFAULT_WIDTH))
+    assert "lamina.new_material" in [name for name, _ in layout.operators]
+    assert bpy.ops.lamina.new_material() == {"FINISHED"} and bpy.context.object.active_material.name == "Lamina Material.001"
+    assert undone in bpy.data.materials
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_layers_of_presets_have_names_of_their_own(name):
+    labels = {kind.label for kind in SCHEMA.layers.values()}
+    names = [layer.unknown.get("name") for layer in presets.load(name).layers]
+    assert all(names) and not labels & set(names) and len(set(names)) == len(names)

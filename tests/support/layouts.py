@@ -5,10 +5,10 @@ from types import SimpleNamespace
 
 
 class Recorder:
-    """A column, or a row, of what was drawn into it, in order: (what, word) pairs and further recorders."""
+    """A column, or a row, of what was drawn into it, in order: (what, word) pairs and further recorders. `operators` are those of all of it."""
 
     def __init__(self, is_row: bool = False):
-        self.is_row, self.parts = is_row, []
+        self.is_row, self.parts, self.operators = is_row, [], []
 
     @property
     def height(self) -> int:
@@ -30,6 +30,7 @@ class Recorder:
 
     def _inner(self, is_row: bool):
         inner = Recorder(is_row)
+        inner.operators = self.operators
         self.parts.append(inner)
         return inner
 
@@ -54,9 +55,10 @@ class Recorder:
     def progress(self, text="", **_options):
         self._note("progress", text, texts=lambda: [text])
 
-    def operator(self, name, text="", **_options):
-        properties = SimpleNamespace(text="")
+    def operator(self, name, text="", icon_value=0, **_options):
+        properties = SimpleNamespace(text="", icon=icon_value)
         self._note("operator", name, texts=lambda: [text, properties.text])
+        self.operators.append((name, properties))
         return properties
 
     def prop(self, _owner, name, text="", **_options):
@@ -73,6 +75,9 @@ class Recorder:
 
     def popover(self, name, text="", **_options):
         self._note("popover", name, texts=lambda: [text])
+
+    def template_color_ramp(self, _node, name):
+        self._note("ramp", name, 5)
 
     def operator_menu_enum(self, name, _prop, text="", **_options):
         self._note("operator_menu_enum", name, texts=lambda: [text])

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Ready layers: one JSON file each, named by its file, with the source of its numbers.
 
-A file is a stack without a base: "layers" from the top, all of which are put on a stack at once.
+A file is a stack without a base: "layers" from the top, all of which are put on a stack at once, and the "group" that it is
+offered in.
 """
 
 from collections.abc import Mapping
@@ -13,6 +14,7 @@ from ..schema import LAMBERT
 from ..stack import Layer, Stack
 
 FOLDER = Path(__file__).parent
+GROUPS = ("coats", "glazes", "metals", "dirt", "wear")
 
 
 def names() -> list[str]:
@@ -30,6 +32,14 @@ def load(name: str) -> tuple[str, str, tuple[Layer, ...]]:
     """Label, source and layers, from the top, of a ready layer. Raises LaminaError; an unknown name lists the choices."""
     data, where = _read(name)
     return data["name"], data["source"], layers_of(data, where)
+
+
+def group_of(name: str) -> str:
+    """Which of GROUPS a ready layer is offered in. Raises LaminaError as `load`, and where its file says another."""
+    data, where = _read(name)
+    if data.get("group") not in GROUPS:
+        raise LaminaError(f"{where}: unknown group {data.get('group')!r}; choose {', '.join(GROUPS)}")
+    return data["group"]
 
 
 def _read(name: str) -> tuple[dict, str]:
