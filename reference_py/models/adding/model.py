@@ -123,9 +123,9 @@ class Adding:
     def _draft(self, fine: float) -> tuple[int, Resolution]:
         """Nodes and resolution of a draft for lobes that want `fine` nodes."""
         if fine > _DRAFT_NODES:
-            return ceil(fine), Resolution(_MODES, across=16, along=32, draft=True)
+            return ceil(fine), Resolution(_MODES, across=16, along=32)
         is_narrow = any(alpha < NARROW_ALPHA for alpha in self._effective.rough_alphas())
-        return _DRAFT_NODES, Resolution(_DRAFT_MODES[is_narrow], across=16, along=28, draft=True)
+        return _DRAFT_NODES, Resolution(_DRAFT_MODES[is_narrow], across=16, along=28)
 
     @property
     def f_note(self) -> str | None:
@@ -262,7 +262,7 @@ class Adding:
 
     def direct_f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """The part (n, 3) of f that is in closed form, for directions (n, 3) above the surface."""
-        return direct_f(self._effective, self.surface, wo, wi, self._shape_grid)
+        return direct_f(self._effective, self.surface, wo, wi, self._shape_grid, self._shape)
 
     def _interpolated(self, wo, wi) -> np.ndarray:
         cos_o, which_o = np.unique(np.minimum(wo[:, 2], 1.0), return_inverse=True)
