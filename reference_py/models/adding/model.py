@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The model `adding`: energies from the azimuthal mean alone, f from a Fourier series in azimuth.
 
-f is split. What meets one facet of the topmost rough surface, or is scattered once in a medium above that, seen through smooth interfaces,
-is a formula (`direct`); the rest is smoother and comes from the grid, made reciprocal. Doubling the resolution changes albedo by
+f is split. What the topmost rough surface reflects once or twice, or a medium above that scatters once, seen through smooth interfaces,
+is a formula (`direct`, `two_events`); the rest is smoother and comes from the grid, made reciprocal. Doubling the resolution changes albedo by
 less than 0.1 % (`tests/reference_py/test_adding.py`). f differs from the walk of `position_free` by 1 % in the median
 and 2.5 % at most, beyond four standard errors, relative to f + 2 % of the peak, for alpha >= 0.05; 3.5 % is stated. On
 the suite (figures/suite_agreement.csv) it is within that for all but one stack, where 1500 walks are too few. Limit:
