@@ -8,13 +8,15 @@ READY := $(VENV)/ready
 RUN := $(VENV)/bin/python
 # What looks at style and types has an environment of its own.
 CHECK := .venv-check
+# What builds the manual, too.
+DOCS := .venv-docs
 SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py' -o -name '*.osl' -o -name '*.h' -o -name '*.json' \))
 
 # The tests that run beside all others.
 FIRST_HALF := $(shell cat tests/first_half.txt)
 QUICK := -q -m "not blender and not slow"
 
-.PHONY: fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes branches surroundings numbers fuzz faults calibration mitsuba-slabs matrix licences clean
+.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes start branches surroundings numbers fuzz faults calibration mitsuba-slabs docs sliders matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -30,7 +32,8 @@ help:
 	@echo "make thumbnails  render the presets' pictures into addon/presets"
 	@echo "make assets    build the asset library of the presets in addon/presets anew"
 	@echo "make charts    measure the tables of figures/ anew and draw them"
-	@echo "make mitsuba-slabs  hold stacks with media that scatter against explicit slabs in Mitsuba 3, which .venv must have"
+	@echo "make mitsuba   install Mitsuba 3 beside the rest and hold exports against it (a minute)"
+	@echo "make mitsuba-slabs  hold stacks with media that scatter against explicit slabs in Mitsuba 3"
 	@echo "make pareto    measure error against cost in Cycles anew and draw it (half an hour, best on a quiet machine)"
 	@echo "make viewport  measure how EEVEE shows presets (half an hour without a graphics card; LAMINA_BLENDER names a Blender that has it)"
 	@echo "make calibration  find the constants of the tier analytic and of the cost estimate again, and compare (an hour; writes tables alone)"
@@ -44,11 +47,15 @@ help:
 	@echo "make production    put a scene as productions have them through batch, farm, apply and saves, beside a former commit (ten minutes)"
 	@echo "make field     try a material beside a Principled one through the rest of Blender, and write figures/field.csv (ten minutes)"
 	@echo "make bakes     measure what bakes cost beside those of a former commit, and how they follow a base's color (fifteen minutes)"
+	@echo "make start     measure what the extension adds to Blender's start (two minutes on a quiet machine; LAMINA_BLENDER names a Blender)"
 	@echo "make branches  measure what both branches of a material cost beside one alone (five minutes on a quiet machine)"
+	@echo "make gpu       hold ten presets on this machine's graphics card against the model (three minutes, no network; LAMINA_BLENDER names a Blender from blender.org)"
 	@echo "make surroundings  render one file in its four surroundings (LAMINA_BLENDER names a Blender that has EEVEE)"
 	@echo "make numbers   put the numbers of the tables into README.md and docs/ (a test compares)"
 	@echo "make fuzz      throw 100000 broken inputs at every reader"
 	@echo "make faults    put deliberate faults into a copy, one at a time, and say which the tests catch (three minutes)"
+	@echo "make docs      build the manual as a site, manual/index.html, which the extension ships"
+	@echo "make sliders   render the manual's strips, one for each parameter (ten minutes)"
 	@echo "make matrix    run the tests on every supported Blender whose Python is here, and print a table"
 	@echo "make licences  print the licence of every pinned package"
 	@echo "make clean     remove what was built (not $(VENV))"
@@ -101,7 +108,7 @@ operations: $(READY)
 bench: $(READY)
 	$(RUN) tests/benchmarks/reference.py
 
-zip: $(READY)
+zip: $(READY) docs
 	@rm -rf dist
 	$(RUN) tools/extension.py build dist
 
@@ -125,7 +132,14 @@ charts: $(READY)
 	for chart in lobes presets tiers error stress suite scattering; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
 	$(VENV)/bin/lamina figures --out figures/paper
 
-mitsuba-slabs: $(READY)
+$(VENV)/mitsuba: $(READY) requirements/mitsuba.txt
+	$(RUN) -m pip --disable-pip-version-check install --quiet --require-hashes --only-binary :all: -r requirements/mitsuba.txt
+	@touch $@
+
+mitsuba: $(VENV)/mitsuba
+	$(RUN) -m pytest -q tests/reference_py/test_mitsuba.py
+
+mitsuba-slabs: $(VENV)/mitsuba
 	$(RUN) -m lamina.study.mitsuba_slabs
 
 pareto: $(READY)
@@ -171,11 +185,18 @@ bakes: $(READY)
 	$(RUN) tests/benchmarks/bakes.py figures/bakes.csv
 	$(VENV)/bin/lamina chart base_color -o figures
 
+start: $(READY)
+	$(RUN) tests/benchmarks/start.py figures/start.csv
+
 branches: $(READY)
 	$(RUN) tests/benchmarks/branches.py figures/branches.csv
 
 surroundings: $(READY)
 	$(RUN) tests/benchmarks/surroundings.py figures/surroundings.png figures/surroundings.csv
+
+gpu:
+	@test -n "$(LAMINA_BLENDER)" || { echo "make gpu: LAMINA_BLENDER names no Blender; give the program of a folder from blender.org: make gpu LAMINA_BLENDER=/path/to/blender"; exit 2; }
+	@"$(LAMINA_BLENDER)" --background --factory-startup --python-exit-code 1 --python tests/benchmarks/gpu.py -- figures/gpu.csv $(DEVICES)
 
 numbers: $(READY)
 	$(RUN) -m lamina.study.numbers
@@ -186,6 +207,18 @@ fuzz: $(READY)
 faults: $(READY)
 	$(RUN) tests/deliberate_faults.py
 
+docs: $(DOCS)/ready
+	@rm -rf manual
+	$(DOCS)/bin/mkdocs build --quiet
+
+$(DOCS)/ready: requirements/docs.txt
+	$(or $(PYTHON),python3) -m venv $(DOCS)
+	$(DOCS)/bin/python -m pip --disable-pip-version-check install --quiet --require-hashes --only-binary :all: -r requirements/docs.txt
+	@touch $@
+
+sliders: $(READY)
+	$(VENV)/bin/lamina chart sliders -o docs/pictures
+
 matrix:
 	@$(or $(PYTHON),python3) tools/matrix.py -o figures/matrix.txt
 
@@ -193,5 +226,5 @@ licences: $(READY)
 	@$(RUN) tools/licences.py
 
 clean:
-	rm -rf build dist .pytest_cache .hypothesis
+	rm -rf build dist manual .pytest_cache .hypothesis
 	find . -name __pycache__ -not -path './.venv*' -prune -exec rm -rf {} +

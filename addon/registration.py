@@ -5,17 +5,29 @@ import bpy
 
 from ..reference_py.lobes.cache import keep_in
 from .blender.user_folders import cache_folder
-from .jobs import bakes, fitting, staleness, stamp_note
+from .jobs import bakes, fitting, older_groups, staleness, stamp_note
 from .library import asset_library, preset_icons
-from .material import properties
-from .operators import check_operators, exchange_operators, fit_operators, layer_operators, material_operators, preset_operators, texture_operator
+from .material import properties, seen_color
+from .operators import (
+    check_operators,
+    exchange_operators,
+    fit_operators,
+    layer_operators,
+    mask_link_operators,
+    material_operators,
+    note_operator,
+    preset_operators,
+    texture_operator,
+)
 from .ui import panel, panel_layers, preferences, swatch_icons, translation
 
 CLASSES = (
     *properties.CLASSES,
     *material_operators.CLASSES,
     *layer_operators.CLASSES,
+    *mask_link_operators.CLASSES,
     *check_operators.CLASSES,
+    *note_operator.CLASSES,
     *preset_operators.CLASSES,
     *fit_operators.CLASSES,
     *exchange_operators.CLASSES,
@@ -31,18 +43,19 @@ def register() -> None:
         bpy.utils.register_class(cls)
     bpy.types.Material.lamina = bpy.props.PointerProperty(type=properties.LaminaMaterial)
     bpy.types.WindowManager.lamina = bpy.props.PointerProperty(type=panel_layers.LaminaWindow)
+    seen_color.register()
     translation.register()
     swatch_icons.register()
     preset_icons.register()
     asset_library.register()
     bpy.types.TOPBAR_MT_file_import.append(exchange_operators.show_import)
     keep_in(cache_folder(), lambda message: print(f"Lamina: {message}"))
-    for handlers, handler in (*staleness.handlers(), *stamp_note.handlers(), *bakes.handlers()):
+    for handlers, handler in (*older_groups.handlers(), *staleness.handlers(), *stamp_note.handlers(), *bakes.handlers()):
         handlers.append(handler)
 
 
 def unregister() -> None:
-    for handlers, handler in (*staleness.handlers(), *stamp_note.handlers(), *bakes.handlers()):
+    for handlers, handler in (*older_groups.handlers(), *staleness.handlers(), *stamp_note.handlers(), *bakes.handlers()):
         handlers.remove(handler)
     bakes.stop()
     fitting.stop()
@@ -51,6 +64,7 @@ def unregister() -> None:
     preset_icons.unregister()
     swatch_icons.unregister()
     translation.unregister()
+    seen_color.unregister()
     del bpy.types.WindowManager.lamina
     del bpy.types.Material.lamina
     for cls in reversed(CLASSES):

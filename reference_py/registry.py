@@ -11,6 +11,7 @@ its options, and an example, which needs these imports:
 [0.096, 0.243, 0.366]
 """
 
+from inspect import signature
 from typing import Any
 
 from .errors import LaminaError
@@ -27,8 +28,14 @@ from .models.weidlich_wilkie_repaired import WeidlichWilkieRepaired
 MODELS = {model.name: model for model in (WeidlichWilkie, WeidlichWilkieRepaired, Adding, PositionFree, ClosureModel, *BASELINES)}
 
 
-# What models were called before.
+# What models and their options were called before.
 OLD_NAMES = {"mirror": ClosureModel.name}
+_OLD_OPTIONS = {ClosureModel.name: {"tier": "method"}}
+
+
+def model_options(name: str) -> tuple[str, ...]:
+    """Names of the options of a model of `MODELS`: what its class takes beside the stack."""
+    return tuple(signature(MODELS[name]).parameters)[1:]
 
 
 def make_model(name: str, stack: Stack, **options: str) -> Any:
@@ -41,6 +48,11 @@ def make_model(name: str, stack: Stack, **options: str) -> Any:
         raise LaminaError(f"unknown model {name!r}; choose {', '.join(MODELS)}")
     if not isinstance(stack, Stack):
         raise LaminaError(f"model {name} needs a Stack, not {type(stack).__name__}: see Stack.load, Stack.from_dict, presets.load")
+    options = {_OLD_OPTIONS.get(name, {}).get(key, key): value for key, value in options.items()}
+    for key in options:
+        if key not in model_options(name):
+            known = f"choose {', '.join(model_options(name))}" if model_options(name) else "it has none"
+            raise LaminaError(f"model {name}: unknown option {key!r}; {known}")
     if ClosureModel.name == name or is_plain(stack):  # its lobe set is a mixture itself
         return MODELS[name](stack, **options)
     parts = [(patch, MODELS[name](patch.stack, **options)) for patch in patches(stack) if patch.share > 0.0]

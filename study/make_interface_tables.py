@@ -39,14 +39,14 @@ _GRAZING = 1e-3
 _GAUSS = 24
 
 
-def lossless_reflectance(cos_theta: np.ndarray, alpha: float, eta: float, kind: str) -> np.ndarray:
+def lossless_reflectance(cos_theta: np.ndarray, alpha: float, eta: float, distribution: str) -> np.ndarray:
     """Directional reflectance (n,) of a rough interface for light at cosines (n,); alpha > 0, eta != 1."""
     grid = Grid(tuple(sorted((1.0, eta))), _GRID_NODES)
-    single, multi, _ = dielectric_rows(1.0, eta, cos_theta, alpha, kind, MULTIPLE, grid, _RESOLUTION)
+    single, multi, _ = dielectric_rows(1.0, eta, cos_theta, alpha, distribution, MULTIPLE, grid, _RESOLUTION)
     return (single + multi)[0].sum(axis=1)
 
 
-def _tables_of(kind: str) -> dict[str, list[int]]:
+def _tables_of(distribution: str) -> dict[str, list[int]]:
     shape = (len(RHO), len(ALPHA))
     thin, dense = np.zeros((*shape, len(T))), np.zeros((*shape, len(V)))
     diffuse, gain = np.zeros(shape), np.zeros((*shape, len(T)))
@@ -57,50 +57,50 @@ def _tables_of(kind: str) -> dict[str, list[int]]:
         eta = (1.0 + rho) / (1.0 - rho)
         for j, alpha in enumerate(ALPHA):
             if alpha > 0.0:
-                gain[i, j] = _gain(cos_t, alpha, max(eta, 1.001), kind) - 1.0
+                gain[i, j] = _gain(cos_t, alpha, max(eta, 1.001), distribution) - 1.0
             if eta == 1.0:
                 continue
             mean = fresnel_dielectric(u, eta)
             if alpha > 0.0:
-                mean = lossless_reflectance(u, alpha, eta, kind)
-                thin[i, j] = lossless_reflectance(cos_t, alpha, eta, kind) - fresnel_dielectric(cos_t, eta)
+                mean = lossless_reflectance(u, alpha, eta, distribution)
+                thin[i, j] = lossless_reflectance(cos_t, alpha, eta, distribution) - fresnel_dielectric(cos_t, eta)
                 cos_v = np.maximum(cosine_of_critical_variable(V, 1.0 / eta), _GRAZING)
-                dense[i, j] = lossless_reflectance(cos_v, alpha, 1.0 / eta, kind) - fresnel_dielectric(cos_v, 1.0 / eta)
+                dense[i, j] = lossless_reflectance(cos_v, alpha, 1.0 / eta, distribution) - fresnel_dielectric(cos_v, 1.0 / eta)
             diffuse[i, j] = np.sum(w * u * mean)
     closure = np.ones((CLOSURE_CELLS + 1, CLOSURE_CELLS + 1))
     even = np.square(np.arange(CLOSURE_CELLS + 1) / CLOSURE_CELLS)
     for j, alpha in enumerate(even[1:], start=1):
-        closure[j] = unit_energy(GlossyLobe(kind, np.ones(3), alpha, alpha), np.maximum(even, _GRAZING))[:, 0]
-    tables = {"thin": thin, "dense": dense, "diffuse": diffuse, "gain": gain, "closure": closure, "anisotropic": _anisotropic(kind)}
+        closure[j] = unit_energy(GlossyLobe(distribution, np.ones(3), alpha, alpha), np.maximum(even, _GRAZING))[:, 0]
+    tables = {"thin": thin, "dense": dense, "diffuse": diffuse, "gain": gain, "closure": closure, "anisotropic": _anisotropic(distribution)}
     return {name: np.rint(table / UNIT).astype(int).ravel().tolist() for name, table in tables.items()}
 
 
-def _anisotropic(kind: str) -> np.ndarray:
+def _anisotropic(distribution: str) -> np.ndarray:
     """Energy of an anisotropic white closure minus that of the isotropic one of as much variance."""
     cosines = np.maximum(np.square(np.arange(ANISOTROPIC_COSINES + 1) / ANISOTROPIC_COSINES), _GRAZING)
     alphas = np.square(np.arange(ANISOTROPIC_ALPHAS + 1) / ANISOTROPIC_ALPHAS)
     ratios = LEAST_RATIO ** (np.arange(ANISOTROPIC_RATIOS + 1) / ANISOTROPIC_RATIOS)
     table = np.zeros((len(ANISOTROPIC_AZIMUTHS), len(alphas), len(ratios), len(cosines)))
     for j, alpha in enumerate(alphas[1:], start=1):
-        isotropic = unit_energy(GlossyLobe(kind, np.ones(3), alpha, alpha), cosines)[:, 0]
+        isotropic = unit_energy(GlossyLobe(distribution, np.ones(3), alpha, alpha), cosines)[:, 0]
         for k, ratio in enumerate(ratios[1:], start=1):
             alpha_x = alpha * np.sqrt(2.0 / (1.0 + ratio * ratio))
-            lobe = GlossyLobe(kind, np.ones(3), alpha_x, alpha_x * ratio, frame=0.0)
+            lobe = GlossyLobe(distribution, np.ones(3), alpha_x, alpha_x * ratio, frame=0.0)
             for i, phi in enumerate(ANISOTROPIC_AZIMUTHS):
                 table[i, j, k] = unit_energy(lobe, cosines, phi)[:, 0] - isotropic
     return table
 
 
-def _gain(cos_theta, alpha, eta, kind) -> np.ndarray:
-    closure = GlossyLobe(kind, np.ones(3), alpha, alpha, fresnel=DielectricCurve(eta))
-    return lossless_reflectance(cos_theta, alpha, eta, kind) / unit_energy(closure, cos_theta)[:, 0]
+def _gain(cos_theta, alpha, eta, distribution) -> np.ndarray:
+    closure = GlossyLobe(distribution, np.ones(3), alpha, alpha, fresnel=DielectricCurve(eta))
+    return lossless_reflectance(cos_theta, alpha, eta, distribution) / unit_energy(closure, cos_theta)[:, 0]
 
 
 def main() -> None:
     data = {
         "description": "Energies of rough dielectric interfaces, in units of 1e-4; axes and meaning in lobes/analytic/tables.py",
         "distributions": [GGX, BECKMANN],
-        **{kind: _tables_of(kind) for kind in (GGX, BECKMANN)},
+        **{distribution: _tables_of(distribution) for distribution in (GGX, BECKMANN)},
     }
     rows = ",\n".join(f"{json.dumps(key)}: {json.dumps(value, separators=(',', ':'))}" for key, value in data.items())
     write_text(FILE, "{\n" + rows + "\n}\n")

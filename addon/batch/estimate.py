@@ -2,9 +2,10 @@
 """How wrong a stack's shader is said to be, for the header of its pictures. Needs no bpy."""
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.lobes.cache import cached, truth_of
+from ...reference_py.lobes.cache import cached
 from ...reference_py.lobes.error_estimate import ErrorEstimator, ball_cosines
 from ...reference_py.lobes.methods import DEFAULT_METHOD, key_of, make_lobe_set
+from ...reference_py.lobes.truth import truth_of
 from ...reference_py.material.stack import Stack
 
 

@@ -55,7 +55,7 @@ CODES = {
     "shader_unlinked": (ERROR, "{count} values do not reach the shader, the first is {first}", "Link Them"),
     "exported_shows": (ERROR, "What exporters find is mixed into the picture: the factor of its Mix Shader is not 0", "Set It to 0"),
     "shader_stale": (WARNING, "The shader holds old values", "Update"),
-    "not_baked": (WARNING, "Shown by tier analytic; bake {reason}", "Bake Again"),
+    "not_baked": (WARNING, "Shown as a preview; its final look is not computed: {reason}", "Compute Again"),
     "node_gone": (ERROR, "The node of {layer} was deleted; its values are known", "Make It Anew"),
     "node_lost": (ERROR, "The node of {layer} was deleted", "Make It Anew with Default Values"),
     "node_muted": (ERROR, "The node of {layer} is muted", "Unmute"),

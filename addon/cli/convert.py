@@ -6,7 +6,11 @@ from pathlib import Path
 
 from ...reference_py.atomic import require_writable, write_text
 from ...reference_py.errors import LaminaError
-from ...reference_py.exchange.materialx import SUFFIX, load_mtlx, save_mtlx
+from ...reference_py.exchange import SUFFIX
+from ...reference_py.exchange.conversion import Converted
+from ...reference_py.exchange.layer_graph import LayeredMaterial
+from ...reference_py.exchange.layer_graph_writing import LayerGraph, to_layers
+from ...reference_py.exchange.materialx import Material, layers_to_mtlx, load_mtlx, to_mtlx
 from ...reference_py.exchange.openpbr import to_surface
 from ...reference_py.exchange.principled import to_principled
 from ...reference_py.exchange.report import shown
@@ -18,6 +22,9 @@ from .numbers import load_stack
 PRINCIPLED = "principled"
 NODES = {"openpbr": "open_pbr_surface", "standard_surface": "standard_surface", "gltf_pbr": "gltf_pbr"}
 """Nodes of MaterialX that a stack becomes, by what --to calls them."""
+LAYERS = "layers"
+"""A graph of MaterialX's BSDFs."""
+TARGETS = (PRINCIPLED, *NODES, LAYERS)
 
 
 def convert(options) -> None:
@@ -28,19 +35,25 @@ def convert(options) -> None:
         _import(options)
         return
     if not options.to:
-        raise LaminaError(f"convert {options.source}: give --to {PRINCIPLED}, {' or '.join(NODES)}; only a {SUFFIX} file needs none")
-    _require_suffix(options.output, SUFFIX if options.to in NODES else ".json")
+        raise LaminaError(f"convert {options.source}: give --to {', '.join(TARGETS)}; only a {SUFFIX} file needs none")
+    _require_suffix(options.output, ".json" if options.to == PRINCIPLED else SUFFIX)
     stack, notes = _source(options)
-    converted = to_surface(SURFACES[NODES[options.to]], stack) if options.to in NODES else to_principled(stack)
+    converted: LayerGraph | Converted
+    if options.to == LAYERS:
+        converted = to_layers(stack)
+        text = layers_to_mtlx(converted.tree, stack.name)
+    elif options.to == PRINCIPLED:
+        converted = to_principled(stack)
+        text = json.dumps({"values": converted.values, "report": converted.report.lines()}, indent=2) + "\n"
+    else:
+        converted = to_surface(SURFACES[NODES[options.to]], stack)
+        text = to_mtlx(converted.values, stack.name, NODES[options.to])
     for name, value in converted.values.items():
         print(f"{name:30} {shown(value)}")
     print(*notes, sep="\n", end="\n" if notes else "")
     _print(converted.report)
     if options.output:
-        if options.to in NODES:
-            save_mtlx(converted.values, stack.name, options.output, NODES[options.to])
-        else:
-            write_text(options.output, json.dumps({"values": converted.values, "report": converted.report.lines()}, indent=2) + "\n")
+        write_text(options.output, text)
         say("convert")(f"wrote {options.output}")
 
 
@@ -78,10 +91,30 @@ def _import(options) -> None:
         raise LaminaError(f"{options.source}: give -o STACK.json, the stack file to write")
     _require_suffix(options.output, ".json")
     material = _chosen(load_mtlx(options.source), options)
+    material, notes = _with_means(material)
     converted = material.to_stack(without=frozenset(material.images))
+    print(*notes, sep="\n", end="\n" if notes else "")
     _print(converted.report)
     converted.stack.save(options.output)
     say("convert")(f"wrote {options.output}")
+
+
+def _with_means(material: Material | LayeredMaterial) -> tuple[Material | LayeredMaterial, list[str]]:
+    """A material with the means of its images as values, as a stack file has no textures, and what no image gave."""
+    files = {given: image for given, image in material.images.items() if Path(image.file).is_file() and not image.is_normal}
+    notes = [f"lost: {given} image {image.file}: there is no such file" for given, image in material.images.items() if not Path(image.file).is_file()]
+    if not files:
+        return material, notes
+    means = {}
+    with blender(say("convert")):
+        from ..exchange.image_means import mean_of_image
+
+        for given, image in files.items():
+            try:
+                means[given] = mean_of_image(image)
+            except LaminaError as error:
+                notes.append(f"lost: {error}")
+    return material.with_means(means), notes
 
 
 def _chosen(materials: list, options):

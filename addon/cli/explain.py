@@ -9,12 +9,12 @@ import numpy as np
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.baked import MAX_GLOSSY
-from ...reference_py.lobes.cache import truth_of
 from ...reference_py.lobes.error_estimate import SOFT_LIGHT_DEG
 from ...reference_py.lobes.made import DEFAULT_TOLERANCE, Options
 from ...reference_py.lobes.methods import MAX_CLOSURES, PaperLobes, glossy_of_each
 from ...reference_py.lobes.methods.auto import COMPUTED, Choice, choose, with_anisotropy
 from ...reference_py.lobes.methods.not_bakeable import bakeable, not_bakeable
+from ...reference_py.lobes.truth import truth_of
 from ...reference_py.material.coverage import Patch, patches
 from ...reference_py.material.schema import ANISOTROPY, THIN_FILM
 from ...reference_py.material.stack import Stack

@@ -65,10 +65,16 @@ def build_parser() -> argparse.ArgumentParser:
     evaluate = _command(commands, "eval", "numbers", "BRDF value in 1/sr, without the cosine")
     evaluate.add_argument("stack", metavar="STACK", help=STACK_HELP)
     evaluate.add_argument("--wo", required=True, metavar="THETA,PHI", help="direction to the viewer, degrees")
-    evaluate.add_argument("--wi", required=True, nargs="+", metavar="THETA,PHI", help="directions to the light, degrees")
-    for command in (albedo, evaluate):
+    lights = evaluate.add_mutually_exclusive_group(required=True)
+    lights.add_argument("--wi", nargs="+", metavar="THETA,PHI", help="directions to the light, degrees")
+    lights.add_argument("--grid", type=_between(1, 45), metavar="DEG", help="all directions to the light on a grid of this many degrees")
+    evaluate.add_argument("--csv", action="store_true", help="print a table: angles in degrees, f, and its standard error where the model has one")
+    plot = _command(commands, "plot", "plot", "draw a stack: its layers, albedo by angle, f in the plane of incidence, and lobes")
+    plot.add_argument("stack", metavar="STACK", help=STACK_HELP)
+    plot.add_argument("-o", "--output", required=True, metavar="FILE.svg", help="picture to write")
+    plot.add_argument("--theta", type=float, nargs="+", default=[0.0, 30.0, 60.0], metavar="DEG", help="view angles of the lobes (default: 0 30 60)")
+    for command in (albedo, evaluate, plot):
         command.add_argument("--model", default="adding", help="see `lamina models` (default: %(default)s, the truth)")
-        command.add_argument("--surface", choices=("single", "multiple"), help="surfaces of the truths: one scattering event or lossless")
         command.add_argument("--option", action="append", default=[], metavar="NAME=VALUE", help="an option of the model; repeatable")
 
     render = _command(commands, "render", "render", "render a stack with Cycles")
@@ -111,8 +117,27 @@ def build_parser() -> argparse.ArgumentParser:
     convert.add_argument("source", metavar="STACK|FILE.mtlx|IN.blend", help=STACK_HELP + ", a MaterialX file, or a Blender file")
     convert.add_argument("--object", metavar="NAME", help="the object of IN.blend whose material is converted")
     convert.add_argument("--material", metavar="NAME", help="which material of a MaterialX file (default: the first)")
-    convert.add_argument("--to", choices=("principled", "openpbr", "standard_surface", "gltf_pbr"), help="what a stack becomes")
+    convert.add_argument("--to", choices=("principled", "openpbr", "standard_surface", "gltf_pbr", "layers"), help="what a stack becomes")
     convert.add_argument("-o", "--output", metavar="FILE", help="file to write: .json for Principled and stacks, .mtlx for the others")
+    export = _command(commands, "export", "export", "write a stack for other renderers: a table of the truth, read back and its error stated")
+    export.add_argument("stack", metavar="STACK", help=STACK_HELP)
+    export.add_argument(
+        "--to", required=True, choices=("merl", "rgl", "csv", "mitsuba", "pbrt"),
+        help="MERL's table (.binary), RGL's (.bsdf), angles as text (.csv), a scene of Mitsuba 3 (.xml) or a material of pbrt-v4 (.pbrt)",
+    )  # fmt: skip
+    export.add_argument(
+        "--as",
+        dest="form",
+        choices=("measured", "layers"),
+        help="mitsuba, pbrt: by RGL's table beside FILE (default), or as explicit layers with single facets",
+    )
+    export.add_argument("--step", type=_between(1, 45), metavar="DEG", help="csv: degrees between the angles (default: 5; anisotropic 10)")
+    export.add_argument("-o", "--output", required=True, metavar="FILE", help="file to write")
+    export.add_argument(
+        "--walks", type=_between(16, 1_000_000), default=256, metavar="N", help="walks per value, where the truth is walks (default: %(default)s)"
+    )
+    for command in (albedo, evaluate, plot, export):
+        command.add_argument("--surface", choices=("single", "multiple"), help="surfaces of the truths: one scattering event or lossless")
     principled = _command(commands, "principled", "principled", "write a .blend file whose Lamina materials are Principled ones, and say each one's error")
     principled.add_argument("input", metavar="IN.blend", nargs="?")
     principled.add_argument("-o", "--output", metavar="OUT.blend")

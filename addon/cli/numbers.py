@@ -67,7 +67,7 @@ def models(options) -> None:
 def albedo(options) -> None:
     """Directional albedo by view angle."""
     theta = view_angles(options.theta)
-    model, how = _model(options)
+    model, how = model_of(options)
     wo = spherical(np.radians(theta), 0.0)
     if model.stochastic:
         value, stderr = model.albedo_stderr(wo, progress=tenths(say(options.command)))
@@ -91,8 +91,11 @@ def print_albedo(model: str, theta: Sequence[float], value: np.ndarray, stderr: 
 
 def eval(options) -> None:
     """f for one view and any number of light directions."""
-    wo, wi = directions([options.wo])[0], directions(options.wi)
-    model, how = _model(options)
+    angles = [_numbers(text) for text in options.wi] if options.wi else light_grid(options.grid)
+    wo, wi = directions([_numbers(options.wo)])[0], directions(angles)
+    if options.csv and options.json:
+        raise LaminaError("--csv and --json exclude each other; choose one")
+    model, how = model_of(options)
     if note := getattr(model, "f_note", None):
         print(f"lamina: {note}", file=sys.stderr)
     wo_all = np.broadcast_to(wo, wi.shape)
@@ -101,13 +104,31 @@ def eval(options) -> None:
     else:
         value, stderr = model.f(wo_all, wi), None
     if options.json:
-        result = {"model": model.name, **how, "wo_deg": _numbers(options.wo), "wi_deg": [_numbers(w) for w in options.wi], "f": value.tolist()}
+        result = {"model": model.name, **how, "wo_deg": _numbers(options.wo), "wi_deg": angles, "f": value.tolist()}
         print(json.dumps(result if stderr is None else {**result, "stderr": stderr.tolist()}))
         return
+    if options.csv:
+        _print_csv(_numbers(options.wo), angles, value, stderr)
+        return
     print(f"{model.name}: f in 1/sr, red green blue, wo {options.wo}")
-    for i, text in enumerate(options.wi):
+    for i, (theta, phi) in enumerate(angles):
         error = "" if stderr is None else "   +- " + " ".join(f"{v:.3g}" for v in stderr[i])
+        text = f"{theta:g},{phi:g}"
         print(f"wi {text:12}   {' '.join(f'{v:.6g}' for v in value[i])}{error}")
+
+
+def _print_csv(wo: list[float], wi: Sequence[list[float]], value: np.ndarray, stderr: np.ndarray | None) -> None:
+    errors = [] if stderr is None else [f"{channel}_stderr" for channel in "rgb"]
+    print(",".join(["theta_o", "phi_o", "theta_i", "phi_i", *"rgb", *errors]))
+    columns = [np.broadcast_to(wo, (len(wi), 2)), np.array(wi), value, *([] if stderr is None else [stderr])]
+    for row in np.concatenate(columns, axis=1):
+        print(",".join(f"{v:.6g}" for v in row))
+
+
+def light_grid(step: float) -> list[list[float]]:
+    """Angles in degrees above the surface, `step` apart: the normal once, then all azimuths of each polar angle below 90."""
+    azimuths = np.arange(0.0, 360.0, step)
+    return [[0.0, 0.0], *([float(theta), float(phi)] for theta in np.arange(step, 90.0, step) for phi in azimuths)]
 
 
 def shader(options) -> None:
@@ -139,9 +160,9 @@ def view_angles(theta: Sequence[float]) -> list[float]:
     return list(theta)
 
 
-def directions(texts: Sequence[str]) -> np.ndarray:
-    """Unit directions (n, 3) from "THETA,PHI" in degrees. Raises LaminaError."""
-    angles = np.radians([_numbers(text) for text in texts])
+def directions(angles_deg: Sequence[list[float]]) -> np.ndarray:
+    """Unit directions (n, 3) of pairs of polar angle and azimuth in degrees."""
+    angles = np.radians(angles_deg)
     return spherical(angles[:, 0], angles[:, 1])
 
 
@@ -155,7 +176,7 @@ def _numbers(text: str) -> list[float]:
     return [theta, phi]
 
 
-def _model(options):
+def model_of(options):
     """The model, and what somebody needs to get its numbers again; options that are not named are this version's defaults."""
     pairs = {"surface": options.surface} if options.surface else {}
     for text in options.option:

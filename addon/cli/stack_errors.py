@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...reference_py.lobes.cache import truth_of
 from ...reference_py.lobes.error_estimate import ErrorEstimator
 from ...reference_py.lobes.made import Made
 from ...reference_py.lobes.methods import DEFAULT_METHOD, make_lobe_set
 from ...reference_py.lobes.methods.not_bakeable import not_bakeable
+from ...reference_py.lobes.truth import truth_of
 from ...reference_py.material.coverage import patches
 from ...reference_py.material.stack import Stack
 from ...reference_py.optics.frame import spherical

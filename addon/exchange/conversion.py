@@ -83,7 +83,7 @@ def _link(socket: str, source, elements, converted, is_followed: bool) -> str:
         return f"lost: {socket} texture: a stack has no place for it"
     if not is_followed and name != "coverage":
         return f"lost: {socket} texture: it stays linked, but stock nodes cannot follow it and show its mean"
-    return f"kept: {socket} texture: " + ("through nodes that keep the mean albedo" if socket == "Base Color" else "linked to the layer")
+    return f"kept: {socket} texture: " + ("through nodes that keep the mean color" if socket == "Base Color" else "linked to the layer")
 
 
 def principled_copy(material: bpy.types.Material) -> tuple[bpy.types.Material, Report, list[str]]:

@@ -8,9 +8,9 @@ import bpy
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.conversion import Converted
-from ...reference_py.exchange.materialx import NORMALS, Material, load_mtlx
+from ...reference_py.exchange.layer_graph import LayeredMaterial
+from ...reference_py.exchange.materialx import Material, load_mtlx
 from ...reference_py.exchange.materialx_graph import Image
-from ...reference_py.exchange.openpbr import PLACES
 from ...reference_py.exchange.report import Report
 from ...reference_py.material.stack import Stack
 from ...reference_py.optics.colour import canonical, is_known
@@ -65,65 +65,56 @@ def import_materials(path: str) -> tuple[list[Imported], list[str]]:
     return made, left_out
 
 
-def apply_material(target: bpy.types.Material, source: Material) -> Imported:
+def apply_material(target: bpy.types.Material, source: Material | LayeredMaterial) -> Imported:
     """Give a material the stack and the images of one of a file. Raises LaminaError, and leaves it as it was."""
-    names = {source.surface.own(name): name for name in PLACES} | NORMALS
-    placed = {i: names[i] for i, image in source.images.items() if i in names and Path(image.file).is_file()}
-    converted = source.to_stack(frozenset(source.images) - frozenset(placed))
-    notes = [f"lost: {i} image {image.file}: there is no such file" for i, image in source.images.items() if i in names and i not in placed]
-    stack = _with_linked_features(converted, placed.values())
+    there = [given for given, image in source.images.items() if Path(image.file).is_file()]
+    notes = [f"lost: {given} image {image.file}: there is no such file" for given, image in source.images.items() if given not in there]
+    converted = source.to_stack(frozenset(source.images) - frozenset(there))
+    places = {given: source.places(given, converted) for given in there}
+    stack = _with_linked_features(converted, places)
 
     def link(material: bpy.types.Material) -> None:
         outputs: dict[Image, bpy.types.NodeSocket] = {}
-        for row, (given, name) in enumerate(placed.items()):
-            image = source.images[given]
-            notes.extend(_place(material, given, name, image, outputs, converted, row))
+        for row, given in enumerate(there):
+            notes.extend(_place(material, given, places[given], source.images[given], outputs, converted, row))
 
     materials.apply_stack(target, stack, finish=link)
     return Imported(target, converted.report, notes)
 
 
-def _owners(name: str, converted: Converted) -> list[str]:
-    """The slots that an input goes to: a normal to all that there are, all else to the first."""
-    roles, parameter = PLACES[name]
-    here = [role for role in roles if role in converted.owners]
-    return here if parameter == "normal" else here[:1]
-
-
-def _with_linked_features(converted: Converted, names) -> Stack:
+def _with_linked_features(converted: Converted, places: dict[str, list[tuple[int, str]]]) -> Stack:
     data = converted.stack.to_dict()
     rows = [*data["layers"], data["base"]]
-    for name in names:
-        parameter = PLACES[name][1]
+    for index, parameter in (place for found in places.values() for place in found):
         if parameter in ("normal", "coverage"):
-            for role in _owners(name, converted):
-                rows[converted.owners[role]].setdefault(parameter, [0.0, 0.0, 0.0] if parameter == "normal" else 1.0)
+            rows[index].setdefault(parameter, [0.0, 0.0, 0.0] if parameter == "normal" else 1.0)
     return Stack.from_dict(data, converted.stack.name or "MaterialX")
 
 
-def _place(material: bpy.types.Material, given: str, name: str, image: Image, outputs: dict, converted: Converted, row: int) -> list[str]:
+def _place(material: bpy.types.Material, given: str, places: list[tuple[int, str]], image: Image, outputs: dict, converted: Converted, row: int) -> list[str]:
     """Link one image to what its input became; returns sentences."""
     elements = [*material.lamina.shown_layers, material.lamina.base]
-    notes, linked = [], False
-    for role in _owners(name, converted):
-        element = elements[converted.owners[role]]
-        kind, parameter = kind_of(element), parameter_of(element, PLACES[name][1])
+    notes, linked = [], ""
+    for index, name in places:
+        element = elements[index]
+        kind, parameter = kind_of(element), parameter_of(element, name)
         if parameter not in {p.name for p in kind.given_by(element.given)} | {p.name for f in kind.features for p in f.parameters}:
             continue
         target = node_of(element).inputs[kind.parameter(parameter).label]
         if image not in outputs:
             outputs[image] = _texture(material.node_tree, image, target.node.location, row, notes)
-        if name == "base_color" and converted.colors is not None:
+        is_base_color = index < 0 and name == "color" and converted.colors is not None
+        if is_base_color:
             link_through(outputs[image], target, converted.colors)
         else:
             material.node_tree.links.new(outputs[image], target)
-        linked = True
+        linked = "coverage" if name == "coverage" else "through nodes that keep the mean color" if is_base_color else "linked to the layer"
     file = Path(image.file).name
     if not linked:
         return [f"lost: {given} image {file}: the stack has no place for it"]
-    if backend_of(material) != OSL and PLACES[name][1] != "coverage":
+    if backend_of(material) != OSL and linked != "coverage":
         return [*notes, f"lost: {given} image {file}: it stays linked, but stock nodes cannot follow it and show the socket's own value"]
-    return [*notes, f"kept: {given} image {file}: " + ("through nodes that keep the mean albedo" if name == "base_color" else "linked to the layer")]
+    return [*notes, f"kept: {given} image {file}: {'linked to the layer' if linked == 'coverage' else linked}"]
 
 
 def _texture(tree: bpy.types.NodeTree, image: Image, place, row: int, notes: list[str]) -> bpy.types.NodeSocket:

@@ -12,17 +12,13 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ...reference_py.errors import LaminaError
+from ...reference_py.lobes import methods
 from ...reference_py.lobes.cache import stack_key
-from ...reference_py.lobes.methods import bake_process, holds_values
 from ...reference_py.material.schema import SCHEMA_VERSION
 from ..blender.user_folders import cache_folder
 from ..material import material as materials
-from ..material import state
-from ..material.osl_setting import shows_osl
-from ..material.pasted import adopt_pasted
-from ..material.reading import is_own, measure_means, require_editable, stack_of
-from ..material.record import keep_record
-from ..material.shader_node import lost_group
+from ..material import osl_setting, pasted, reading, record, shader_node, state
+from ..material.marks import concern_us
 from . import conversions
 from .process import Process
 
@@ -32,7 +28,9 @@ TICK = 0.4
 class Bake(Process):
     """One lobe set in the making, in a process of its own."""
 
-    def __init__(self, wanted: state.Wanted):
+    def __init__(self, wanted: "state.Wanted"):
+        from ...reference_py.lobes.methods import bake_process  # that package is imported with the first bake
+
         request = bake_process.request(wanted.stack, wanted.method, wanted.live, wanted.tolerance, cache_folder())
         super().__init__("a bake", bake_process.MODULE, request)
         self.wanted, self.key = wanted, wanted.key
@@ -73,7 +71,7 @@ def cancel(material: bpy.types.Material) -> None:
 
 def retry(material: bpy.types.Material) -> None:
     """Bake again after a cancel or a failure; without a window, wait for it. Raises LaminaError for a material of another file."""
-    require_editable(material)
+    reading.require_editable(material)
     _state.failed.pop(material.name_full, None)
     if bpy.app.background:
         materials.refresh(material, settle=True)
@@ -89,11 +87,11 @@ def tick() -> float | None:
     resting, _state.unmeasured, _state.touched = _state.unmeasured - _state.touched, _state.touched, set()
     left |= bool(_state.unmeasured)
     for material in bpy.data.materials:
-        adopt_pasted(material)
-        if is_own(material) and material.lamina.is_layered:
+        pasted.adopt_pasted(material)
+        if reading.is_own(material) and material.lamina.is_layered:
             try:
                 if material.name_full in resting:
-                    measure_means(material)
+                    reading.measure_means(material)
                 left |= _follow(material)
                 left |= conversions.follow(material)
             except LaminaError as error:
@@ -111,9 +109,9 @@ def _follow(material: bpy.types.Material) -> bool:
         if is_older or not state.lags(material):  # opening a file changes nothing: an older one gets both branches at an edit or a save
             _state.debounced.pop(material.name_full, None)
             if not is_older:
-                keep_record(material)
+                record.keep_record(material)
             return False
-        wanted = state.wanted_stock(material) if holds_values(material.lamina.tier) else None
+        wanted = state.wanted_stock(material) if methods.holds_values(material.lamina.tier) else None
         if wanted is None:
             return _follow_with_stock(material)
     else:
@@ -132,9 +130,9 @@ def _follow(material: bpy.types.Material) -> bool:
 
 def _follow_with_stock(material: bpy.types.Material) -> bool:
     """Let the stock nodes beside a script that reads its values follow: when these rest, or at once where no script shows."""
-    key = stack_key(stack_of(material))
+    key = stack_key(reading.stack_of(material))
     is_debounced = _state.debounced.get(material.name_full) == key
-    if is_debounced or state.lacks_branch(material) or not any(shows_osl(w.scene) for w in bpy.context.window_manager.windows):
+    if is_debounced or state.lacks_branch(material) or not any(osl_setting.shows_osl(w.scene) for w in bpy.context.window_manager.windows):
         _state.debounced.pop(material.name_full, None)
         (materials.refresh if state.lacks_branch(material) else materials.refresh_stock)(material)
         return False
@@ -157,7 +155,7 @@ def _collect() -> None:
     for name, key in _state.debounced.items():
         if key == bake.key:
             _state.failed[name] = f"{key}\n{bake.error}"
-            print(f"Lamina: {name}: the bake failed: {bake.error}; its shader stays that of the tier analytic")
+            print(f"Lamina: {name}: computing the final look failed: {bake.error}; it stays a preview")
 
 
 def _fail(material, reason: str) -> None:
@@ -181,9 +179,11 @@ def wake() -> None:
 
 @persistent
 def wake_after_change(_scene, depsgraph) -> None:
+    if not concern_us():
+        return
     if bpy.app.background:
         for material in bpy.data.materials:  # of one on no object Blender tells no change
-            adopt_pasted(material)
+            pasted.adopt_pasted(material)
     elif depsgraph.id_type_updated("MATERIAL") or depsgraph.id_type_updated("NODETREE"):
         _state.touched |= {update.id.original.name_full for update in depsgraph.updates if isinstance(update.id, bpy.types.Material)}
         wake()
@@ -191,14 +191,17 @@ def wake_after_change(_scene, depsgraph) -> None:
 
 @persistent
 def wake_after_load(*_) -> None:
-    wake()
+    if concern_us():
+        wake()
 
 
 @persistent
 def mend_after_undo(*_) -> None:
     """Undo brings a removed node group back, but not always into its node (seen in 4.5.15 and 5.3.0): that branch is made anew."""
+    if not concern_us():
+        return
     for material in bpy.data.materials:
-        if is_own(material) and material.lamina.is_layered and lost_group(material):
+        if reading.is_own(material) and material.lamina.is_layered and shader_node.lost_group(material):
             try:
                 materials.refresh(material)
             except LaminaError as error:

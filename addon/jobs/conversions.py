@@ -7,12 +7,10 @@ import bpy
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange import conversion_process
-from ...reference_py.exchange.hand_over import cached_hand_over, key_of, put
+from ...reference_py.exchange import hand_over as solving
 from ...reference_py.material.stack import Stack
+from ..material import hand_over, principled_node, reading
 from ..material import material as materials
-from ..material.hand_over import has_hand_over, is_handed_over
-from ..material.principled_node import has_linked_color
-from ..material.reading import stack_of
 from .process import Process
 
 
@@ -39,18 +37,18 @@ def follow(material: bpy.types.Material) -> bool:
 
     Opening a file changes nothing: a material that has no hand-over yet waits for its next change or save.
     """
-    if not has_hand_over(material):
+    if not hand_over.has_hand_over(material):
         return False
     try:
-        stack = stack_of(material)
+        stack = reading.stack_of(material)
     except LaminaError:
         return False  # Check names the value, and exporters find the last right ones
-    if is_handed_over(material, stack):
+    if hand_over.is_handed_over(material, stack):
         _state.debounced.pop(material.name_full, None)
         return False
-    textured = has_linked_color(material)
-    key = key_of(stack, textured)
-    if cached_hand_over(stack, textured):
+    textured = principled_node.has_linked_color(material)
+    key = solving.key_of(stack, textured)
+    if solving.cached_hand_over(stack, textured):
         materials.hand_over(material)
         return False
     is_debounced = _state.debounced.get(material.name_full) == key
@@ -77,7 +75,7 @@ def collect() -> bool:
         return True
     _state.running = None
     if running.result is not None:
-        put(running.stack, running.textured, running.result)
+        solving.put(running.stack, running.textured, running.result)
     elif running.key in _state.debounced.values():
         _fail(running.key, running.error)
     return False

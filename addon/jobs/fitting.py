@@ -6,10 +6,7 @@ from pathlib import Path
 import bpy
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.fit import fit_process
-from ...reference_py.fit.forward import DEFAULT_MODEL
-from ...reference_py.fit.metric import percent
-from ...reference_py.fit.outcome import lines
+from ...reference_py.fit import fit_process, forward, metric, outcome
 from ...reference_py.material.stack import Stack
 from ..material import material as materials
 from .process import Process
@@ -21,7 +18,7 @@ class Fit(Process):
     """One fit in the making, for a material or for an object that has none."""
 
     def __init__(self, target: bpy.types.ID, file: str, layers: int | str, base: str):
-        super().__init__("a fit", fit_process.MODULE, fit_process.request(file, layers, base, DEFAULT_MODEL))
+        super().__init__("a fit", fit_process.MODULE, fit_process.request(file, layers, base, forward.DEFAULT_MODEL))
         self.target, self.file = target.session_uid, file
         self.is_object = isinstance(target, bpy.types.Object)
 
@@ -52,12 +49,12 @@ def _with_uid(collection, uid: int) -> bpy.types.ID | None:
 def _noted(file: str, result: dict) -> str:
     """The name of a text in which all is said of the fit."""
     text = bpy.data.texts.new(f"Fit of {Path(file).name}")
-    text.write("\n".join([file, *result["found"], *result["warnings"], "", *lines(result)]) + "\n")
+    text.write("\n".join([file, *result["found"], *result["warnings"], "", *outcome.lines(result)]) + "\n")
     return text.name
 
 
 def _summary(file: str, result: dict, noted: str) -> str:
-    text = f"fitted to {Path(file).name}: {Stack.from_dict(result['stack']).name}, error {percent(result['error'])}"
+    text = f"fitted to {Path(file).name}: {Stack.from_dict(result['stack']).name}, error {metric.percent(result['error'])}"
     if not result["explains"]:
         text += "; no stack that was tried explains it"
     for warning in result["warnings"]:

@@ -8,7 +8,6 @@ import sys
 import threading
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.lobes.methods.bake_process import ENVIRONMENT, command
 
 
 class Process:
@@ -18,6 +17,8 @@ class Process:
     """
 
     def __init__(self, what: str, module: str, request: str):
+        from ...reference_py.lobes.methods.bake_process import ENVIRONMENT, command  # with the first process, not with Blender's start
+
         self.share, self.error, self.result = 0.0, "", None
         try:
             self._process = subprocess.Popen(

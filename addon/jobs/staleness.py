@@ -7,21 +7,13 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.lobes.methods import holds_values
+from ...reference_py.lobes import methods
 from ..blender import environment
-from ..material import state
+from ..material import elements, hand_over, live_values, osl_setting, pasted, reading, record, roles, shader_node, state
+from ..material import material as materials
 from ..material.backend import NODES, OSL
-from ..material.elements import kind_of
-from ..material.hand_over import is_handed_over
-from ..material.live_values import live_in_nodes, live_values, what_moves
-from ..material.material import hand_over, refresh, refresh_stock
-from ..material.osl_setting import shows_osl, why_stock_nodes
-from ..material.pasted import adopt_pasted
-from ..material.reading import is_own, measure_means, stack_of
-from ..material.record import changed_values, keep_record
-from ..material.roles import node_with
-from ..material.shader_node import shader_of
-from .prefetch import prefetch
+from ..material.marks import concern_us
+from . import prefetch
 
 _STALE = "renders old values: save the file, press Update in its panel, or call bpy.ops.lamina.regenerate()"
 _OVERRIDE = "renders old values: it is a library override, of which Blender keeps no values of nodes; make it local to edit it"
@@ -31,16 +23,18 @@ _STOCK_BEHIND = "renders old values: its stock nodes are behind; save the file, 
 @persistent
 def make_ready(*_) -> None:
     """Make every material of this file what its tier stands for, and what exporters find. With a window, bakes are left to `bakes`."""
+    if not concern_us():
+        return
     for material in bpy.data.materials:
-        adopt_pasted(material)
-    _for_each(lambda material: True, measure_means)
+        pasted.adopt_pasted(material)
+    _for_each(lambda material: True, reading.measure_means)
     if bpy.app.background:
         wanted: list[state.Wanted] = []
         _for_each(_needs_bake, lambda material: wanted.extend(filter(None, (state.wanted_lobes(material), state.wanted_stock(material)))))
-        prefetch(wanted, lambda message: print(f"Lamina: {message}"))
+        prefetch.prefetch(wanted, lambda message: print(f"Lamina: {message}"))
     _for_each(_is_unready, _make_ready)
-    _for_each(_is_not_handed_over, lambda material: hand_over(material, settle=bpy.app.background))
-    _for_each(lambda material: not state.lags(material), keep_record)
+    _for_each(_is_not_handed_over, lambda material: materials.hand_over(material, settle=bpy.app.background))
+    _for_each(lambda material: not state.lags(material), record.keep_record)
 
 
 def _is_unready(material) -> bool:
@@ -48,7 +42,7 @@ def _is_unready(material) -> bool:
 
 
 def _needs_bake(material) -> bool:
-    return holds_values(material.lamina.tier) and _is_unready(material)
+    return methods.holds_values(material.lamina.tier) and _is_unready(material)
 
 
 def _is_behind(material) -> bool:
@@ -60,16 +54,18 @@ def _make_ready(material) -> None:
     if bpy.app.background:
         sentence = "its stock nodes are made for the present values" if alone else "its shader is made for the present values"
         print(f"Lamina: {material.name}: {sentence}")
-    (refresh_stock if alone else refresh)(material, settle=bpy.app.background)
+    (materials.refresh_stock if alone else materials.refresh)(material, settle=bpy.app.background)
 
 
 def _is_not_handed_over(material) -> bool:
-    return not is_handed_over(material, stack_of(material))
+    return not hand_over.is_handed_over(material, reading.stack_of(material))
 
 
 @persistent
 def announce(scene=None, *_) -> None:
     """Name what a render shows wrong, with old values or provisionally. Blender 5.2 crashes when nodes change once a render has begun."""
+    if not concern_us():
+        return
     for sentence in shown_wrong(scene if isinstance(scene, bpy.types.Scene) else bpy.context.scene):
         print(f"Lamina: {sentence}")
 
@@ -77,7 +73,7 @@ def announce(scene=None, *_) -> None:
 def shown_wrong(scene: bpy.types.Scene) -> list[str]:
     """One sentence for each material that a render of the scene shows with old values, provisionally, black or without its animation."""
     said: list[str] = []
-    shows = shows_osl(scene, bpy.context.preferences)
+    shows = osl_setting.shows_osl(scene, bpy.context.preferences)
 
     def say(what: str) -> Callable[[bpy.types.Material], None]:
         return lambda material: said.append(f"{material.name}: {what}")
@@ -90,40 +86,40 @@ def shown_wrong(scene: bpy.types.Scene) -> list[str]:
         )
         _for_each(lambda m: state.lags(m) and not _only_animation_moved(m), say(_STOCK_BEHIND))
     _for_each(
-        lambda m: bool(_standing(m)) and not (shows and node_with(m, OSL)),
+        lambda m: bool(_standing(m)) and not (shows and roles.node_with(m, OSL)),
         lambda m: say(f"its animation stands still, as stock nodes cannot follow {', '.join(_standing(m))}; {_remedy(m, scene)}")(m),
         linked=True,
     )
     _for_each(lambda m: m.override_library is not None and (state.is_stale(m) or state.lags(m)), say(_OVERRIDE), linked=True)
-    _for_each(lambda m: shader_of(m) is None, say("its shader node is gone: press Update in its panel, or call bpy.ops.lamina.regenerate()"))
+    _for_each(lambda m: shader_node.shader_of(m) is None, say("its shader node is gone: press Update in its panel, or call bpy.ops.lamina.regenerate()"))
     _for_each(lambda m: state.is_stale(m) and not _only_animation_moved(m), say(_STALE))
     _for_each(
         lambda m: not state.is_stale(m) and not state.is_settled(m),
-        say("renders with the tier analytic, as its bake is not done; a save without a window makes it"),
+        say("renders as a preview, as its final look is not computed; a save without a window computes it"),
     )
     return said
 
 
 def _is_script_alone(material) -> bool:
-    return shader_of(material) is not None and node_with(material, NODES) is None
+    return shader_node.shader_of(material) is not None and roles.node_with(material, NODES) is None
 
 
 def _standing(material) -> list[str]:
     """Animated values that stock nodes cannot follow, with their layer."""
-    if node_with(material, NODES) is None:
+    if roles.node_with(material, NODES) is None:
         return []
-    followed, names = live_in_nodes(material, stack_of(material)), []
-    for place in live_values(material):
+    followed, names = live_values.live_in_nodes(material, reading.stack_of(material)), []
+    for place in live_values.live_values(material):
         element = material.lamina.base if place.layer is None else material.lamina.shown_layers[place.layer]
-        if place not in followed and what_moves(element).get(place.name) == "animation":
-            names.append(f"{element.name}: {kind_of(element).parameter(place.name).label}")
+        if place not in followed and live_values.what_moves(element).get(place.name) == "animation":
+            names.append(f"{element.name}: {elements.kind_of(element).parameter(place.name).label}")
     return names
 
 
 def _only_animation_moved(material) -> bool:
     """Whether nothing but animation changed values since stock nodes were made: a save helps for one frame alone."""
-    changed = set(changed_values(material))
-    return bool(changed) and node_with(material, NODES) is not None and changed <= set(_standing(material))
+    changed = set(record.changed_values(material))
+    return bool(changed) and roles.node_with(material, NODES) is not None and changed <= set(_standing(material))
 
 
 def _remedy(material, scene) -> str:
@@ -131,9 +127,9 @@ def _remedy(material, scene) -> str:
     available, reason = environment.osl_available()
     if not available:
         return f"{reason}: render it with CPU or OptiX in a Blender from blender.org"
-    if node_with(material, OSL) is None:
+    if roles.node_with(material, OSL) is None:
         return "Cycles with OSL does, in the backend Automatic"
-    return f"Cycles with OSL does: {why_stock_nodes(scene, bpy.context.preferences)} in {scene.name}"
+    return f"Cycles with OSL does: {osl_setting.why_stock_nodes(scene, bpy.context.preferences)} in {scene.name}"
 
 
 def _advice(material) -> str:
@@ -145,7 +141,7 @@ def _advice(material) -> str:
 def _for_each(concerns: Callable[[bpy.types.Material], bool], act: Callable[[bpy.types.Material], None], linked: bool = False) -> None:
     """Handlers cannot report, so what is done, or cannot be, is said on the console."""
     for material in bpy.data.materials:
-        if not material.lamina.is_layered or not (linked or is_own(material)):
+        if not material.lamina.is_layered or not (linked or reading.is_own(material)):
             continue
         try:
             if concerns(material):

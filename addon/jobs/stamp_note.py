@@ -8,7 +8,7 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.cache import stack_key
 from ...reference_py.version import version
 from ..blender.dependencies import shown_objects
-from ..material.reading import stack_of
+from ..material import reading
 
 LONGEST = 511  # bytes that a picture gets of a note, whatever more the scene's setting takes (4.5 to 5.2)
 # The scene's settings while it renders, by its name: whether it has a note, and which.
@@ -20,7 +20,7 @@ def note_of(materials: list[bpy.types.Material], longest: int = LONGEST) -> str:
     text = f"Lamina {version()}"
     for i, material in enumerate(materials):
         try:
-            digest = stack_key(stack_of(material))[:12]
+            digest = stack_key(reading.stack_of(material))[:12]
         except LaminaError:
             digest = "of no valid stack"
         error = f"error {material.lamina.error:.2g} %" if material.lamina.error >= 0.0 else "error unknown"

@@ -20,10 +20,22 @@ from ..material import material as materials
 from ..material.elements import node_of
 from ..material.node_copy import channel_bags, copy_sources
 from ..material.shader_node import remove_material
-from .thumbnails import give_preview
+from . import user_presets
+from .thumbnails import give_preview, pixels_of, render_thumbnail
 
 _TEMPORARY = "Lamina Preset"
 _FILES = ("FILE", "TILED")
+
+
+def save(material: bpy.types.Material, name: str, stack: Stack, catalogue: str) -> tuple[str, str]:
+    """Keep a material's stack as a preset of a catalogue, with its picture and its asset. Returns what `user_presets.save` does. Raises LaminaError."""
+    require_savable(material)
+
+    def keep(path: Path) -> None:
+        picture = path.with_suffix(".png")
+        write_asset(path, material, stack, catalogue, pixels_of(picture) if picture.is_file() else None)
+
+    return user_presets.save(name, stack, lambda path: render_thumbnail(material, path), keep)
 
 
 def dress(source: bpy.types.Material, target: bpy.types.Material) -> None:

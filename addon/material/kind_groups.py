@@ -6,11 +6,14 @@ there whatever happens to the order. Interfaces are append-only, so files of old
 """
 
 import bpy
+import numpy as np
 
 from ...reference_py.material.schema import COLOR, FLOAT, NORMAL, SCHEMA, Kind, Parameter
 from ..shader.working_space import into_working
 
 KIND_KEY = "lamina_kind"
+# What sockets were called before, by what they are called now.
+_FORMER_LABELS = {"Scattered Share": "Scatter Albedo"}
 _SOCKET_TYPES = {FLOAT: "NodeSocketFloat", COLOR: "NodeSocketColor"}
 
 
@@ -62,6 +65,7 @@ def _has_ends(tree) -> bool:
 
 def declare_missing(tree: bpy.types.NodeTree, kind: Kind) -> None:
     """Give a kind's group, as an older file has it, the sockets that came later, at its end."""
+    _follow_schema(tree, kind)
     present = {item.name for item in tree.interface.items_tree if item.in_out == "INPUT"}
     missing = [p for p in kind.sockets if p.label not in present]
     for parameter in missing:
@@ -71,17 +75,46 @@ def declare_missing(tree: bpy.types.NodeTree, kind: Kind) -> None:
         _give_defaults(tree, missing)
 
 
+def _follow_schema(tree, kind: Kind) -> None:
+    """Sockets of older files get their present names, ranges and tooltips; links, values and animation stay."""
+    known = {p.label: p for p in kind.sockets}
+    for item in tree.interface.items_tree:
+        label = next((now for now, former in _FORMER_LABELS.items() if item.name == former), item.name)
+        if item.name != label:
+            item.name = label
+        if item.in_out == "INPUT" and label in known:
+            _describe(item, known[label])
+
+
+def _describe(item, parameter: Parameter) -> None:
+    """Range and tooltip of a socket. The range is the slider's: a socket takes what is typed or set beyond it.
+
+    Each change makes Blender look through all trees that have the group, so only what differs is set.
+    """
+    wanted = {"description": parameter.tooltip}
+    if parameter.type != COLOR:
+        wanted |= {"min_value": parameter.minimum, "max_value": parameter.slider_maximum}
+    for name, value in wanted.items():
+        if getattr(item, name) != (np.float32(value) if isinstance(value, float) else value):
+            setattr(item, name, value)
+
+
+def update_groups() -> None:
+    """Give the sliders of an older version's groups the ranges of this one's. No value changes."""
+    kinds = {group_key(kind): kind for kind in (*SCHEMA.layers.values(), *SCHEMA.bases.values())}
+    for tree in bpy.data.node_groups:
+        if tree.is_editable and tree.get(KIND_KEY) in kinds:
+            _follow_schema(tree, kinds[tree[KIND_KEY]])
+
+
 def _declare(tree, parameter: Parameter) -> None:
     socket_type = _SOCKET_TYPES.get(parameter.type, "NodeSocketVector")
     socket = tree.interface.new_socket(parameter.label, in_out="INPUT", socket_type=socket_type)
-    socket.description = parameter.help
+    _describe(socket, parameter)
     if parameter.type == COLOR:
         socket.default_value = (*into_working(parameter.default), 1.0)
     else:
         socket.default_value = parameter.default
-        socket.min_value = parameter.minimum
-        # a socket has one maximum for slider and typing; the schema's hard range is checked when a stack is read
-        socket.max_value = parameter.maximum
         # a direction has no value to type: it is linked, or the surface's own
         socket.hide_value = parameter is NORMAL.parameters[0]
         if parameter.type == FLOAT and (parameter.minimum, parameter.maximum) == (0.0, 1.0):

@@ -31,7 +31,7 @@ from .elements import bring_up_to_date, carry_metal, fill_element, find_node, ki
 from .hand_over import follow_hand_over
 from .live_values import live_in_nodes, live_values
 from .osl_setting import prefer_osl
-from .properties import follow, quietly
+from .properties import quietly
 from .reading import measure_means, require_editable, require_layered, stack_of
 from .record import keep_record, keep_structure, take_structure
 from .roles import EEVEE, node_with
@@ -97,7 +97,6 @@ def make_renderable(material: bpy.types.Material, scene: bpy.types.Scene) -> lis
     return [f"{material.name} is {sentence}"] if sentence else []
 
 
-@follow
 def structure_changed(group: bpy.types.PropertyGroup, name: str) -> None:
     """What setting the property `name` of a material's or an element's group calls: a metal's sockets, if it concerns them, and the shader follow.
 

@@ -7,9 +7,10 @@ from ...reference_py.errors import LaminaError
 from .backend import NODES, OSL
 from .elements import find_node, kind_of
 from .kind_groups import KIND_KEY, group_key, group_of
+from .marks import is_of_another
 from .material import refresh
 from .reading import is_own
-from .record import give_recorded, is_of_another, take_structure
+from .record import give_recorded, take_structure
 from .roles import node_with
 
 

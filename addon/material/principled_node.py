@@ -86,7 +86,7 @@ def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values:
             own = np.asarray(value_of(element, parameter))
             source = _through_color(roles, source, target, colors, own)
             kept_roles |= set(_COLOR_ROLES)
-            notes.append(f"kept: {COLOR} texture: through nodes that keep the mean albedo")
+            notes.append(f"kept: {COLOR} texture: through nodes that keep the mean color")
         else:
             if parameter.name == "tint":
                 gamma = roles.make(_TINT_ROLE, "ShaderNodeGamma", "Lamina round trip", (principled.location.x - _APART, principled.location.y - 2 * _APART))

@@ -11,8 +11,7 @@ from contextlib import contextmanager
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty, StringProperty
 
-from ...reference_py.lobes.made import DEFAULT_TOLERANCE
-from ...reference_py.lobes.methods import DEFAULT_METHOD, METHODS
+from ...reference_py.material.qualities import DEFAULT_METHOD, DEFAULT_TOLERANCE, QUALITIES
 from ...reference_py.material.schema import SCHEMA, SCHEMA_VERSION, Feature, Kind, Schema
 from .backend import AUTO, BACKENDS, DEFAULT_BACKEND, NODES, OSL
 from .selection import select_layer, selected_layer
@@ -20,15 +19,10 @@ from .selection import select_layer, selected_layer
 _NOT_ANIMATABLE: set[str] = set()
 _ACRONYMS = {"ggx": "GGX"}
 _BACKEND_LABELS = {AUTO: "Automatic", OSL: "OSL", NODES: "Stock Nodes"}
+# The methods as artists know them.
+QUALITY_LABELS = {"weidlich_wilkie": "Paper of 2007", "analytic": "Preview", "baked": "Final", "auto": "Automatic"}
 
 _quiet = False
-_followers: list[Callable[[bpy.types.PropertyGroup, str], None]] = []
-
-
-def follow(function: Callable[[bpy.types.PropertyGroup, str], None]) -> Callable[[bpy.types.PropertyGroup, str], None]:
-    """A decorator: call the function with the property group and the name of each property that is set."""
-    _followers.append(function)
-    return function
 
 
 @contextmanager
@@ -47,8 +41,9 @@ def _update(name: str) -> Callable:
 
     def update(group, _context) -> None:
         if not _quiet:
-            for follower in _followers:
-                follower(group, name)
+            from .material import structure_changed  # which needs these properties itself
+
+            structure_changed(group, name)
 
     return update
 
@@ -72,7 +67,7 @@ def _enum(name: str, items: list[tuple[str, str]], label: str, help_text: str, d
 def structure_annotations(schema: Schema) -> dict:
     """One enum per structural parameter of the schema, one switch per feature, and `given`, the alternative that describes a kind."""
     kinds = (*schema.layers.values(), *schema.bases.values())
-    annotations = {p.name: _enum(p.name, [(c, choice_label(c)) for c in p.choices], p.label, p.help, p.default) for kind in kinds for p in kind.structure}
+    annotations = {p.name: _enum(p.name, [(c, choice_label(c)) for c in p.choices], p.label, p.tooltip, p.default) for kind in kinds for p in kind.structure}
     for feature in {f.name: f for kind in kinds for f in kind.features}.values():
         name = f"use_{feature.name}"
         annotations[name] = BoolProperty(name=feature.label, description=feature.help, options=_NOT_ANIMATABLE, update=_update(name))
@@ -114,8 +109,8 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     base: PointerProperty(type=LaminaElement)
     tier: EnumProperty(
         name="Quality",
-        description="How the stack is told to Cycles",
-        items=[(name, name.replace("_", " ").title(), row.help) for name, row in METHODS.items()],
+        description="How exactly the layers are rendered, and at what cost",
+        items=[(name, QUALITY_LABELS[name], text) for name, text in QUALITIES.items()],
         default=DEFAULT_METHOD,
         options=_NOT_ANIMATABLE,
         update=_update("tier"),
@@ -130,7 +125,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     )
     tolerance: FloatProperty(
         name="Tolerance",
-        description="The largest error that the tier auto may show, as a share of the reflected light",
+        description="The largest error that the quality Automatic may show, as a share of the reflected light: 2 % is hard to see",
         min=0.1,
         max=100.0,
         default=100.0 * DEFAULT_TOLERANCE,

@@ -13,10 +13,11 @@ import numpy as np
 
 from ..shader.working_space import into_working, out_of_working
 from .elements import find_node
+from .marks import STAMP
 from .properties import quietly
 from .snapshot import restore, snapshot
 
-KEY, STAMP = "lamina_record", "lamina_stamp"
+KEY = "lamina_record"
 
 
 def keep_record(material: bpy.types.Material) -> None:
@@ -89,12 +90,6 @@ def changed_values(material: bpy.types.Material) -> list[str]:
         if node is not None:
             names += [f"{element.name}: {s.name}" for s in node.inputs if s.name in former and not np.allclose(_plain(s), former[s.name], rtol=0.0, atol=1e-6)]
     return names
-
-
-def is_of_another(material: bpy.types.Material) -> bool:
-    """Whether the node tree is not the one that the properties were made with."""
-    tree = material.node_tree
-    return tree is not None and tree.get(STAMP, "") != material.lamina.stamp
 
 
 def take_structure(material: bpy.types.Material) -> bool:

@@ -6,15 +6,15 @@ from bpy.props import StringProperty
 
 from ...reference_py.errors import LaminaError
 from ..check import check
-from ..material.reading import measure_means
+from ..material import reading
 from .material_operators import LayeredOperator, material_of
 
 
-def _found(context) -> list[check.Finding]:
+def _found(context) -> list["check.Finding"]:
     return check.find(material_of(context), context.scene, context.preferences)
 
 
-def _said(finding: check.Finding) -> str:
+def _said(finding: "check.Finding") -> str:
     return finding.text(bpy.app.translations.pgettext_rpt)
 
 
@@ -25,7 +25,7 @@ class LAMINA_OT_check(LayeredOperator, bpy.types.Operator):
     bl_options = {"REGISTER"}
 
     def run(self, context):
-        measure_means(material_of(context))
+        reading.measure_means(material_of(context))
         found = _found(context)
         for finding in found:
             self.report({"INFO" if finding.level == check.NOTE else "WARNING"}, f"Lamina: {_said(finding)}")

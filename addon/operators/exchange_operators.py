@@ -9,22 +9,21 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
+from ...reference_py.atomic import write_text
 from ...reference_py.errors import LaminaError
-from ...reference_py.exchange.materialx import SUFFIX, load_mtlx, save_mtlx
-from ...reference_py.exchange.openpbr import to_openpbr
-from ...reference_py.exchange.report import Report
-from ..exchange import conversion, materialx_import
-from ..exchange.sources import principled_of
+from ...reference_py.exchange import SUFFIX, materialx, openpbr
+from ...reference_py.exchange import report as reports
+from ..exchange import conversion, materialx_import, sources
 from ..material import material as materials
+from ..material import reading
 from ..material.holders import can_hold_material
-from ..material.reading import measured_stack
 from . import material_operators as ops
 
 REPORT_TEXT = "Lamina Conversion"
 _POPUP_WIDTH = 110
 
 
-def tell(operator: bpy.types.Operator, title: str, report: Report, notes: list[str] = ()) -> None:
+def tell(operator: bpy.types.Operator, title: str, report: "reports.Report", notes: list[str] = ()) -> None:
     """Write a report into the text, say its summary, and show all of it where there is a window."""
     tell_lines(operator, title, [*notes, *report.lines()], f": {report.summary}")
 
@@ -62,7 +61,7 @@ class LAMINA_OT_convert_principled(ops.LaminaOperator, bpy.types.Operator):
                 raise LaminaError(tip_("Select a material"))
             if why := ops.why_no_material(context):
                 raise LaminaError(why)
-            principled_of(material)
+            sources.principled_of(material)
         except LaminaError as error:
             cls.poll_message_set(str(error))
             return False
@@ -119,8 +118,8 @@ class LAMINA_OT_export_mtlx(ops.LayeredOperator, ExportHelper, bpy.types.Operato
 
     def run(self, context):
         material = ops.material_of(context)
-        converted = to_openpbr(measured_stack(material))
-        save_mtlx(converted.values, material.name, self.filepath)
+        converted = openpbr.to_openpbr(reading.measured_stack(material))
+        write_text(self.filepath, materialx.to_mtlx(converted.values, material.name))
         tell(self, Path(self.filepath).name, converted.report, materialx_import.lost_textures(material))
 
 
@@ -137,7 +136,7 @@ class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator
         return ops.StackOperator.poll.__func__(cls, context)
 
     def run(self, context):
-        source, *others = load_mtlx(self.filepath)
+        source, *others = materialx.load_mtlx(self.filepath)
         material = ops.material_of(context)
         target = material or bpy.data.materials.new(source.name or "Lamina")
         gave_way = ops.what_gives_way(target)

@@ -8,12 +8,11 @@ from bpy.app.translations import pgettext_tip as tip_
 from bpy_extras.io_utils import ImportHelper
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.fit.parameters import BASES
+from ...reference_py.fit import AUTO
 from ...reference_py.fit.readers import SUFFIXES
-from ...reference_py.fit.selection import AUTO
 from ...reference_py.material.schema import SCHEMA
 from ..jobs import fitting
-from ..material.reading import require_editable
+from ..material import reading
 from .material_operators import LaminaOperator, material_of, why_no_material
 
 _AUTO_LAYERS = -1
@@ -30,7 +29,7 @@ class LAMINA_OT_fit_measurement(LaminaOperator, ImportHelper, bpy.types.Operator
         name="Layers", default=_AUTO_LAYERS, min=_AUTO_LAYERS, max=4, description="Count of layers; -1 takes the fewest that the data support",
     )  # fmt: skip
     base: bpy.props.EnumProperty(
-        name="Base", items=[(AUTO, "Automatic", "The base that the data support")] + [(b, SCHEMA.bases[b].label, SCHEMA.bases[b].help) for b in BASES],
+        name="Base", items=[(AUTO, "Automatic", "The base that the data support")] + [(k.name, k.label, k.help) for k in SCHEMA.bases.values()],
     )  # fmt: skip
 
     @classmethod
@@ -46,7 +45,7 @@ class LAMINA_OT_fit_measurement(LaminaOperator, ImportHelper, bpy.types.Operator
     def run(self, context):
         material = material_of(context)
         if material is not None:
-            require_editable(material)
+            reading.require_editable(material)
         path = Path(bpy.path.abspath(self.filepath))
         if path.suffix.lower() not in SUFFIXES:
             raise LaminaError(f"{path.name or 'no file'}: choose a file that ends in {', '.join(SUFFIXES)}")

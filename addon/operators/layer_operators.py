@@ -34,11 +34,11 @@ class LAMINA_OT_layer_add_ready(LayeredOperator, bpy.types.Operator):
     bl_label = "Add Ready Layer"
     bl_description = "Add a layer with the values of a known coating above the selected one"
 
-    ready: EnumProperty(name="Layer", items=[(name, *ready_layers.load(name)[:2]) for name in ready_layers.names()])
+    ready: EnumProperty(name="Layer", items=[(name, *ready_layers.label_and_source(name)) for name in ready_layers.names()])
 
     @classmethod
     def description(cls, _context, properties):
-        return bpy.app.translations.pgettext_tip(ready_layers.load(properties.ready)[1])
+        return bpy.app.translations.pgettext_tip(ready_layers.label_and_source(properties.ready)[1])
 
     def run(self, context):
         material = material_of(context)

@@ -11,19 +11,17 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.material import presets
-from ...reference_py.material.schema import SCHEMA
+from ...reference_py.material.schema import LAMBERT, SCHEMA
 from ...reference_py.material.stack import Stack
 from ..jobs import bakes
 from ..library import user_presets
+from ..material import entry, live_values, osl_setting, reading
 from ..material import material as materials
-from ..material.entry import find_entry, surface_output
 from ..material.holders import can_hold_material
-from ..material.live_values import live_values
-from ..material.osl_setting import enable_osl
-from ..material.reading import measured_stack
 
 _JSON = "*.json"
 _UNNAMED = "Lamina"
+_NEW = "Lamina Material"
 
 
 def why_no_material(context: bpy.types.Context) -> str:
@@ -46,17 +44,17 @@ def what_gives_way(material: bpy.types.Material) -> str:
     """What a first stack takes the place of, in words, where that is more or less than the Principled node at the surface."""
     if material.node_tree is None or material.lamina.is_layered:
         return ""
-    entry = find_entry(surface_output(material.node_tree))
-    if entry.former is None:
+    found = entry.find_entry(entry.surface_output(material.node_tree))
+    if found.former is None:
         return ""
-    words = {"node": entry.former.label or entry.former.name, "count": entry.bodies}
-    if entry.is_mixed:
+    words = {"node": found.former.label or found.former.name, "count": found.bodies}
+    if found.is_mixed:
         sentence = (
             rpt_("{node}, one of {count} surfaces that are mixed, gives way; the others stay")
-            if entry.bodies > 1
+            if found.bodies > 1
             else rpt_("{node} gives way; what it is mixed with stays")
         )
-    elif entry.former.bl_idname != "ShaderNodeBsdfPrincipled":
+    elif found.former.bl_idname != "ShaderNodeBsdfPrincipled":
         sentence = rpt_("{node} gives way as a whole; it stays in the node tree without a link")
     else:
         return ""
@@ -110,12 +108,16 @@ class StackOperator(LaminaOperator):
             cls.poll_message_set(why)
         return not why
 
+    def target(self, context: bpy.types.Context) -> bpy.types.Material | None:
+        """The material that gets the stack; None for a new one."""
+        return material_of(context)
+
     def apply(self, material: bpy.types.Material, stack: Stack) -> None:
         materials.apply_stack(material, stack)
 
     def run(self, context):
         stack = self.stack()
-        material = material_of(context)
+        material = self.target(context)
         made = material is None
         if made:
             material = bpy.data.materials.new(stack.name or _UNNAMED)
@@ -154,6 +156,27 @@ class LAMINA_OT_apply_preset(StackOperator, bpy.types.Operator):
         return presets.load(self.preset)
 
 
+class LAMINA_OT_new_material(StackOperator, bpy.types.Operator):
+    bl_idname = "lamina.new_material"
+    bl_label = "New Lamina Material"
+    bl_description = "Give the object a new material that is a base alone, to put layers on; the former material stays in the file"
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        if getattr(context, "object", None) is None:
+            cls.poll_message_set(tip_("Select an object that can have a material"))
+            return False
+        return True
+
+    def target(self, _context):
+        return None
+
+    def stack(self) -> Stack:
+        return Stack.from_dict({"name": _NEW, "base": {"kind": LAMBERT.name}})
+
+
 class LAMINA_OT_import_stack(StackOperator, ImportHelper, bpy.types.Operator):
     bl_idname = "lamina.import_stack"
     bl_label = "Import Stack"
@@ -183,12 +206,12 @@ class LAMINA_OT_export_stack(LayeredOperator, ExportHelper, bpy.types.Operator):
 
     def run(self, context):
         material = material_of(context)
-        measured_stack(material).save(self.filepath)
+        reading.measured_stack(material).save(self.filepath)
         hidden = len(material.lamina.layers) - len(material.lamina.shown_layers)
         sentence = rpt_("Lamina: stack written to {path}").format(path=self.filepath)
         if hidden:
             sentence = rpt_("{sentence}; hidden layers left out: {count}").format(sentence=sentence, count=hidden)
-        if moved := len(live_values(material)):
+        if moved := len(live_values.live_values(material)):
             sentence = rpt_("{sentence}; values whose texture or animation is left out: {count}").format(sentence=sentence, count=moved)
         self.report({"INFO"}, sentence)
 
@@ -220,8 +243,8 @@ class LAMINA_OT_regenerate(LayeredOperator, bpy.types.Operator):
 
 class LAMINA_OT_cancel_bake(LayeredOperator, bpy.types.Operator):
     bl_idname = "lamina.cancel_bake"
-    bl_label = "Cancel Bake"
-    bl_description = "Stop computing; the material stays as the tier analytic shows it until a value changes"
+    bl_label = "Cancel Computing"
+    bl_description = "Stop computing the final look; the material stays a preview until a value changes"
     bl_options = {"REGISTER"}
 
     def run(self, context):
@@ -230,8 +253,8 @@ class LAMINA_OT_cancel_bake(LayeredOperator, bpy.types.Operator):
 
 class LAMINA_OT_retry_bake(LayeredOperator, bpy.types.Operator):
     bl_idname = "lamina.retry_bake"
-    bl_label = "Bake Again"
-    bl_description = "Compute what the material's tier stands for, in the background"
+    bl_label = "Compute Again"
+    bl_description = "Compute the final look in the background"
     bl_options = {"REGISTER"}
 
     def run(self, context):
@@ -244,12 +267,13 @@ class LAMINA_OT_enable_osl(LaminaOperator, bpy.types.Operator):
     bl_description = "Switch the scene to Cycles and Open Shading Language on"
 
     def run(self, context):
-        for notice in enable_osl(context.scene):
+        for notice in osl_setting.enable_osl(context.scene):
             self.report({"INFO"}, f"Lamina: {notice}")
 
 
 CLASSES = (
     LAMINA_OT_apply_preset,
+    LAMINA_OT_new_material,
     LAMINA_OT_import_stack,
     LAMINA_OT_export_stack,
     LAMINA_OT_set_base,

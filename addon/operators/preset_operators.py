@@ -13,9 +13,8 @@ from ..blender.user_folders import presets_folder
 from ..library import asset_library, preset_assets, user_presets
 from ..library.preset_catalogues import CATALOGUES, OWN, catalogue_id
 from ..library.preset_icons import preset_icon, user_preset_icon
-from ..library.thumbnails import pixels_of, render_thumbnail
 from ..material import material as materials
-from ..material.reading import measured_stack
+from ..material import reading
 from . import material_operators as ops
 
 _DIALOG_WIDTH = 400  # pixels: for the sentences of what a preset leaves out
@@ -46,17 +45,10 @@ class LAMINA_OT_save_preset(ops.LayeredOperator, bpy.types.Operator):
 
     def run(self, context):
         material = ops.material_of(context)
-        stack = measured_stack(material)
+        stack = reading.measured_stack(material)
         stack = replace(stack, name=self.name.strip(), source=_source(stack.source))
-        preset_assets.require_savable(material)
         sentences = preset_assets.left_out(material)
-
-        def keep(path) -> None:
-            picture = path.with_suffix(".png")
-            pixels = pixels_of(picture) if picture.is_file() else None
-            preset_assets.write_asset(path, material, stack, catalogue_id(OWN), pixels)
-
-        name, why = user_presets.save(self.name, stack, lambda path: render_thumbnail(material, path), keep)
+        name, why = preset_assets.save(material, self.name, stack, catalogue_id(OWN))
         asset_library.show_own()
         for sentence in sentences:
             self.report({"INFO"}, f"Lamina: {sentence}")

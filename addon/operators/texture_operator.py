@@ -6,7 +6,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 
 from ...reference_py.errors import LaminaError
-from ..exchange.textures import TextureBake
+from ..exchange import textures
 from . import material_operators as ops
 from .exchange_operators import tell
 
@@ -32,7 +32,7 @@ class LAMINA_OT_bake_textures(ops.LayeredOperator, bpy.types.Operator):
         try:
             if not self.directory:
                 raise LaminaError("choose a folder for the pictures")
-            self._bake = TextureBake(ops.material_of(context), context.object, bpy.path.abspath(self.directory), int(self.size))
+            self._bake = textures.TextureBake(ops.material_of(context), context.object, bpy.path.abspath(self.directory), int(self.size))
         except LaminaError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

@@ -40,13 +40,19 @@ def _plain_diffuse() -> bpy.types.Material:
 
 
 def render_sun_sphere(
-    material: bpy.types.Material, sun_theta_deg: float, size: int = 128, *, window: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    material: bpy.types.Material,
+    sun_theta_deg: float,
+    size: int = 128,
+    *,
+    window: tuple[float, float, float] = (0.0, 0.0, 1.0),
+    device: str = "CPU",
+    osl: bool = True,
 ) -> dict[str, np.ndarray]:
     """Goniometer: a sphere of `material`, seen from +z by an orthographic camera, lit by one parallel sun.
 
     sun_theta_deg: angle between sun and view, 0 to 180; the sun stands in the plane y = 0, on the side of +x.
     size: pixels along each side. window: centre x, y and half width of the picture, in sphere radii: a small
-    one resolves a narrow highlight.
+    one resolves a narrow highlight. device, osl: as in `measurement_settings`.
 
     Returns, with the top row first,
       radiance (size, size, 3)  f(wi, wo) * max(cos_theta_i, 0): the sun has irradiance 1, so divide by the cosine for f
@@ -69,7 +75,7 @@ def render_sun_sphere(
     if half <= 0.0 or np.hypot(x, y) >= 1.0 + half:
         raise LaminaError(f"window {window}: needs a half width above 0 and a centre near the unit disc")
     with scratch_scene("Lamina sun sphere") as scene, tempfile.TemporaryDirectory() as folder:
-        measurement_settings(scene, 1, size)
+        measurement_settings(scene, 1, size, device=device, osl=osl)
         _orthographic_camera(scene, 2.0 * half).location = (x, y, CAMERA_DISTANCE)
         light = bpy.data.lights.new("Sun", "SUN")
         light.energy, light.angle = 1.0, 0.0

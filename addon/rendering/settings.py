@@ -14,7 +14,7 @@ from ..blender.interrupt import interruptible
 from ..blender.versions import set_media_type
 
 
-def _common(scene: bpy.types.Scene, samples: int, size: int | tuple[int, int]) -> None:
+def _common(scene: bpy.types.Scene, samples: int, size: int | tuple[int, int], device: str = "CPU") -> None:
     width, height = (size, size) if isinstance(size, int) else size
     if samples < 1 or min(width, height) < 1:
         raise LaminaError(f"render of {width} x {height} pixels with {samples} samples: all three must be at least 1")
@@ -26,7 +26,7 @@ def _common(scene: bpy.types.Scene, samples: int, size: int | tuple[int, int]) -
     render.use_motion_blur = render.use_persistent_data = False
     render.film_transparent = False
     render.dither_intensity = 0.0
-    cycles.device = "CPU"
+    cycles.device = device
     cycles.shading_system = osl_available()[0]
     cycles.samples = samples
     cycles.use_animated_seed = False
@@ -41,16 +41,19 @@ def _common(scene: bpy.types.Scene, samples: int, size: int | tuple[int, int]) -
     scene.display_settings.display_device = "sRGB"
 
 
-def measurement_settings(scene: bpy.types.Scene, samples: int, size: int | tuple[int, int], *, max_bounces: int = 0, seed: int = 0) -> None:
+def measurement_settings(
+    scene: bpy.types.Scene, samples: int, size: int | tuple[int, int], *, max_bounces: int = 0, seed: int = 0, device: str = "CPU", osl: bool = True
+) -> None:
     """Set up `scene` so that its pixels are plain Monte Carlo estimates in linear float32.
 
-    CPU Cycles, OSL on where there is OSL, pixels that do not overlap (box filter of width .01), nothing that trades
+    Cycles on `device`, "CPU" or "GPU"; with `osl` OSL is on where there is OSL; pixels that do not overlap (box filter of width .01), nothing that trades
     bias for noise (denoiser, clamps, blur_glossy, light threshold), a multilayer EXR without view transform.
     `size` is the width and height in pixels, or both.
     Raises LaminaError for samples or sizes below 1.
     """
-    _common(scene, samples, size)
+    _common(scene, samples, size, device)
     cycles = scene.cycles
+    cycles.shading_system = cycles.shading_system and osl
     cycles.use_adaptive_sampling = cycles.use_denoising = False
     # blue noise would correlate neighbouring pixels, and their spread is our error bar
     cycles.sampling_pattern = "TABULATED_SOBOL"

@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Lamina panel in the Material tab: layers, their values, the base, and what Cycles is told."""
+"""The Lamina panel in the Material tab: layers, their values, the base, and how they are rendered.
+
+The list is the first thing in it, and nothing above it comes or goes: whoever clicks a row hits it.
+"""
 
 import bpy
 
-from ..material.elements import kind_of
+from ..material import elements
 from ..material.holders import can_hold_material
 from ..operators import material_operators as ops
 from ..operators.fit_operators import LAMINA_OT_fit_measurement
 from ..operators.preset_operators import draw_presets
-from . import panel_layers
-from .panel_feedback import draw_fit, draw_shader, draw_status
-from .panel_layers import draw_layers
+from . import panel_feedback, panel_layers
+from .panel_feedback import draw_shader, draw_status, draw_unlayered_status, shown_quality
+from .panel_layers import draw_layers, draw_row_buttons
 from .panel_values import draw_element
 
 
@@ -42,43 +45,38 @@ class LAMINA_PT_material(bpy.types.Panel):
     def draw(self, context):
         header, layout = self.layout.panel("lamina")
         header.label(text=self.bl_label)
+        header.menu(LAMINA_MT_presets.__name__, text="Presets", icon="PRESET")
         if layout is None:
             return
         layout.use_property_split = True
         material = ops.material_of(context)
-        draw_status(layout, context, material)
-        draw_fit(layout, context, material)
         if material is None or not material.lamina.is_layered:
             layout.menu(LAMINA_MT_presets.__name__, text="Pick a Preset", icon="PRESET")
+            layout.operator(ops.LAMINA_OT_new_material.bl_idname, icon="ADD")
             layout.operator("lamina.convert_principled", icon="NODE_MATERIAL")
+            draw_unlayered_status(layout, context, material)
             return
         lamina = material.lamina
-        _draw_name(layout, lamina)
         draw_layers(layout, context, lamina)
+        draw_status(layout, context, material)
         if 0 <= lamina.active_layer < len(lamina.layers):
             layer = lamina.layers[lamina.active_layer]
             header, body = layout.panel("lamina_layer")
             header.label(text=layer.name, translate=False)
+            draw_row_buttons(header, lamina, layer, lamina.active_layer)
             if body:
                 body.active = lamina.shows(layer)
                 draw_element(body, layer)
         header, body = layout.panel("lamina_base")
         header.label(text="Base")
-        header.operator_menu_enum(ops.LAMINA_OT_set_base.bl_idname, "kind", text=kind_of(lamina.base).label)
+        header.operator_menu_enum(ops.LAMINA_OT_set_base.bl_idname, "kind", text=elements.kind_of(lamina.base).label)
         if body:
             draw_element(body, lamina.base)
         header, body = layout.panel("lamina_shader", default_closed=True)
         header.label(text="Shader")
-        header.label(text=lamina.note.partition(":")[0], translate=False)
+        header.label(text=shown_quality(material), translate=False)
         if body:
-            draw_shader(body, context, material)
+            draw_shader(body, material)
 
 
-def _draw_name(layout, lamina) -> None:
-    row = layout.row(align=True)
-    row.use_property_split = False
-    row.prop(lamina, "stack_name", text="")
-    row.menu(LAMINA_MT_presets.__name__, text="", icon="PRESET")
-
-
-CLASSES = (*panel_layers.CLASSES, LAMINA_MT_presets, LAMINA_PT_material)
+CLASSES = (*panel_layers.CLASSES, *panel_feedback.CLASSES, LAMINA_MT_presets, LAMINA_PT_material)

@@ -1,21 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The list of layers in the panel, the base as its last row, and the buttons and menus beside it."""
 
+from functools import cache
+
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ...reference_py.material.schema import COLOR, CONDUCTOR
-from ...reference_py.optics.microfacet import slope_deg_from_roughness
-from ..material.elements import find_node, kind_of
+from ...reference_py.material import ready_layers
+from ...reference_py.material.schema import COLOR, CONDUCTOR, SCHEMA
+from ...reference_py.optics import microfacet
+from ..material import elements
 from ..material.properties import choice_label
 from ..operators import layer_operators as layer_ops
 from ..operators import material_operators as ops
 from .panel_values import draw_choice
-from .swatch_icons import icon_of
+from .swatch_icons import icon_of, icon_of_layer
 
-_ROWS, _MOST_ROWS = 3, 12
-# Region widths, in pixels at scale 1, below which a row leaves out its numbers, and its swatch of color.
-_NUMBERS_WIDTH, _COLOR_WIDTH = 330, 250
+_ROWS, _MOST_ROWS = 4, 12
+_BUTTON = 20  # pixels at scale 1
+# What a row has beside its icon and name, from the left, in the width of buttons. What does not fit is dropped from the right.
+_COLUMNS = {"eye": 1.0, "swatch": 1.3, "Roughness": 1.8, "Thickness": 2.1, "solo": 1.0, "grip": 1.0}
+_NAME = 3.5  # at least
+_AROUND = 2.7  # the panel's borders, the list's and the column of buttons
 
 
 class LAMINA_UL_layers(bpy.types.UIList):
@@ -23,47 +29,70 @@ class LAMINA_UL_layers(bpy.types.UIList):
 
     def draw_item(self, context, layout, _data, element, _icon, _active_data, _active_name, index=0):
         lamina = element.id_data.lamina
-        row = layout.row()
+        row = layout.row(align=True)
         row.use_property_split = row.use_property_decorate = False
-        name = row.row(align=True)
-        name.active = lamina.shows(element)
-        name.prop(element, "name", text="", emboss=False, icon_value=icon_of(element))
-        draw_facts(context, name, element)
-        buttons = row.row(align=True)
-        soloed = lamina.solo == element.node
-        buttons.operator(layer_ops.LAMINA_OT_layer_solo.bl_idname, text="", emboss=False, icon="SOLO_ON" if soloed else "SOLO_OFF").index = index
-        draw_choice(buttons, element, "visible", text="", emboss=False, icon="HIDE_OFF" if element.visible else "HIDE_ON")
-        buttons.operator(layer_ops.LAMINA_OT_layer_drag.bl_idname, text="", emboss=False, icon="GRIP").index = index
+        row.active = lamina.shows(element)
+        row.prop(element, "name", text="", emboss=False, icon_value=icon_of(element))
+        shown = _columns(context)
+        if "eye" in shown:
+            draw_choice(row, element, "visible", text="", emboss=False, icon="HIDE_OFF" if element.visible else "HIDE_ON")
+        _draw_facts(row, element, shown)
+        if "solo" in shown:
+            draw_row_buttons(row, lamina, element, index, "grip" in shown)
 
     def draw_filter(self, _context, _layout):
         """Nothing: the order of a stack means something, so it is neither sorted nor filtered."""
 
 
-def draw_facts(context, layout, element) -> None:
-    """Roughness in degrees and thickness as numbers, and the color, as far as no texture gives them."""
-    node = find_node(element)
-    if node is None:
-        return
-    width = context.region.width / context.preferences.system.ui_scale
-    if width > _NUMBERS_WIDTH:
-        numbers = layout.row()
-        numbers.alignment, numbers.active = "RIGHT", False
-        numbers.label(text="  ".join(_facts(element, node)), translate=False)
-    label = next((p.label for p in kind_of(element).sockets if p.type == COLOR and p.name in ("tint", "color")), None)
-    if width > _COLOR_WIDTH and label is not None and not node.inputs[label].is_linked:
-        swatch = layout.row()
-        swatch.ui_units_x = 1.4
-        swatch.prop(node.inputs[label], "default_value", text="")
+def columns_at(width: float) -> list[str]:
+    """The columns that fit beside a row's icon and name in a region of this width, in pixels at scale 1."""
+    left, shown = width / _BUTTON - _AROUND - 1.0 - _NAME, []
+    for name, column in _COLUMNS.items():
+        left -= column
+        if left < 0.0:
+            break
+        shown.append(name)
+    return shown
 
 
-def _facts(element, node) -> list[str]:
-    """What a row says in numbers; a value that a texture gives is the name of its socket."""
-    facts = []
-    for label, words in (("Roughness", _slope), ("Thickness", "\N{MULTIPLICATION SIGN}{:.3g}".format)):
-        socket = node.inputs.get(label)
-        if socket is not None:
-            facts.append(iface_(label) if socket.is_linked else words(socket.default_value, *_distribution(element, label)))
-    return facts
+def _columns(context) -> list[str]:
+    return columns_at(context.region.width / context.preferences.system.ui_scale)
+
+
+def draw_row_buttons(layout, lamina, element, index: int, has_grip: bool = True) -> None:
+    """What is done with one layer: shown alone, and carried. Where rows are too narrow for them they are in the layer's header."""
+    soloed = lamina.solo == element.node
+    layout.operator(layer_ops.LAMINA_OT_layer_solo.bl_idname, text="", emboss=False, icon="SOLO_ON" if soloed else "SOLO_OFF").index = index
+    if has_grip:
+        layout.operator(layer_ops.LAMINA_OT_layer_drag.bl_idname, text="", emboss=False, icon="GRIP").index = index
+
+
+def _draw_facts(layout, element, shown: list[str]) -> None:
+    """The color, the roughness in degrees and the thickness, as far as they fit; each has its place also where an element has none."""
+    node = elements.find_node(element)
+    label = next((p.label for p in elements.kind_of(element).sockets if p.type == COLOR and p.name in ("tint", "color")), None)
+    if "swatch" in shown:
+        swatch = _place(layout, "swatch")
+        if node is not None and label is not None and not node.inputs[label].is_linked:
+            swatch.prop(node.inputs[label], "default_value", text="")
+        else:
+            swatch.label(text="")
+    for name, words in (("Roughness", _slope), ("Thickness", "\N{MULTIPLICATION SIGN}{:.3g}".format)):
+        if name not in shown:
+            return
+        number = _place(layout, name)
+        number.alignment, number.active = "RIGHT", False
+        socket = node.inputs.get(name) if node is not None else None
+        if socket is None:
+            number.label(text="")
+        else:
+            number.label(text=iface_("tex.") if socket.is_linked else words(socket.default_value, *_distribution(element, name)), translate=False)
+
+
+def _place(layout, column: str):
+    row = layout.row()
+    row.ui_units_x = _COLUMNS[column]
+    return row
 
 
 def _distribution(element, label: str) -> tuple[str, ...]:
@@ -71,7 +100,7 @@ def _distribution(element, label: str) -> tuple[str, ...]:
 
 
 def _slope(roughness: float, distribution: str) -> str:
-    return f"{slope_deg_from_roughness(roughness, distribution):.1f}\N{DEGREE SIGN}"
+    return f"{microfacet.slope_deg_from_roughness(roughness, distribution):.1f}\N{DEGREE SIGN}"
 
 
 def _row_selected(_window) -> int:
@@ -95,9 +124,32 @@ class LAMINA_MT_add_layer(bpy.types.Menu):
     bl_label = "Add Layer"
 
     def draw(self, _context):
-        self.layout.operator_enum(layer_ops.LAMINA_OT_layer_add.bl_idname, "kind")
-        self.layout.separator()
-        self.layout.operator_enum(layer_ops.LAMINA_OT_layer_add_ready.bl_idname, "ready")
+        row = self.layout.row()
+        column = _group(row, text="Plain")
+        for kind in SCHEMA.layers.values():
+            icon = icon_of_layer(ready_layers.layers_of({"layers": [{"kind": kind.name}]}, kind.name)[0])
+            column.operator(layer_ops.LAMINA_OT_layer_add.bl_idname, text=kind.label, icon_value=icon).kind = kind.name
+        for group, names in _ready_groups().items():
+            column = _group(row, text=group.title())
+            for name, (label, layer) in names.items():
+                column.operator(layer_ops.LAMINA_OT_layer_add_ready.bl_idname, text=label, icon_value=icon_of_layer(layer)).ready = name
+
+
+def _group(row, text: str):
+    column = row.column()
+    column.label(text=text)
+    column.separator()
+    return column
+
+
+@cache
+def _ready_groups() -> dict[str, dict[str, tuple]]:
+    """By group and name: a ready layer's label, and the lowest of its layers, which gives it its color; read when a menu first shows them."""
+    groups: dict[str, dict[str, tuple]] = {group: {} for group in ready_layers.GROUPS}
+    for name in ready_layers.names():
+        label, _source, layers = ready_layers.load(name)
+        groups[ready_layers.group_of(name)][name] = (label, layers[-1])
+    return groups
 
 
 class LAMINA_MT_specials(bpy.types.Menu):
@@ -141,13 +193,13 @@ def _draw_base_row(box, context, base) -> None:
     row = box.row(align=True)
     row.use_property_split = row.use_property_decorate = False
     row.label(text=_base_name(base), icon_value=icon_of(base), translate=False)
-    draw_facts(context, row, base)
+    _draw_facts(row, base, _columns(context))
 
 
 def _base_name(base) -> str:
     """What the base is, in a row: a named metal's name, else its kind's."""
     named = base.kind == CONDUCTOR.name and base.given == "metal"
-    return f"{iface_('Base')}: {iface_(choice_label(base.metal) if named else kind_of(base).label)}"
+    return f"{iface_('Base')}: {iface_(choice_label(base.metal) if named else elements.kind_of(base).label)}"
 
 
 CLASSES = (LaminaWindow, LAMINA_UL_layers, LAMINA_MT_add_layer, LAMINA_MT_specials)

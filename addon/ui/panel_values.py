@@ -3,64 +3,80 @@
 
 import textwrap
 
-from bpy.app.translations import pgettext_iface as iface_
-
 from ...reference_py.errors import LaminaError
-from ...reference_py.material.schema import Parameter
-from ...reference_py.optics.microfacet import slope_deg_from_roughness
+from ...reference_py.material.schema import COVERAGE, Parameter
 from ..blender import environment
+from ..material import elements, mask_links, seen_color
 from ..material.backend import OSL
-from ..material.elements import feature_parameters, given_of, kind_of, node_of, use_of, used_features
-from ..material.means import kept_mean, mean_name
+from ..operators import mask_link_operators as mask_ops
+from ..operators.note_operator import LAMINA_OT_note
+from . import value_notes
 
-_MARGIN, _CHARACTER = 60, 6.4  # pixels at scale 1: what borders and the icon take, and a mean letter
-# By the schema's unit. A column for it would shift the value from under the others.
-UNITS = {"nm": "in nanometers", "degrees": "in degrees", "turns": "in turns"}
+_NOTE = 0.8  # buttons: the place of an icon beside a value
+_MARGIN, _CHARACTER, _UNIT = 60, 6.4, 20  # pixels at scale 1: what borders and the icon take, a mean letter, and a button
 
 
 def draw_element(layout, element) -> None:
     """Every parameter of a layer or the base: choices from the properties, values from the node's sockets."""
     try:
-        node = node_of(element)
+        node = elements.node_of(element)
     except LaminaError as error:
         layout.label(text=str(error), icon="ERROR")
         return
-    kind = kind_of(element)
+    kind = elements.kind_of(element)
     column = layout.column()
     if kind.alternatives:
         draw_choice(column, element, "given")
     for parameter in kind.given_by(element.given):
         if parameter.is_structural:
             draw_choice(column, element, parameter.name)
-            continue
-        socket = _draw_socket(column, element, node, parameter)
-        if parameter.name == "roughness" and socket is not None and not socket.is_linked:
-            slope = slope_deg_from_roughness(socket.default_value, element.distribution)
-            draw_fact(column, "", iface_("Mean slope {degrees}\N{DEGREE SIGN}").format(degrees=f"{slope:.1f}"))
-    used = used_features(element)
+        else:
+            _draw_socket(column, element, node, parameter)
+        if parameter.name == "thickness" and seen_color.has_seen_color(element):
+            row = column.row()
+            row.enabled = seen_color.is_settable(element)
+            row.prop(node, seen_color.NAME)
+    used = elements.used_features(element)
     for feature in kind.features:
-        draw_choice(column, element, use_of(feature))
+        draw_choice(column, element, elements.use_of(feature))
         if feature not in used:
             continue
         if feature.alternatives:
-            draw_choice(column, element, given_of(feature))
-        for parameter in feature_parameters(element, feature):
+            draw_choice(column, element, elements.given_of(feature))
+        for parameter in elements.feature_parameters(element, feature):
             _draw_socket(column, element, node, parameter)
+        if feature is COVERAGE:
+            _draw_mask(column, element)
 
 
-def _draw_socket(layout, element, node, parameter: Parameter):
-    """Blender's own drawing of a socket: a dot to link a texture, what it is linked to, and a keyframe button."""
+def _draw_mask(layout, layer) -> None:
+    """The ways to make a layer's mask, and its ramp, if it has one."""
+    row = layout.row(align=True)
+    row.use_property_split = False
+    row.menu(mask_ops.LAMINA_MT_mask.__name__, text="Mask", icon="MOD_MASK")
+    row.operator(mask_ops.LAMINA_OT_mask_paint.bl_idname, text="", icon="BRUSH_DATA")
+    ramp = mask_links.ramp_of(layer)
+    if ramp is not None:
+        layout.template_color_ramp(ramp, "color_ramp")
+
+
+def _draw_socket(layout, element, node, parameter: Parameter) -> None:
+    """Blender's own drawing of a socket: a dot to link a texture, what it is linked to, and a keyframe button.
+
+    What there is to say of a value is an icon beside it with a tooltip: a line would push what is below.
+    """
     socket = node.inputs.get(parameter.label)
     if socket is None:  # a file of an older version has it once its shader is made anew
-        return None
-    layout.template_node_view(element.id_data.node_tree, node, socket)
-    mean = kept_mean(socket)
-    if mean is not None:
-        text = f"{mean:.3g}" if isinstance(mean, float) else " ".join(f"{v:.3g}" for v in mean)
-        draw_fact(layout, "", iface_("Mean of {source}: {value}").format(source=mean_name(socket), value=text))
-    if parameter.unit and not socket.is_linked:
-        draw_fact(layout, "", iface_(UNITS[parameter.unit]))
-    return socket
+        return
+    row = layout.row(align=True)
+    row.column().template_node_view(element.id_data.node_tree, node, socket)
+    note = value_notes.note_of(element, node, parameter)
+    row = row.row()
+    row.ui_units_x = _NOTE
+    if note is None:
+        row.label(text="", icon="BLANK1")
+    else:
+        row.operator(LAMINA_OT_note.bl_idname, text="", icon=note.icon, emboss=False).text = note.text
 
 
 def draw_choice(layout, owner, name: str, **options) -> None:
@@ -81,12 +97,12 @@ def draw_fact(layout, label: str, value: str) -> None:
     right.label(text=value, translate=False)
 
 
-def draw_message(layout, context, message: str, icon: str):
-    """A box with a sentence, broken into lines as wide as the panel. Returns the box, for a button."""
+def draw_message(layout, context, message: str, icon: str, units: float = 0.0):
+    """A box with a sentence, broken into lines as wide as the panel, or as `units` of a button. Returns the box, for a button."""
     box = layout.box()
     column = box.column(align=True)
-    scale = context.preferences.system.ui_scale
-    letters = max(int((context.region.width / scale - _MARGIN) / _CHARACTER), 10)
+    width = units * _UNIT or context.region.width / context.preferences.system.ui_scale
+    letters = max(int((width - _MARGIN) / _CHARACTER), 10)
     for number, line in enumerate(textwrap.wrap(message[0].upper() + message[1:], letters)):
         column.label(text=line, icon="BLANK1" if number else icon, translate=False)
     return box

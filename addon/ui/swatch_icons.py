@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Icons of layers and bases for the panel, drawn once for each look and kept."""
 
+from collections.abc import Mapping
+
 import bpy
 import bpy.utils.previews
-import numpy as np
 
 from ...reference_py.material.schema import COLOR, CONDUCTOR, COVERAGE, SCHEMA
-from ..material.elements import find_node, kind_of
-from ..shader.working_space import out_of_working
-from .swatch import SIZE, base_picture, layer_picture
+from ...reference_py.material.stack import Layer
+from ...reference_py.optics import colour
+from ..material import elements
+from ..shader import working_space
+from . import swatch
 
 # Looks that are kept; then all are drawn anew.
 _LIMIT = 400
@@ -19,43 +22,55 @@ _icons: bpy.utils.previews.ImagePreviewCollection | None = None
 
 def icon_of(element) -> int:
     """The number of an icon that shows a layer or a base from the side; 0 where its node is gone."""
-    node = find_node(element)
-    if node is None or _icons is None:
+    node = elements.find_node(element)
+    if node is None:
         return 0
-    look = _look(element, node)
+    values = {p.name: node.inputs[p.label].default_value for p in elements.kind_of(element).sockets if p.label in node.inputs}
+    values |= {p.name: working_space.out_of_working(values[p.name][:3]) for p in elements.kind_of(element).sockets if p.type == COLOR and p.name in values}
+    if not element.use_coverage:
+        values.pop(COVERAGE.name, None)
+    return _icon(_look(element.kind, values, element.given, getattr(element, "distribution", "ggx")))
+
+
+def icon_of_layer(layer: Layer) -> int:
+    """The number of an icon that shows a layer of the model."""
+    values = {p.name: p.default for p in SCHEMA.layers[layer.kind].parameters} | dict(layer.values)
+    if "metal" in layer:
+        values |= dict(zip(("eta", "k"), colour.conductor_rgb(layer["metal"])))
+    return _icon(_look(layer.kind, values, "reflectance" if "reflectance" in layer else "", values.get("distribution", "ggx")))
+
+
+def _icon(look: tuple) -> int:
+    if _icons is None:
+        return 0
     name = repr(look)
     if name not in _icons:
         if len(_icons) >= _LIMIT:
             _icons.clear()
-        picture = base_picture(*look[1:]) if look[0] == "base" else layer_picture(*look[1:])
+        picture = swatch.base_picture(*look[1:]) if look[0] == "base" else swatch.layer_picture(*look[1:])
         icon = _icons.new(name)
-        icon.icon_size = (SIZE, SIZE)
+        icon.icon_size = (swatch.SIZE, swatch.SIZE)
         icon.icon_pixels_float = picture.ravel()
     return _icons[name].icon_id
 
 
-def shown_color(element, node: bpy.types.Node) -> tuple[float, float, float]:
-    """The color of an element, linear RGB: what a layer's medium leaves of white, what a base reflects straight up."""
-    value = {p.name: node.inputs[p.label].default_value for p in kind_of(element).sockets if p.label in node.inputs}
-    value |= {p.name: out_of_working(value[p.name][:3]) for p in kind_of(element).sockets if p.type == COLOR and p.name in value}
-    if "tint" in value:
-        return tuple(np.clip(value["tint"], 0.0, 1.0) ** max(value["thickness"], 0.0))
-    if element.kind == CONDUCTOR.name and "reflectance" not in element.given:
-        n, k = np.array(value["eta"]), np.array(value["k"])
-        return tuple(((n - 1.0) ** 2 + k**2) / ((n + 1.0) ** 2 + k**2))
-    return tuple(value["reflectance" if element.kind == CONDUCTOR.name else "color"])[:3]
+def shown_color(kind: str, values: Mapping, given: str) -> tuple[float, ...]:
+    """The color of a layer or base of these values, linear RGB: what a layer's medium leaves of white, what a base reflects straight up."""
+    if "tint" in values:
+        return tuple(min(max(c, 0.0), 1.0) ** max(values["thickness"], 0.0) for c in values["tint"])
+    if kind == CONDUCTOR.name and "reflectance" not in given:
+        return tuple(((n - 1.0) ** 2 + k**2) / ((n + 1.0) ** 2 + k**2) for n, k in zip(values["eta"], values["k"]))
+    return tuple(values["reflectance" if kind == CONDUCTOR.name else "color"])[:3]
 
 
-def _look(element, node) -> tuple:
+def _look(kind: str, values: Mapping, given: str, distribution: str) -> tuple:
     """What an icon depends on, in steps that an eye would tell apart."""
-    color = tuple(round(_STEPS * float(c)) / _STEPS for c in shown_color(element, node))
-    roughness = node.inputs.get("Roughness")
-    rough = round(_STEPS * roughness.default_value) / _STEPS if roughness is not None else 0.0
-    distribution = getattr(element, "distribution", "ggx")
-    coverage = round(_STEPS * node.inputs[COVERAGE.parameters[0].label].default_value) / _STEPS if element.use_coverage else 1.0
-    if SCHEMA.is_opaque(element.kind):
+    color = tuple(round(_STEPS * float(c)) / _STEPS for c in shown_color(kind, values, given))
+    rough = round(_STEPS * values.get("roughness", 0.0)) / _STEPS
+    coverage = round(_STEPS * values.get(COVERAGE.name, 1.0)) / _STEPS
+    if SCHEMA.is_opaque(kind):
         return ("base", color, rough, distribution, coverage)
-    thickness = round(0.25 * _STEPS * min(node.inputs["Thickness"].default_value, 8.0)) / (0.25 * _STEPS)
+    thickness = round(0.25 * _STEPS * min(values["thickness"], 8.0)) / (0.25 * _STEPS)
     return ("layer", color, thickness, rough, distribution, coverage)
 
 

@@ -5,3 +5,6 @@ Both have one coat over one gloss over a base (`slots`). A conversion keeps the 
 that the mean albedo is that of what is converted (`matching`), and a report says what became of every parameter and
 which error remains (`report`).
 """
+
+# of MaterialX files
+SUFFIX = ".mtlx"

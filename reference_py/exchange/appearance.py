@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..models.baselines.energy import mean_fresnel
-from ..models.baselines.parts import COS_82, Lobe, conductor, dielectric, dielectric_f0, f82
+from ..models.baselines.parts import COS_82, Fresnel, Lobe, conductor, dielectric, dielectric_f0, f82
 from ..optics.colour import artist_index
 from ..optics.diffuse import oren_nayar_albedo
 from ..optics.frame import spherical
@@ -151,7 +151,7 @@ def _fuzzed(v: dict, solid: np.ndarray, lost: dict) -> tuple[np.ndarray, dict]:
     weight = float(v["fuzz_weight"])
     if weight == 0.0:
         return solid, lost
-    cover = weight * _sheen(max(float(v["fuzz_roughness"]), _LEAST_SHEEN_ROUGHNESS))
+    cover = weight * sheen_albedo(max(float(v["fuzz_roughness"]), _LEAST_SHEEN_ROUGHNESS))
     below = {k: (1.0 - cover) * light for k, light in lost.items()}
     return (1.0 - cover) * solid, {**below, "fuzz_weight": cover * v["fuzz_color"]}
 
@@ -180,18 +180,18 @@ def dielectric_albedo(eta: float, roughness: float) -> np.ndarray:
     if eta == 1.0:
         return np.zeros((len(COSINES), 1))
     f0 = np.full(1, dielectric_f0(eta))
-    return np.minimum(_lobe_albedo(dielectric(eta), f0, roughness), 1.0)
+    return np.minimum(lobe_albedo(dielectric(eta), f0, roughness), 1.0)
 
 
 @lru_cache(maxsize=256)
 def _metal(by_edge: bool, color: tuple, tint: tuple, roughness: float) -> np.ndarray:
     f0, tint = np.array(color), np.array(tint)
     curve = conductor(*artist_index(f0, tint)) if by_edge else f82(f0, tint * (f0 + (1.0 - f0) * (1.0 - COS_82) ** 5))
-    return np.minimum(_lobe_albedo(curve, f0, roughness), 1.0)
+    return np.minimum(lobe_albedo(curve, f0, roughness), 1.0)
 
 
-def _lobe_albedo(fresnel, f0: np.ndarray, roughness: float) -> np.ndarray:
-    """(views, channels) of a GGX lobe with the energy that single scattering loses."""
+def lobe_albedo(fresnel: Fresnel, f0: np.ndarray, roughness: float) -> np.ndarray:
+    """Albedo (views, channels) of a GGX lobe with the energy that single scattering loses; `f0` (channels,) is `fresnel`'s at 0 degrees."""
     single, whole = (_single_scatter(curve, roughness) for curve in (fresnel, lambda cos: np.ones((*cos.shape, 1))))
     return single * (1.0 + f0 * (1.0 - whole) / whole)
 
@@ -202,7 +202,7 @@ def _single_scatter(fresnel, roughness: float) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def _sheen(roughness: float) -> np.ndarray:
+def sheen_albedo(roughness: float) -> np.ndarray:
     """Albedo (views, 1): D of Estevez and Kulla 2017, the visibility of Neubelt and Pettineo 2013."""
     wi = cosine_directions(*points(_POINTS))
     result = []

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import LaminaError
+from ..material.schema import THIN_FILM
 from ..material.stack import Stack
 from .appearance import Appearance
-from .matching import Albedos, ColorMap, color_key, color_map, compared, mean, recolored, solve, truth
+from .matching import TOLERANCE, Albedos, ColorMap, color_key, color_map, compared, mean, recolored, solve, truth
 from .report import APPROXIMATED, LOST, Loss, Report, shown
 from .slots import BASE, MOST_REFLECTANCE, Slots, from_stack, to_stack
 
@@ -23,13 +24,14 @@ _SEEN = 2e-3
 class Converted:
     """`owners`: the index of the layer, or -1 for the base, that each slot ("base", "gloss", "coat") is in the stack.
 
-    `values` are the model's parameters by name. `colors` maps base colors of what is converted to those of the result,
-    for textures; None unless asked for, or where what is the base has no color or is an opaque layer.
+    `values` are the model's parameters by name; `slots` are None of a graph of layers, which needs none. `colors` maps base
+    colors of what is converted to those of the result, for textures; None unless asked for, or where what is the base has no
+    color or is an opaque layer.
     """
 
     stack: Stack
     values: dict
-    slots: Slots
+    slots: Slots | None
     owners: dict[str, int]
     report: Report
     colors: ColorMap | None = None
@@ -44,7 +46,7 @@ def stack_to_slots(
     wanted = original()
     color, found = solve(shown_as, mean(wanted), placed.slots.color)
     match = compared(wanted, found, _has_film(placed.slots))
-    losses = [*placed.losses, *_unmatched("base color", color, match.mean_error)]
+    losses = [*placed.losses, *unmatched("base color", color, match.mean_error)]
     colors = color_map(original, shown_as) if textured and placed.owners[BASE] < 0 and color_key(stack.base) in stack.base else None
     return placed.slots.with_color(color), placed.owners, Report(tuple(losses), match), colors
 
@@ -56,17 +58,39 @@ def slots_to_stack(slots: Slots, original: Albedos, look: Appearance, name: str,
     stack can have. Raises LaminaError where nothing that is seen would be left.
     """
     stack, owners = to_stack(slots, name, source, losses)
-    exact = truth(stack)
-    wanted = mean(look.solid)
     most = MOST_REFLECTANCE if slots.is_metal else 1.0
-    color, found = solve(exact, wanted, stack.base[color_key(stack.base)], most)
-    if np.max(mean(look.seen)) < _SEEN and look.lost and not _has_film(slots):
+    stack, color, report = matched(stack, truth, stack.base[color_key(stack.base)], most, look, name, losses)
+    colors = color_map(original, truth(stack), most) if textured else None
+    return Converted(replace(stack, base=recolored(stack.base, color)), {}, slots, owners, report, colors)
+
+
+def matched(
+    stack: Stack, exact: Callable[[Stack], Albedos], start, most: float, look: Appearance, name: str, losses: list[Loss], tolerance: float = TOLERANCE
+) -> tuple[Stack, np.ndarray, Report]:
+    """The stack, the base color (3,), from `start` on and up to `most`, that makes it as bright as what its file says, and the report.
+
+    `exact` gives a stack's albedos. Where no color is bright enough below a tinted medium, that is made lighter. Raises
+    LaminaError where nothing that is seen would be left.
+    """
+    has_film = any(e.has(THIN_FILM) and e["film_thickness"] for e in (*stack.layers, stack.base))
+    if np.max(mean(look.seen)) < _SEEN and look.lost and not has_film:
         raise LaminaError(f"{name or 'material'}: nothing that is seen would be left: all light is of {', '.join(look.lost)}, which no stack has")
-    match = compared(look.seen, found, _has_film(slots), look.all_lost)
-    losses = [*losses, *_unmatched("base color", color, mean(found) - wanted)]
-    stack = replace(stack, base=recolored(stack.base, color))
-    colors = color_map(original, exact, most) if textured else None
-    return Converted(stack, {}, slots, owners, Report(tuple(losses), match), colors)
+    wanted = mean(look.solid)
+    color, found = solve(exact(stack), wanted, start, most, tolerance)
+    tinted = next((i for i, e in enumerate(stack.layers) if "tint" in e and min(e["tint"]) < 1.0 and e["thickness"] > 0.0), None)
+    if tinted is not None and np.max(wanted - mean(found)) > _REACHED:
+        given = stack.layers[tinted]["tint"]
+
+        def lightened(tint) -> Stack:
+            layer = stack.layers[tinted].with_values(tint=tuple(float(c) for c in tint))
+            return replace(stack, layers=(*stack.layers[:tinted], layer, *stack.layers[tinted + 1 :]))
+
+        tint, found = solve(lambda tint: exact(lightened(tint))(color), wanted, np.array(given), 1.0, tolerance)
+        stack = lightened(tint)
+        how = f"lighter, {shown(tint)}, as light crosses a layer aslant and more than once, and no base below is bright enough"
+        losses = [*losses, Loss("tint", given, APPROXIMATED, how)]
+    losses = [*losses, *unmatched("base color", color, mean(found) - wanted)]
+    return stack, color, Report(tuple(losses), compared(look.seen, found, has_film, look.all_lost))
 
 
 def _has_film(slots: Slots) -> bool:
@@ -74,7 +98,8 @@ def _has_film(slots: Slots) -> bool:
     return any(features.get("film_thickness") for features in surfaces)
 
 
-def _unmatched(parameter: str, color: np.ndarray, off: np.ndarray) -> list[Loss]:
+def unmatched(parameter: str, color: np.ndarray, off: np.ndarray) -> list[Loss]:
+    """What to say of a mean albedo that is off by (3,); nothing where it was reached."""
     if np.max(np.abs(off)) <= _REACHED:
         return []
     return [Loss(parameter, color, APPROXIMATED, f"no color in range is as bright or dark as it should be; the mean albedo is off by {shown(off)}")]

@@ -28,7 +28,8 @@ _WEIGHTS = COSINES * _W
 _WO = spherical(np.arccos(COSINES), 0.0)
 # Of the operators: albedos within 2e-4 of those of the default, in a fifth of the time.
 _NODES = 14
-_TOLERANCE = 1e-4
+TOLERANCE, FINE = 1e-4, 1e-6
+"""Of a solved mean albedo; the second where a color comes back from it."""
 _STEPS = 6
 _PROBES = (0.0, 0.6, 0.95)
 _UNSEEN = 1e-9
@@ -86,7 +87,7 @@ def mean(albedo: np.ndarray) -> np.ndarray:
     return _WEIGHTS @ albedo
 
 
-def solve(albedos: Albedos, wanted: np.ndarray, start: np.ndarray, most: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+def solve(albedos: Albedos, wanted: np.ndarray, start: np.ndarray, most: float = 1.0, tolerance: float = TOLERANCE) -> tuple[np.ndarray, np.ndarray]:
     """Base color (3,) in 0..most whose mean albedo is `wanted` (3,), and its albedos (views, 3).
 
     A secant per channel; where no color is bright or dark enough the nearest one.
@@ -97,14 +98,14 @@ def solve(albedos: Albedos, wanted: np.ndarray, start: np.ndarray, most: float =
     new = np.clip(old + np.where(wanted > value_old, 1.0, -1.0) * np.maximum(np.abs(wanted - value_old), 0.02), 0.0, most)
     new = np.where(new == old, np.where(old > 0.5 * most, old - 0.1, old + 0.1), new)
     for _ in range(_STEPS):
-        if np.all(np.abs(value_old - wanted) < _TOLERANCE):
+        if np.all(np.abs(value_old - wanted) < tolerance):
             return old, shown
         shown = albedos(new)
         value = mean(shown)
-        if np.all((np.abs(value - wanted) < _TOLERANCE) | ((new <= 0.0) & (value > wanted)) | ((new >= most) & (value < wanted))):
+        if np.all((np.abs(value - wanted) < tolerance) | ((new <= 0.0) & (value > wanted)) | ((new >= most) & (value < wanted))):
             break
         slope = np.divide(value - value_old, new - old, out=np.full(3, 1.0), where=np.abs(new - old) > 1e-9)
-        step = np.where(np.abs(value - wanted) < 0.1 * _TOLERANCE, 0.0, (wanted - value) / np.maximum(slope, 0.02))
+        step = np.where(np.abs(value - wanted) < 0.1 * tolerance, 0.0, (wanted - value) / np.maximum(slope, 0.02))
         old, value_old, new = new, value, np.clip(new + step, 0.0, most)
     return new, shown
 

@@ -1,26 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""MaterialX files: materials with one of the surfaces that `surfaces` knows, read and written with the standard library."""
+"""MaterialX files: materials with one of the surfaces that `surfaces` knows, or of layered BSDFs, read and written with the standard library."""
 
 import os
 import re
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
-from ..atomic import write_text
 from ..errors import LaminaError
 from ..material.json_input import read_text
 from ..optics.colour import known_spaces
+from .bsdf_tree import SURFACE, Tree
 from .conversion import Converted
+from .layer_graph import LayeredMaterial, read_layered
+from .layer_graph_writing import add_surface
 from .materialx_document import Document
 from .materialx_graph import Graph, Image, Unread
-from .openpbr import from_surface
-from .report import APPROXIMATED, LOST, Loss, Report, shown
+from .openpbr import PLACES, from_surface
+from .report import APPROXIMATED, LOST, Loss, Report, image_loss, shown
 from .surfaces import SURFACES, Surface
 
-SUFFIX = ".mtlx"
 _VERSION = "1.39"
 _MATERIAL, _INCLUDE, _MOST_FILES = "surfacematerial", "xi:include", 32
 # Inputs that are vectors in space: what says nothing where no image feeds it.
@@ -50,6 +52,30 @@ class Material:
     images: dict[str, Image] = field(default_factory=dict)
     losses: tuple[Loss, ...] = ()
     """What reading it cost."""
+    means: frozenset[str] = frozenset()
+    """Images whose means the values are."""
+
+    @property
+    def node(self) -> str:
+        """The surface's node."""
+        return self.surface.node
+
+    def with_means(self, means: Mapping[str, np.ndarray]) -> "Material":
+        """With the means of images as the values of what they feed."""
+        values = {}
+        for given, mean in means.items():
+            if (default := self.surface.defaults.get(given)) is not None:
+                values[given] = tuple(float(c) for c in np.broadcast_to(mean, 3)) if isinstance(default, tuple) else float(mean[0])
+        return replace(self, values=self.values | values, means=frozenset(means))
+
+    def places(self, given: str, converted: Converted) -> list[tuple[int, str]]:
+        """Where an image of `images` goes: elements by index, -1 the base, and their parameter; a normal to all that there are."""
+        names = {self.surface.own(name): name for name in PLACES} | NORMALS
+        if given not in names:
+            return []
+        roles, parameter = PLACES[names[given]]
+        here = [converted.owners[role] for role in roles if role in converted.owners]
+        return [(index, parameter) for index in (here if parameter == "normal" else here[:1])]
 
     def to_stack(self, without: frozenset[str] = frozenset()) -> Converted:
         """The stack that is as bright; `without`: images that are not linked to it, and are lost. Raises LaminaError."""
@@ -57,34 +83,41 @@ class Material:
         used = frozenset(own.get(i, NORMALS.get(i, i)) for i in self.images if i not in without)
         textured = self.surface.own("base_color") in self.images and self.surface.own("base_color") not in without
         converted = from_surface(self.surface, self.values, self.name, textured, used)
-        left_out = [
-            Loss(i, f"image {self.images[i].file}", LOST, f"{shown(self.values[i])} stands in" if i in self.values else "left out") for i in sorted(without)
-        ]
+        left_out = [image_loss(i, self.images[i], self.values.get(i), i in self.means) for i in sorted(without)]
         report = Report((*self.losses, *left_out, *converted.report.losses), converted.report.match)
         return replace(converted, report=report)
 
 
 def to_mtlx(values: dict, name: str, node: str = "open_pbr_surface") -> str:
     """The text of a file with one material. `values` by the surface's own names; colors are linear Rec. 709."""
+
+    def add(root: ElementTree.Element, surface_name: str) -> None:
+        surface = ElementTree.SubElement(root, node, name=surface_name, type="surfaceshader")
+        for parameter, value in values.items():
+            kind, text = ("color3", ", ".join(f"{v:.7g}" for v in value)) if isinstance(value, tuple) else ("float", f"{value:.7g}")
+            ElementTree.SubElement(surface, "input", name=parameter, type=kind, value=text)
+
+    return _file(name, add)
+
+
+def layers_to_mtlx(tree: Tree, name: str) -> str:
+    """The text of a file with one material, whose surface is a graph of layers."""
+    return _file(name, lambda root, surface_name: add_surface(root, tree, surface_name))
+
+
+def _file(name: str, add: Callable[[ElementTree.Element, str], None]) -> str:
+    """The text of a file with one material, the surface of which `add` writes by a name."""
     root = ElementTree.Element("materialx", version=_VERSION, colorspace="lin_rec709")
     label = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "Lamina"
     label = label if not label[0].isdigit() else f"M_{label}"
-    surface = ElementTree.SubElement(root, node, name=f"{label}_surface", type="surfaceshader")
-    for parameter, value in values.items():
-        kind, text = ("color3", ", ".join(f"{v:.7g}" for v in value)) if isinstance(value, tuple) else ("float", f"{value:.7g}")
-        ElementTree.SubElement(surface, "input", name=parameter, type=kind, value=text)
+    add(root, f"{label}_surface")
     material = ElementTree.SubElement(root, _MATERIAL, name=label, type="material")
-    ElementTree.SubElement(material, "input", name="surfaceshader", type="surfaceshader", nodename=surface.get("name"))
+    ElementTree.SubElement(material, "input", name="surfaceshader", type="surfaceshader", nodename=f"{label}_surface")
     ElementTree.indent(root)
     return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
-def save_mtlx(values: dict, name: str, path: str | os.PathLike, node: str = "open_pbr_surface") -> None:
-    """Write the file, whole or not at all. Raises LaminaError."""
-    write_text(path, to_mtlx(values, name, node))
-
-
-def load_mtlx(path: str | os.PathLike) -> list[Material]:
+def load_mtlx(path: str | os.PathLike) -> list[Material | LayeredMaterial]:
     """The materials of a file, then those of files that it includes; images are paths.
 
     Raises LaminaError in one line for what is no MaterialX file, has no surface that is known, or a value that is none.
@@ -92,26 +125,35 @@ def load_mtlx(path: str | os.PathLike) -> list[Material]:
     found, others = [], []
     for file in _with_included(Path(path)):
         document = Document(read_text(file, "MaterialX file"), str(file))
-        for name, node in _surfaces(document):
-            if node.tag in SURFACES:
-                material = _material(document, name, node)
-                found.append(replace(material, images={i: replace(image, file=str(file.parent / image.file)) for i, image in material.images.items()}))
-            else:
-                others.append(node.tag)
+        known, unknown = _materials(document, file.parent)
+        found += known
+        others += unknown
     return _required(found, others, str(path))
 
 
-def from_mtlx(text: str, where: str = "MaterialX") -> list[Material]:
+def from_mtlx(text: str, where: str = "MaterialX") -> list[Material | LayeredMaterial]:
     """The materials of a text, without what it includes."""
-    document = Document(text, where)
-    found = _surfaces(document)
-    return _required([_material(document, name, node) for name, node in found if node.tag in SURFACES], [node.tag for _, node in found], where)
+    return _required(*_materials(Document(text, where)), where)
 
 
-def _required(found: list[Material], others: list[str], where: str) -> list[Material]:
+def _materials(document: Document, folder: Path | None = None) -> tuple[list[Material | LayeredMaterial], list[str]]:
+    """Those that can be read, their images below a folder, and the surfaces of the others."""
+    found: list[Material | LayeredMaterial] = []
+    others = []
+    for name, node in _surfaces(document):
+        if node.tag in SURFACES:
+            found.append(_material(document, name, node, folder))
+        elif node.tag == SURFACE:
+            found.append(read_layered(document, name, node, folder))
+        else:
+            others.append(node.tag)
+    return found, others
+
+
+def _required(found: list[Material | LayeredMaterial], others: list[str], where: str) -> list[Material | LayeredMaterial]:
     if not found:
         names = ", ".join(sorted(set(others)))[:80] or "no surface"
-        raise LaminaError(f"{where}: has none of the surfaces that can be read, {', '.join(SURFACES)}; it has {names}")
+        raise LaminaError(f"{where}: has none of the surfaces that can be read, {', '.join(SURFACES)}, {SURFACE} of BSDFs; it has {names}")
     return found
 
 
@@ -144,7 +186,7 @@ def _surfaces(document: Document) -> list[tuple[str, ElementTree.Element]]:
     return found
 
 
-def _material(document: Document, name: str, node: ElementTree.Element) -> Material:
+def _material(document: Document, name: str, node: ElementTree.Element, folder: Path | None) -> Material:
     surface, graph = SURFACES[node.tag], Graph(document)
     values, images, losses = {}, {}, []
     for given in node:
@@ -159,7 +201,7 @@ def _material(document: Document, name: str, node: ElementTree.Element) -> Mater
             continue
         found = graph.value(given)
         if isinstance(found, Image):
-            images[parameter] = found
+            images[parameter] = found if folder is None else replace(found, file=str(folder / found.file))
         elif isinstance(found, Unread):
             stands_in = "left out" if default is None else f"its default, {shown(default)}, stands in"
             losses.append(Loss(parameter, "linked", LOST, f"{found.why}; {stands_in}"))

@@ -13,7 +13,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from ..errors import LaminaError
-from ..optics.colour import is_known, to_linear_rec709
+from ..optics.colour import artist_index, is_known, to_linear_rec709
 from .materialx_document import Document
 
 _COUNTS = {"float": 1, "integer": 1, "boolean": 1, "vector2": 2, "vector3": 3, "vector4": 4, "color3": 3, "color4": 4}
@@ -59,6 +59,35 @@ def _extract(inputs) -> np.ndarray:
     return values[min(max(index, 0), len(values) - 1)][None]
 
 
+def _widths(roughness: np.ndarray, inputs) -> np.ndarray:
+    """alpha along and across, their product roughness^4."""
+    alpha, aspect = roughness[0] ** 2, (1.0 - min(max(float(inputs("anisotropy", _ZERO)[0]), 0.0), 0.98)) ** 0.5
+    return np.array([min(alpha / aspect, 1.0), alpha * aspect])
+
+
+def _open_widths(inputs) -> np.ndarray:
+    """alpha along and across, the mean of their squares roughness^4."""
+    ratio = 1.0 - inputs("anisotropy", _ZERO)[0]
+    along = inputs("roughness", _ZERO)[0] ** 2 * (2.0 / (1.0 + ratio**2)) ** 0.5
+    return np.array([along, ratio * along])
+
+
+def _dual(inputs) -> np.ndarray:
+    both = inputs("roughness", np.zeros(2))[:2]
+    return np.square(np.where(both < 0.0, both[0], both))
+
+
+def _artistic(inputs) -> np.ndarray:
+    """Index and extinction, one after the other."""
+    reflectance = np.clip(inputs("reflectivity", np.array([0.944, 0.776, 0.373])), 0.0, 0.999)
+    return np.concatenate(artist_index(reflectance, np.clip(inputs("edge_color", np.array([0.998, 0.981, 0.751])), 0.0, 1.0)))
+
+
+def _if(holds: Callable) -> Callable:
+    """The first of two where two values are so, else the second."""
+    return lambda i: i("in1", _ZERO) if holds(i("value1", _ONE)[0], i("value2", _ZERO)[0]) else i("in2", _ZERO)
+
+
 FUNCTIONS: dict[str, Callable] = {
     "add": lambda i: i("in1", _ZERO) + i("in2", _ZERO), "subtract": lambda i: i("in1", _ZERO) - i("in2", _ZERO),
     "multiply": lambda i: i("in1", _ZERO) * i("in2", _ONE), "divide": _divided, "mix": _mix,
@@ -68,8 +97,16 @@ FUNCTIONS: dict[str, Callable] = {
     "sqrt": lambda i: np.sqrt(np.maximum(i("in", _ZERO), 0.0)), "absval": lambda i: np.abs(i("in", _ZERO)), "extract": _extract,
     "combine2": lambda i: np.concatenate([i(f"in{n}", _ZERO)[:1] for n in (1, 2)]),
     "combine3": lambda i: np.concatenate([i(f"in{n}", _ZERO)[:1] for n in (1, 2, 3)]),
+    "ifgreater": _if(lambda a, b: a > b), "ifgreatereq": _if(lambda a, b: a >= b), "ifequal": _if(lambda a, b: a == b),
+    "sign": lambda i: np.sign(i("in", _ZERO)), "floor": lambda i: np.floor(i("in", _ZERO)), "ceil": lambda i: np.ceil(i("in", _ZERO)),
+    "roughness_anisotropy": lambda i: _widths(i("roughness", _ZERO), i), "glossiness_anisotropy": lambda i: _widths(1.0 - i("glossiness", _ONE), i),
+    "open_pbr_anisotropy": _open_widths, "roughness_dual": _dual, "artistic_ior": _artistic,
     "luminance": lambda i: np.full(3, np.array([0.2126, 0.7152, 0.0722]) @ i("in", np.zeros(3))[:3]),
 }  # fmt: skip
+
+
+# Outputs of nodes that have several, whose numbers come one after the other.
+_OUTPUTS = {"artistic_ior": ("ior", "extinction")}
 
 
 class _Neither(Exception):
@@ -161,27 +198,27 @@ class Graph:
         if kind in _IMAGES:
             return self._image(node, output)
         if kind in _NORMALS:
-            given = _input(node, _NORMALS[kind])
+            given = input_of(node, _NORMALS[kind])
             image = self._image(node, "") if _NORMALS[kind] == "file" else self._followed(given) if given is not None else None
             if isinstance(image, Image):
                 return Image(image.file, "", True, image.tiling)
             raise _Neither(f"is a {kind} without an image")
         if kind in _PASSED:
-            given = _input(node, _PASSED[kind])
+            given = input_of(node, _PASSED[kind])
             if given is None:
                 raise _Neither(f"is a {kind} without a value")
             result = self._followed(given)
             return result if isinstance(result, Image) else _as_type(result, node.get("type", ""))
         if kind.startswith("separate"):
-            return self._channel(_input(node, "in"), {"outr": 0, "outx": 0, "outg": 1, "outy": 1, "outb": 2, "outz": 2, "outa": 3, "outw": 3}.get(output, 0))
+            return self._channel(input_of(node, "in"), {"outr": 0, "outx": 0, "outg": 1, "outy": 1, "outb": 2, "outz": 2, "outa": 3, "outw": 3}.get(output, 0))
         if kind == "extract" and isinstance(given := self._optional(node, "in"), Image):
             index = self._optional(node, "index")
-            return self._channel(_input(node, "in"), int(index[0]) if isinstance(index, np.ndarray) else 0)
+            return self._channel(input_of(node, "in"), int(index[0]) if isinstance(index, np.ndarray) else 0)
         if kind not in FUNCTIONS:
             raise _Neither(f"is computed by {kind}")
 
         def inputs(name: str, default: np.ndarray) -> np.ndarray:
-            given = _input(node, name)
+            given = input_of(node, name)
             if given is None:
                 return default
             found = self._followed(given)
@@ -189,10 +226,14 @@ class Graph:
                 raise _Neither(f"is computed from the image {found.file}")
             return found
 
-        return _as_type(np.atleast_1d(FUNCTIONS[kind](inputs)), node.get("type", ""))
+        result = np.atleast_1d(FUNCTIONS[kind](inputs))
+        if kind in _OUTPUTS:
+            names = _OUTPUTS[kind]
+            return np.split(result, len(names))[names.index(output) if output in names else 0]
+        return _as_type(result, node.get("type", ""))
 
     def _optional(self, node: Element, name: str):
-        given = _input(node, name)
+        given = input_of(node, name)
         return None if given is None else self._followed(given)
 
     def _channel(self, given: Element | None, index: int) -> np.ndarray | Image:
@@ -204,7 +245,7 @@ class Graph:
         return found[min(index, len(found) - 1)][None]
 
     def _image(self, node: Element, output: str) -> Image:
-        file = _input(node, "file")
+        file = input_of(node, "file")
         if file is None or not file.get("value"):
             if file is not None and file.get("interfacename"):
                 scope = self._document.parent(node)
@@ -219,7 +260,8 @@ class Graph:
         return Image(self._document.prefixed(node, "fileprefix") + file.get("value"), space, False, pair, channel)
 
 
-def _input(node: Element, name: str) -> Element | None:
+def input_of(node: Element, name: str) -> Element | None:
+    """The input of a node by name; None without one."""
     return next((child for child in node if child.tag == "input" and child.get("name") == name), None)
 
 

@@ -191,7 +191,9 @@ def from_surface(surface: Surface, values: dict, name: str = "", textured: bool 
         return appearance(v | {"base_color": tuple(np.broadcast_to(color, 3))}, surface.rules).solid
 
     done = slots_to_stack(slots, original, look, name, f"Converted from {surface.title}", reader.losses, textured)
-    losses = told([*done.report.losses], own, surface.defaults)
+    is_lighter = COAT in done.owners and not np.allclose(done.stack.layers[done.owners[COAT]]["tint"], slots.coat_tint)
+    said = [loss for loss in done.report.losses if not (is_lighter and loss.parameter == surface.own("coat_color") and loss.fate == KEPT)]
+    losses = told(said, own, surface.defaults)
     return Converted(done.stack, own, done.slots, done.owners, Report(tuple(losses), done.report.match), done.colors)
 
 

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .materialx_graph import Image
+
 KEPT, APPROXIMATED, LOST = "kept", "approximated", "lost"
 FATES = (KEPT, APPROXIMATED, LOST)
 
@@ -29,6 +31,13 @@ class Loss:
 
     def __str__(self) -> str:
         return f"{self.fate}: {self.parameter} {shown(self.value)}: {self.how}"
+
+
+def image_loss(given: str, image: Image, value, is_mean: bool) -> Loss:
+    """What becomes of an image that is not linked, by the value that stands in, or None."""
+    if is_mean:
+        return Loss(given, f"image {image.file}", APPROXIMATED, f"its mean, {shown(value)}, stands in; a material in Blender gets the image")
+    return Loss(given, f"image {image.file}", LOST, "left out" if value is None else f"{shown(value)} stands in")
 
 
 @dataclass(frozen=True)

@@ -267,7 +267,7 @@ def to_stack(slots: Slots, name: str, source: str, losses: list[Loss]) -> tuple[
     """The stack of slots, and which element each slot is; what the schema does not allow is clamped and said."""
     rows, n, owners = [], 1.0, {BASE: -1}
     if slots.coat:
-        n = _ior(slots.coat.eta, "coat IOR", losses)
+        n = ior_in_range(slots.coat.eta, "coat IOR", losses)
         owners[COAT] = len(rows)
         row = {
             "kind": "dielectric",
@@ -280,7 +280,7 @@ def to_stack(slots: Slots, name: str, source: str, losses: list[Loss]) -> tuple[
         }
         rows.append(row | ({"coverage": slots.coat_weight} if slots.coat_weight < 1.0 else {}))
     if slots.gloss:
-        n = _ior(n * slots.gloss.eta, "IOR", losses)
+        n = ior_in_range(n * slots.gloss.eta, "IOR", losses)
         owners[GLOSS] = len(rows)
         rows.append({"kind": "dielectric", "name": "Gloss", "ior": n, "roughness": slots.gloss.roughness, **slots.gloss.features})
     if slots.is_metal:
@@ -311,7 +311,8 @@ def _plain(value):
     )
 
 
-def _ior(ior: float, parameter: str, losses: list[Loss]) -> float:
+def ior_in_range(ior: float, parameter: str, losses: list[Loss]) -> float:
+    """An index as a layer may have it; what is limited is said."""
     limits = DIELECTRIC.parameter("ior")
     clamped = float(np.clip(ior, limits.minimum, limits.maximum))
     if abs(clamped - ior) > 1e-9:

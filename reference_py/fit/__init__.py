@@ -9,9 +9,5 @@ A stack is fitted by bounded least squares (`solve`) of a compressed residual (`
 runs inside Blender.
 """
 
-from .fitting import Fit, fit_structure
-from .readers import read
-from .readers.measurement import Measurement
-from .selection import Selection, select
-
-__all__ = ["Fit", "Measurement", "Selection", "fit_structure", "read", "select"]
+# For layers and base: what the data support.
+AUTO = "auto"

@@ -37,11 +37,8 @@ class Value:
     at_bound: bool
 
 
-def independent_pairs(fit: Fit) -> float:
-    """How many independent pairs the residuals are worth: n (1 - r) / (1 + r), r being the correlation of neighbours.
-
-    Noise differs from pair to pair; what a model cannot say is alike for pairs that are alike, and counts less often.
-    """
+def likeness(fit: Fit) -> float:
+    """Correlation of the residuals of neighbours: noise differs from pair to pair, and what no stack says is alike for pairs that are alike."""
     m = fit.metric.measurement
     theta_h, theta_d, phi_d = half_angles(m.wi, m.wo)
     around = 0.5 * theta_h * np.exp(2.0j * phi_d)
@@ -54,8 +51,19 @@ def independent_pairs(fit: Fit) -> float:
     np.fill_diagonal(distance, np.inf)
     neighbour = residual[np.argmin(distance, axis=1)]
     r = float(np.sum(residual * neighbour) / max(float(np.sum(np.square(residual))), 1e-30))
-    r = min(max(r, 0.0), MOST_ALIKE)
-    return len(m.f) * (1.0 - r) / (1.0 + r)
+    return min(max(r, 0.0), MOST_ALIKE)
+
+
+def independent_pairs(fit: Fit) -> float:
+    """How many independent pairs the residuals are worth: n (1 - r) / (1 + r), r being the correlation of neighbours."""
+    r = likeness(fit)
+    return len(fit.metric.measurement.f) * (1.0 - r) / (1.0 + r)
+
+
+def noise_and_misfit(fit: Fit) -> tuple[float, float]:
+    """The parts of a fit's error, whose squares add up to its: what differs from pair to pair, and what neighbours share."""
+    r = likeness(fit)
+    return fit.error * float(np.sqrt(1.0 - r)), fit.error * float(np.sqrt(r))
 
 
 def certainty(fit: Fit) -> list[Value]:

@@ -20,8 +20,9 @@ def request(file: str, layers: int | str, base: str, model: str) -> str:
 
 def main() -> None:
     """Serve one request."""
-    from . import read, select
     from .outcome import outcome
+    from .readers.by_suffix import read
+    from .selection import select
 
     data = json.load(sys.stdin)
     try:

@@ -6,7 +6,7 @@ from dataclasses import asdict, replace
 import numpy as np
 
 from ..material.stack import Stack
-from .certainty import OF_VALUE, certainty
+from .certainty import OF_VALUE, certainty, noise_and_misfit
 from .dense import evaluate_all
 from .metric import Metric, shape_error
 from .readers.measurement import Measurement
@@ -26,6 +26,7 @@ def outcome(measurement: Measurement, selection: Selection) -> dict:
     explains = bool(error < UNEXPLAINED)
     # of data that the stack does not explain its values say nothing
     values = [v if explains else replace(v, determined=False) for v in certainty(fit)]
+    noise, misfit = noise_and_misfit(fit)
     return {
         "stack": fit.stack.to_dict(),
         "model": fit.model,
@@ -34,6 +35,8 @@ def outcome(measurement: Measurement, selection: Selection) -> dict:
         "fitted_pairs": len(fit.metric.measurement.f),
         "error": error,
         "error_of_fitted_pairs": fit.error,
+        "noise": noise,
+        "misfit": misfit,
         "shape_error": shape_error(f, m.f, m.wi[:, 2]),
         "error_by_region": metric.bands(f),
         "explains": explains,
@@ -65,6 +68,8 @@ def lines(result: dict) -> list[str]:
         f"{stack.name}{named}, {len(result['parameters'])} parameters, model {result['model']}",
         f"error {100.0 * result['error']:.2f} % over {result['pairs']} pairs of directions (RMS of log f cos), "
         f"{100.0 * result['shape_error']:.2f} % of the reflected light (L1)",
+        f"of the fitted pairs' error {100.0 * result['noise']:.2f} % differ from pair to pair, as noise does, and {100.0 * result['misfit']:.2f} % are alike "
+        "among neighbours: what such a stack cannot say (their squares add up)",
         "by region: " + ", ".join(f"{name} {100.0 * error:.1f} %" for name, error in result["error_by_region"].items()),
     ]
     for row in result["tried"]:

@@ -128,6 +128,16 @@ class Parameters:
             x[list(g.index)] = g.coordinate(np.atleast_1d(elements[g.where][p.name])[: len(g.index)])
         return x
 
+    def without_effect(self, old: "Parameters", x: np.ndarray) -> np.ndarray:
+        """The vector (p,) of one layer more than `old` has at `x`, on top, that does nothing: of vacuum's index, smooth and clear."""
+        values = {"ior": 1.0, "roughness": 0.0, "tint": 1.0}
+        below = {(f"layer {int(g.where.split()[1]) + 1}" if g.where != "the base" else g.where, g.parameter.name): x[list(g.index)] for g in old.groups}
+        result = np.empty(self.size)
+        for g in self.groups:
+            place = (g.where, g.parameter.name)
+            result[list(g.index)] = below[place] if place in below else g.coordinate(values[g.parameter.name])
+        return result
+
     def stack(self, x: np.ndarray, name: str = "", source: str = "") -> Stack:
         """The stack at coordinates (p,)."""
         s, values = self.structure, self.values(np.clip(x, 0.0, 1.0))

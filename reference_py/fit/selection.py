@@ -8,21 +8,21 @@ there is nothing to explain. Layers are added as long as the criterion falls; th
 too, to say what it gains. All that is at the model's quick settings, unless their discrepancy could pass for a layer.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..errors import LaminaError
-from ..material.schema import DIELECTRIC
-from .certainty import independent_pairs
+from ..material.schema import CONDUCTOR, DIELECTRIC
+from . import AUTO
+from .certainty import independent_pairs, noise_and_misfit
 from .fitting import SAMPLES, Fit, Progress, corrected, polished, rough_fits, share_of, space_mapping_step, subsampled
 from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, require_fittable, stand_in
 from .metric import Metric, percent
 from .parameters import BASES, Parameters, Structure
 from .readers.measurement import Measurement
 
-AUTO = "auto"
 DISTRIBUTIONS = DIELECTRIC.parameter("distribution").choices
 MOST_LAYERS, LEAST_SAMPLES = 8, 50
 _AUTO_LAYERS = 3
@@ -63,6 +63,20 @@ def supported(more: Fit, less: Fit) -> bool:
     return criterion(more) < criterion(less, more)
 
 
+def preferred(found: Collection[Fit], against: Fit | None = None) -> Fit:
+    """The fit of least `criterion`, but a metal only where it gains more than the data's noise and the model's error.
+
+    A metal's colors and edge follow what no stack says better than others do, and would be chosen for plastics.
+    """
+    best = min(found, key=lambda fit: criterion(fit, against))
+    others = [fit for fit in found if fit.structure.base != CONDUCTOR.name]
+    if best.structure.base != CONDUCTOR.name or not others:
+        return best
+    other = min(others, key=lambda fit: criterion(fit, against))
+    gain = float(np.sqrt(max(other.error**2 - best.error**2, 0.0)))
+    return best if gain > max(noise_and_misfit(best)[0], MODEL_ERROR) else other
+
+
 def require_choices(layers: int | str, base: str, model: str, samples: int) -> None:
     """Raise LaminaError for what `select` does not take."""
     require_fittable(model)
@@ -100,10 +114,11 @@ def select(
     for count in range(last + 1):
         found = search.look(count, bases)
         bases = search.promising(count, found, bases)
-        best = min(found.values(), key=lambda fit: criterion(fit, tried[-1] if tried else None))
+        best = preferred(found.values(), tried[-1] if tried else None)
         tried.append(search.closer(best) if layers in (AUTO, count) else best)
         if layers == AUTO and count and not _is_clear(*tried[-2:]):
             tried[-2:] = [search.at_own_settings(fit) for fit in tried[-2:]]
+            tried[-1] = search.no_worse(*tried[:-3:-1])
         begun = (count + 1) / (last + 2)
         done(begun)
         say(f"{tried[-1].structure.name}: error {percent(tried[-1].error)}")
@@ -114,8 +129,15 @@ def select(
         chosen = tried[-2]
     best = polished(search.with_best_surfaces(chosen), share_of(progress, begun, 1.0), steps=_LAST_STEPS)
     done(1.0)
-    tried = [best if fit is chosen else fit for fit in tried]
+    tried = [best if fit is chosen else _containing(fit, best) for fit in tried]
     return Selection(best, tuple(tried), _reason(best, tried, layers))
+
+
+def _containing(more: Fit, best: Fit) -> Fit:
+    """A fit of one layer more than the best one has, which is at least as good: that layer may do nothing."""
+    if more.structure.layers != best.structure.layers + 1 or more.structure.base != best.structure.base or more.error <= best.error:
+        return more
+    return replace(more, x=more.parameters.without_effect(best.parameters, best.x), residual=best.residual)
 
 
 def _is_clear(fewer: Fit, more: Fit) -> bool:
@@ -154,7 +176,19 @@ class _Search:
             rough[base] = min(options, key=lambda option: option[0])
         least = min(cost for cost, _, _ in rough.values())
         self._by_base = {base: self._quick(structure, x, _LOOK_STEPS) for base, (cost, structure, x) in rough.items() if cost <= _FAR * least}
+        self._by_base = {base: self.no_worse(fit, before.get(base)) for base, fit in self._by_base.items()}
         return self._by_base
+
+    def no_worse(self, fit: Fit, less: Fit | None) -> Fit:
+        """A fit, or, where one of a layer less came closer at the same settings, that one with a layer more that does nothing at first."""
+        if less is None or less.structure.layers != fit.structure.layers - 1 or less.structure.base != fit.structure.base:
+            return fit
+        if fit.error <= less.error or fit.options != less.options:
+            return fit
+        structure = Structure(fit.structure.layers, fit.structure.base, (fit.structure.distributions[0], *less.structure.distributions))
+        x = Parameters(structure, less.parameters.channels).without_effect(less.parameters, less.x)
+        begun = corrected(self.metric, structure, self.model, x, _COMPARED_STEPS, options=fit.options)
+        return min(fit, begun, key=lambda f: f.error)
 
     def _quick(self, structure: Structure, x: np.ndarray, steps: int) -> Fit:
         return corrected(self.metric, structure, self.model, x, steps, options=QUICK.get(self.model, {}))
@@ -210,6 +244,8 @@ def _reason(best: Fit, tried: list[Fit], layers) -> str:
     more = next((f for f in tried if f.structure.layers == best.structure.layers + 1), None)
     if more is None:
         return f"the most layers that auto tries; choose --layers {best.structure.layers + 1} for more"
+    if more.residual is best.residual:
+        return f"one more layer gains nothing: it stays at {percent(best.error)}"
     change = criterion(more) - criterion(best, more)
     return (
         f"one more layer would bring the error from {percent(best.error)} to {percent(more.error)} with "

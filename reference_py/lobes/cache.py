@@ -18,11 +18,9 @@ from typing import NamedTuple, TypeVar
 
 from ..atomic import write_text
 from ..errors import LaminaError
-from ..material.coverage import is_plain
 from ..material.place import Place, places
-from ..material.schema import ANISOTROPY, COVERAGE, NORMAL, THIN_FILM
+from ..material.schema import COVERAGE, NORMAL
 from ..material.stack import Stack
-from ..models.adding.model import Adding
 
 # What a shader reads live even where it holds all other values.
 ALWAYS_LIVE = frozenset(p.name for feature in (COVERAGE, NORMAL) for p in feature.parameters)
@@ -194,17 +192,6 @@ def stack_key(stack: Stack, live: tuple[Place, ...] = ()) -> str:
         for i, e in places(stack)
     ]
     return hashlib.sha256(json.dumps([elements, [place.pair() for place in live]]).encode()).hexdigest()
-
-
-def truth_of(stack: Stack):
-    """The deterministic truth of a stack, its f a draft (`Adding`); it has no normals. Raises LaminaError for several patches and for features that it does not know."""
-    if not is_plain(stack):
-        raise LaminaError("a stack with coverage or opaque layers has one truth for each of its patches; judge them one by one")
-    for where, element in [*((f"layer {i}", e) for i, e in enumerate(stack.layers)), ("the base", stack.base)]:
-        for feature in (ANISOTROPY, THIN_FILM):
-            if element.has(feature):
-                raise LaminaError(f"the truth that methods are judged by, adding, knows no {feature.name}, which {where} has")
-    return Adding(stack, draft=1)
 
 
 def _rounded(value):

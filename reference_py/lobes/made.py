@@ -8,10 +8,9 @@ from typing import Protocol
 import numpy as np
 
 from ..material.place import Place
+from ..material.qualities import DEFAULT_TOLERANCE
 from ..material.stack import Stack
 from .lobe import DiffuseLobe, GlossyLobe
-
-DEFAULT_TOLERANCE = 0.02
 
 
 class LobeSet(Protocol):

@@ -14,6 +14,9 @@ from ..errors import LaminaError
 
 SCHEMA_VERSION = 4
 
+# Light by which spectra become colors: daylight, lamp light, equal energy; the first unless a stack names another.
+ILLUMINANTS = ("D65", "A", "E")
+
 FLOAT, COLOR, VECTOR, CHOICE = "float", "color", "vector", "choice"
 
 
@@ -30,6 +33,21 @@ class Parameter:
     maximum: float = 1.0
     unit: str = ""
     choices: tuple[str, ...] = ()
+    look: str = ""
+    """What it does to the look and what is usual, for those who drag it; empty where `help` says that."""
+
+    soft_maximum: float | None = None
+    """Where a slider ends, if not at `maximum`: what is typed may be more."""
+
+    @property
+    def slider_maximum(self) -> float:
+        """The largest value that is dragged to."""
+        return self.maximum if self.soft_maximum is None else self.soft_maximum
+
+    @property
+    def tooltip(self) -> str:
+        """What Blender says of it under the mouse."""
+        return self.look or self.help
 
     @property
     def is_structural(self) -> bool:
@@ -199,6 +217,7 @@ _ROUGHNESS = Parameter(
     0.0,
     "Roughness",
     "Square root of the microfacet distribution's alpha; 0 is perfectly smooth",
+    look="How blurred reflections are: 0 is a mirror, 0.1 polished, 0.3 satin, 0.6 matt",
 )
 _DISTRIBUTION = Parameter(
     "distribution",
@@ -207,14 +226,30 @@ _DISTRIBUTION = Parameter(
     "Distribution",
     "Statistics of the microfacets: GGX has long tails, Beckmann is a Gaussian of slopes",
     choices=("ggx", "beckmann"),
+    look="How highlights end: GGX in a wide soft glow, Beckmann sooner",
 )
 ANISOTROPY = Feature(
     "anisotropy",
     "Anisotropy",
     "Facets that are rougher along one direction of the surface, as brushing leaves them",
     (
-        Parameter("anisotropy", FLOAT, 0.0, "Anisotropy", "How much rougher along the tangent than across: the alphas' ratio is 1 - 0.9 anisotropy"),
-        Parameter("rotation", FLOAT, 0.0, "Rotation", "Turns the tangent about the normal; 1 is a full turn", unit="turns"),
+        Parameter(
+            "anisotropy",
+            FLOAT,
+            0.0,
+            "Anisotropy",
+            "How much rougher along the tangent than across: the alphas' ratio is 1 - 0.9 anisotropy",
+            look="Stretches highlights along one direction: 0 is even, 0.7 strongly brushed",
+        ),
+        Parameter(
+            "rotation",
+            FLOAT,
+            0.0,
+            "Rotation",
+            "Turns the tangent about the normal; 1 is a full turn",
+            unit="turns",
+            look="Turns the stretched highlights; 1 is a full turn",
+        ),
     ),
 )
 THIN_FILM = Feature(
@@ -222,15 +257,43 @@ THIN_FILM = Feature(
     "Thin Film",
     "A film on the interface, so thin that light interferes in it",
     (
-        Parameter("film_thickness", FLOAT, 0.0, "Film Thickness", "Thickness of the film; 0 is no film", maximum=2000.0, unit="nm"),
-        Parameter("film_ior", FLOAT, 1.33, "Film IOR", "Absolute index of refraction of the film", minimum=1.0, maximum=4.0),
+        Parameter(
+            "film_thickness",
+            FLOAT,
+            0.0,
+            "Film Thickness",
+            "Thickness of the film; 0 is no film",
+            maximum=2000.0,
+            soft_maximum=1000.0,
+            unit="nm",
+            look="Colors that change with the angle, as on soap or oil: 0 is no film, 200 to 600 are the most colorful",
+        ),
+        Parameter(
+            "film_ior",
+            FLOAT,
+            1.33,
+            "Film IOR",
+            "Absolute index of refraction of the film",
+            minimum=1.0,
+            maximum=4.0,
+            look="How strong the film's colors are: water 1.33, oil 1.45, oxides of metals 2 and more",
+        ),
     ),
 )
 COVERAGE = Feature(
     "coverage",
     "Coverage",
     "A layer that is only on part of the surface, in patches smaller than a pixel",
-    (Parameter("coverage", FLOAT, 1.0, "Coverage", "Share of the surface that has the layer: link a mask; where it is 0 the layer is gone, its medium too"),),
+    (
+        Parameter(
+            "coverage",
+            FLOAT,
+            1.0,
+            "Coverage",
+            "Share of the surface that has the layer: link a mask; where it is 0 the layer is gone, its medium too",
+            look="How much of the surface has the layer: 1 is all of it; give it a mask for dirt, wear and patches",
+        ),
+    ),
 )
 NORMAL = Feature(
     "normal",
@@ -245,6 +308,7 @@ NORMAL = Feature(
             "Normal in world space to link; zero is the surface's own. The reference models ignore it",
             minimum=-1.0,
             maximum=1.0,
+            look="Bumps of this layer alone: link a Normal Map or a Bump node",
         ),
     ),
 )
@@ -255,10 +319,33 @@ SCATTERING = Feature(
     "A cloudy medium, such as milk glass, paint or dust",
     (
         Parameter(
-            "scatter_g", FLOAT, 0.0, "Forwardness", "Mean cosine of the scattering angle: above 0 light goes on, below 0 back", minimum=-0.99, maximum=0.99
+            "scatter_g",
+            FLOAT,
+            0.0,
+            "Forwardness",
+            "Mean cosine of the scattering angle: above 0 light goes on, below 0 back",
+            minimum=-0.99,
+            maximum=0.99,
+            look="Where the cloudy medium sends light: 0 everywhere, above 0 onward as milk and dust do, below 0 back",
         ),
-        Parameter("scatter_color", COLOR, (0.8, 0.8, 0.8), "Scatter Color", "Color of a very thick layer, without interface and tint; 1 absorbs nothing"),
-        Parameter("density", FLOAT, 1.0, "Density", "Optical depth of the scattering medium per unit of thickness; 0 is a clear one", maximum=1000.0),
+        Parameter(
+            "scatter_color",
+            COLOR,
+            (0.8, 0.8, 0.8),
+            "Scatter Color",
+            "Color of a very thick layer, without interface and tint; 1 absorbs nothing",
+            look="Color of the cloudy medium where the layer hides what is below",
+        ),
+        Parameter(
+            "density",
+            FLOAT,
+            1.0,
+            "Density",
+            "Optical depth of the scattering medium per unit of thickness; 0 is a clear one",
+            maximum=1000.0,
+            soft_maximum=10.0,
+            look="How cloudy the layer is at thickness 1: 0 is clear, 1 a veil, 10 hides nearly all that is below",
+        ),
         Parameter(
             "extinction",
             VECTOR,
@@ -266,23 +353,65 @@ SCATTERING = Feature(
             "Scatter Extinction",
             "Optical depth per unit of thickness, scattering and absorption together, RGB; the tint's comes on top",
             maximum=1000.0,
+            soft_maximum=10.0,
+            look="How soon the cloudy medium stops red, green and blue light: 0 is clear, 10 hides nearly all that is below",
         ),
-        Parameter("scatter_albedo", COLOR, (0.9, 0.9, 0.9), "Scatter Albedo", "Share of the extinction that is scattered; 1 absorbs nothing"),
+        Parameter(
+            "scatter_albedo",
+            COLOR,
+            (0.9, 0.9, 0.9),
+            "Scattered Share",
+            "Single-scattering albedo: share of the extinction that is scattered; 1 absorbs nothing",
+            look="How bright the cloudy medium is: 1 loses no light, 0.9 is clearly darker",
+        ),
     ),
     alternatives=(("scatter_color", "density"), ("extinction", "scatter_albedo")),
 )
 
-_COLOR = Parameter("color", COLOR, (0.8, 0.8, 0.8), "Color", "Share of light that the opaque base reflects, linear RGB")
+_COLOR = Parameter(
+    "color",
+    COLOR,
+    (0.8, 0.8, 0.8),
+    "Color",
+    "Share of light that the opaque base reflects, linear RGB",
+    look="Color of the surface in white light; real ones lie between 0.03, soot, and 0.9, fresh snow",
+)
 
 DIELECTRIC = Kind(
     "dielectric",
     "Dielectric",
     "A clear or tinted medium below a smooth or rough interface",
     (
-        Parameter("ior", FLOAT, 1.5, "IOR", "Absolute index of refraction of the medium below the interface", minimum=1.0, maximum=4.0),
+        Parameter(
+            "ior",
+            FLOAT,
+            1.5,
+            "IOR",
+            "Absolute index of refraction of the medium below the interface",
+            minimum=1.0,
+            maximum=4.0,
+            soft_maximum=2.5,
+            look="How strongly the layer reflects: water 1.33, varnish and plastic 1.5, diamond 2.42",
+        ),
         _ROUGHNESS,
-        Parameter("tint", COLOR, (1.0, 1.0, 1.0), "Tint", "Color left of white light after one perpendicular crossing of unit thickness"),
-        Parameter("thickness", FLOAT, 1.0, "Thickness", "Thickness of the medium, in units of the tint's crossing", maximum=1000.0),
+        Parameter(
+            "tint",
+            COLOR,
+            (1.0, 1.0, 1.0),
+            "Tint",
+            "Color left of white light after one perpendicular crossing of unit thickness",
+            look="Color of the layer's body at thickness 1, crossed once: what shows has crossed twice and is deeper",
+        ),
+        Parameter(
+            "thickness",
+            FLOAT,
+            1.0,
+            "Thickness",
+            "Thickness of the medium, in units of the tint's crossing",
+            maximum=1000.0,
+            soft_maximum=4.0,
+            look="How deep the tint becomes: 0 is clear, 1 the tint itself, 2 the tint twice over",
+        ),
         _DISTRIBUTION,
     ),
     features=(COVERAGE, ANISOTROPY, THIN_FILM, NORMAL, SCATTERING),
@@ -295,7 +424,14 @@ OREN_NAYAR = Kind(
     (
         _COLOR,
         Parameter(
-            "sigma_deg", FLOAT, 20.0, "Slope Deviation", "Standard deviation of the facets' inclination (Oren and Nayar 1994)", maximum=90.0, unit="degrees"
+            "sigma_deg",
+            FLOAT,
+            20.0,
+            "Slope Deviation",
+            "Standard deviation of the facets' inclination (Oren and Nayar 1994)",
+            maximum=90.0,
+            unit="degrees",
+            look="How flat and dusty the surface looks: 0 is smooth paper, 20 clay, 40 dust",
         ),
     ),
     features=(NORMAL,),
@@ -305,12 +441,46 @@ CONDUCTOR = Kind(
     "Conductor",
     "A metal: named, or given by its complex index, or by reflectance and edge color",
     (
-        Parameter("eta", VECTOR, (0.2, 0.92, 1.1), "IOR", "Real part n of the absolute complex index, per RGB channel", minimum=0.01, maximum=20.0),
-        Parameter("k", VECTOR, (3.9, 2.45, 2.14), "Extinction", "Imaginary part k of the absolute complex index, per RGB channel", maximum=20.0),
-        Parameter("reflectance", COLOR, (0.9, 0.7, 0.5), "Reflectance", "Reflectance of the metal at normal incidence in air", maximum=0.999),
-        Parameter("edge_color", COLOR, (0.95, 0.9, 0.85), "Edge Color", "Edge tint g of Gulbrandsen 2014: 1 gives the smallest n that has the reflectance"),
+        Parameter(
+            "eta",
+            VECTOR,
+            (0.2, 0.92, 1.1),
+            "IOR",
+            "Real part n of the absolute complex index, per RGB channel",
+            minimum=0.01,
+            maximum=20.0,
+            soft_maximum=5.0,
+            look="First half of the metal's index, for red, green and blue: most metals lie between 0.1 and 3",
+        ),
+        Parameter(
+            "k",
+            VECTOR,
+            (3.9, 2.45, 2.14),
+            "Extinction",
+            "Imaginary part k of the absolute complex index, per RGB channel",
+            maximum=20.0,
+            soft_maximum=10.0,
+            look="Second half of the metal's index: more is brighter; most metals lie between 2 and 8",
+        ),
+        Parameter(
+            "reflectance",
+            COLOR,
+            (0.9, 0.7, 0.5),
+            "Reflectance",
+            "Reflectance of the metal at normal incidence in air",
+            maximum=0.999,
+            look="Color of the metal seen straight on: 0.5 is dark iron, 0.95 silver",
+        ),
+        Parameter(
+            "edge_color",
+            COLOR,
+            (0.95, 0.9, 0.85),
+            "Edge Color",
+            "Edge tint g of Gulbrandsen 2014: 1 gives the smallest n that has the reflectance",
+            look="Color of the metal at grazing angles; near white is usual",
+        ),
         _ROUGHNESS,
-        Parameter("metal", CHOICE, "aluminium", "Metal", "Metal whose measured index is used", choices=METALS),
+        Parameter("metal", CHOICE, "aluminium", "Metal", "Metal whose measured index is used", choices=METALS, look="Metal whose measured color is used"),
         _DISTRIBUTION,
     ),
     alternatives=(("metal",), ("eta", "k"), ("reflectance", "edge_color")),

@@ -11,8 +11,9 @@ from typing import Self, TypeVar
 
 from ..atomic import write_text
 from ..errors import LaminaError
+from . import tint_spectrum
 from .json_input import parse_json, read_text
-from .schema import COVERAGE, SCHEMA, SCHEMA_VERSION, Feature, Kind, Schema
+from .schema import COVERAGE, DIELECTRIC, ILLUMINANTS, SCHEMA, SCHEMA_VERSION, Feature, Kind, Schema
 
 MAX_LAYERS = 64
 _COVERAGE = {p.name for p in COVERAGE.parameters}
@@ -109,8 +110,10 @@ class Stack:
             base = _part(Base, data["base"], f"{where}: base", schema.base, version)
         else:
             *parts, base = _with_lowest_as_base(parts, where, schema)
+        illuminant = data.get(tint_spectrum.ILLUMINANT, ILLUMINANTS[0])
+        clear = [(layer, base, illuminant, "tint" in d, f"{where}: layer {i}") for i, (layer, d) in enumerate(zip(parts, layers))]
         return cls(
-            layers=tuple(parts),
+            layers=tuple(tint_spectrum.with_tint(*each) if "tint" in each[0] else each[0] for each in clear),
             base=base,
             name=data.get("name", ""),
             source=data.get("source", ""),
@@ -130,11 +133,16 @@ class Stack:
 
     def unknown_keys(self) -> list[str]:
         """One sentence per key that is kept but has no effect. `name` of a layer or the base is a label."""
-        messages = [_no_effect("stack", key, ("layers", "base", "name", "source", "schema_version")) for key in self.unknown]
+        spectral = [layer for layer in self.layers if tint_spectrum.spectrum_of(layer)]
+        known = ("layers", "base", "name", "source", "schema_version", tint_spectrum.ILLUMINANT)
+        messages = [_no_effect("stack", key, known) for key in self.unknown if not (spectral and key == tint_spectrum.ILLUMINANT)]
         named = [(f"layer {i}", e, SCHEMA.layers[e.kind]) for i, e in enumerate(self.layers)]
         for where, element, kind in [*named, ("base", self.base, SCHEMA.bases[self.base.kind])]:
             for key in element.unknown:
-                if key != "name":
+                if key == tint_spectrum.KEY and element.kind == DIELECTRIC.name:
+                    if element not in spectral:
+                        messages.append(f"{where}: {key} is kept and has no effect, as the layer has a tint of its own; leave tint out")
+                elif key != "name":
                     messages.append(_no_effect(where, key, [p.name for p in kind.all_parameters]))
         return messages
 

@@ -7,8 +7,9 @@ import numpy as np
 
 
 class Model(Protocol):
-    """A stack in numbers. The colour axis, written (..., 3) below, has one entry per wavelength for a stack of `spectral`.
+    """A stack in numbers. The colour axis, written (..., 3) below, has `channels` entries: one per wavelength for a stack of `spectral`.
 
+    What directions may be, and what becomes of those that are not, is the same for all (`optics.frame`).
     Most models can be sampled: `sample(wo, rng)` gives (wi, valid), (..., 3) and (...), and `pdf(wo, wi)` the density (...) of wi in
     1/sr. Samples that are not valid have value 0 and count as samples. Those that draw random numbers are `stochastic`, and
     have `f_stderr` and `albedo_stderr`.
@@ -16,6 +17,7 @@ class Model(Protocol):
 
     name: str
     stochastic: bool
+    channels: int
 
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """BRDF (..., 3) in 1/sr without cosine, for directions (..., 3); mirror-like components have none and count as 0."""
@@ -29,7 +31,7 @@ class Model(Protocol):
 class SampledModel(Model, Protocol):
     """A model that can be sampled."""
 
-    def sample(self, wo: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    def sample(self, wo: np.ndarray, rng: np.random.Generator | int) -> tuple[np.ndarray, np.ndarray]:
         """One light direction (..., 3) per wo, and whether it is valid, (...)."""
         ...
 

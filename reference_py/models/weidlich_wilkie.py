@@ -28,10 +28,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import LaminaError
+from ..errors import one_of
 from ..material.stack import Stack
 from ..optics import microfacet
-from ..optics.frame import dot, half_vector
+from ..optics.frame import color_axis, dot, half_vector, no_axis, per_direction, sampled
 from ..optics.fresnel import fresnel_dielectric
 from ..optics.interface import Microfacets
 from ..optics.microfacet import is_specular
@@ -39,7 +39,7 @@ from ..optics.optical_stack import OpticalStack, supports
 from ..optics.quadrature import directional_albedo
 from . import weidlich_wilkie_sampling as sampling
 
-# The print's ambiguities, each a named option; the first choice is the default, and the head says what they mean.
+# The print's ambiguities, each a named option; the head says what the choices mean.
 OPTIONS = {
     "refraction": ("half_vector", "macro_normal"),
     "absorption": ("inverse_cosine", "inverse_angle"),
@@ -99,13 +99,18 @@ class WeidlichWilkie:
     name = "weidlich_wilkie"
     stochastic = False
 
-    def __init__(self, stack: Stack, **options: str):
-        for key, value in options.items():
-            if key not in OPTIONS:
-                raise LaminaError(f"model {self.name}: unknown option {key!r}; choose {', '.join(OPTIONS)}")
-            if value not in OPTIONS[key]:
-                raise LaminaError(f"model {self.name}: unknown {key} {value!r}; choose {', '.join(OPTIONS[key])}")
-        self.options = {key: options.get(key, choices[0]) for key, choices in OPTIONS.items()}
+    def __init__(
+        self,
+        stack: Stack,
+        refraction: str = "half_vector",
+        absorption: str = "inverse_cosine",
+        compensation: str = "interface",
+        distribution: str = "stack",
+        masking: str = "smith",
+        oren_nayar: str = "energy_preserving",
+    ):
+        given = (refraction, absorption, compensation, distribution, masking, oren_nayar)
+        self.options = {key: one_of(f"model {self.name}", key, value, OPTIONS[key]) for key, value in zip(OPTIONS, given)}
         self.stack = stack
         optics = OpticalStack.of(stack, self)
         self.channels, self.interfaces, self.base = optics.channels, optics.interfaces, optics.base
@@ -116,6 +121,7 @@ class WeidlichWilkie:
         distribution = microfacet.BLINN if self.options["distribution"] == "blinn" else facets.distribution
         return _Facets(facets.alpha, distribution, self.options["masking"] == "v_cavity")
 
+    @per_direction(color_axis)
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """BRDF (..., 3) in 1/sr without cosine; mirror-like components have none and count as 0."""
         return sum(self.components(wo, wi))
@@ -171,13 +177,15 @@ class WeidlichWilkie:
         wh = half_vector(wi, wo)
         return self.base.reflectance(dot(wi, wh)) * self._base_facets.lobe(wi, wo, wh)[..., None]
 
-    def sample(self, wo: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    @sampled
+    def sample(self, wo: np.ndarray, rng: np.random.Generator | int) -> tuple[np.ndarray, np.ndarray]:
         """One light direction (..., 3) per wo and whether it is valid, (...): false where it was culled.
 
         What culling loses is compensated in f, by t of eq. 4. A component without finite f is never picked.
         """
         return sampling.sample(self, wo, rng)
 
+    @per_direction(no_axis)
     def pdf(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """Density (...) in 1/sr that eq. 8 claims for `sample`; it is not the samples' own below an interface."""
         return sampling.pdf(self, wo, wi)
@@ -188,10 +196,10 @@ class WeidlichWilkie:
         base = None if self._base_facets is None else (self._base_facets.alpha, self._base_facets.distribution)
         return (*((f.alpha, f.distribution) for f in self._facets), base)
 
+    @per_direction(color_axis)
     def albedo(self, wo: np.ndarray) -> np.ndarray:
         """Directional albedo (..., 3), mirror-like components included."""
-        wo = np.asarray(wo, float)
-        widths = [(kind, alpha) for alpha, kind in filter(None, self.lobes)]
+        widths = [(distribution, alpha) for alpha, distribution in filter(None, self.lobes)]
         return directional_albedo(self.f, wo, widths) + self.specular_albedo(wo)
 
     def specular_albedo(self, wo: np.ndarray) -> np.ndarray:

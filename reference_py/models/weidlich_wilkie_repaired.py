@@ -27,8 +27,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ..errors import LaminaError
+from ..errors import one_of
 from ..material.stack import Stack
+from ..optics.frame import DOWN, no_axis, per_direction, sampled
 from ..optics.optical_stack import supports
 from ..optics.quadrature import cosine_directions, points
 from . import weidlich_wilkie_sampling as sampling
@@ -48,40 +49,34 @@ class WeidlichWilkieRepaired(WeidlichWilkie):
 
     name = "weidlich_wilkie_repaired"
 
-    def __init__(self, stack: Stack, weights: str = WEIGHTS[0], **unknown: str):
-        for key in unknown:
-            raise LaminaError(f"model {self.name}: unknown option {key!r}; choose weights")
-        if weights not in WEIGHTS:
-            raise LaminaError(f"model {self.name}: unknown weights {weights!r}; choose {', '.join(WEIGHTS)}")
+    def __init__(self, stack: Stack, weights: str = WEIGHTS[0]):
         super().__init__(stack, refraction="macro_normal", compensation="none")
-        self._weights = weights
+        self._weights = one_of(f"model {self.name}", "weights", weights, WEIGHTS)
 
     def _cross(self, surface, facets, level: Level) -> Level:
         below = super()._cross(surface, facets, level)
         return replace(below, throughput=below.throughput / surface.eta**2)
 
-    def sample(self, wo: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    @sampled
+    def sample(self, wo: np.ndarray, rng: np.random.Generator | int) -> tuple[np.ndarray, np.ndarray]:
         """One light direction (..., 3) per wo and whether it is valid, (...).
 
-        Invalid ones lie below the horizon; they have a density and count as samples of value 0. Null vectors
-        where no component has a finite f.
+        Invalid ones lie below the horizon; they have a density and count as samples of value 0. They point straight
+        down where no component has a finite f.
         """
-        wo = np.asarray(wo, float)
-        flat = wo.reshape(-1, 3)
-        wi = np.zeros(flat.shape)
-        pick, u1, u2 = rng.random((3, len(flat)))
+        wi = np.broadcast_to(DOWN, wo.shape).copy()
+        pick, u1, u2 = rng.random((3, len(wo)))
         # without the last sum, which rounding may leave below a pick
-        bounds = np.cumsum(self.component_weights(flat), axis=-1)[:, :-1]
+        bounds = np.cumsum(self.component_weights(wo), axis=-1)[:, :-1]
         chosen = np.sum(pick[:, None] >= bounds, axis=-1)
         for place, k in enumerate(self._finite):
             rows = np.flatnonzero(chosen == place)
-            wi[rows] = self._sample_component(k, flat[rows], u1[rows], u2[rows])
-        valid = (wi[:, 2] > 0.0) & (flat[:, 2] > 0.0)
-        return wi.reshape(wo.shape), valid.reshape(wo.shape[:-1])
+            wi[rows] = self._sample_component(k, wo[rows], u1[rows], u2[rows])
+        return wi, (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
 
+    @per_direction(no_axis)
     def pdf(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """Density (...) in 1/sr of `sample` for wi on the whole sphere; 0 for viewers below the horizon."""
-        wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
         weights = self.component_weights(wo)
         total = sum((weights[..., i] * self._component_pdf(k, wo, wi) for i, k in enumerate(self._finite)), 0.0)
         return np.where(wo[..., 2] > 0.0, total, 0.0)

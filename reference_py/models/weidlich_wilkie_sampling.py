@@ -15,24 +15,22 @@ from itertools import islice
 import numpy as np
 
 from ..optics import microfacet
-from ..optics.frame import dot, half_vector, normalize, reflect
+from ..optics.frame import DOWN, dot, half_vector, normalize, reflect
 from ..optics.microfacet import is_specular
 from ..optics.quadrature import cosine_directions, facet_normals
 
 
 def sample(model, wo: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """wi (..., 3) and valid (...) of a `WeidlichWilkie` for wo (..., 3); culled wi are null vectors."""
-    wo = np.asarray(wo, float)
-    flat = wo.reshape(-1, 3)
-    pick, u1, u2 = rng.random((3, len(flat)))
-    wi, valid = np.zeros(flat.shape), np.zeros(len(flat), bool)
+    """wi (n, 3) and valid (n,) of a `WeidlichWilkie` for rows wo; culled wi point straight down."""
+    pick, u1, u2 = rng.random((3, len(wo)))
+    wi, valid = np.zeros(wo.shape), np.zeros(len(wo), bool)
     finite = finite_components(model)
     chosen = (pick * len(finite)).astype(int)
     for place, k in enumerate(finite):
         rows = np.flatnonzero(chosen == place)
-        wi[rows], valid[rows] = _sample_component(model, k, flat[rows], u1[rows], u2[rows])
-    wi[~valid] = 0.0
-    return wi.reshape(wo.shape), valid.reshape(wo.shape[:-1])
+        wi[rows], valid[rows] = _sample_component(model, k, wo[rows], u1[rows], u2[rows])
+    wi[~valid] = DOWN
+    return wi, valid
 
 
 def pdf(model, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:

@@ -9,6 +9,8 @@ from .directions import components, vectors
 from .distribution import Distribution, axes
 
 _SQRT_PI = sqrt(pi)
+# alpha^2 tan^2 up to which masking counts as none: a = 1.6 (Walter07). Cycles has it rounded, .39: there Lambda differs by 6e-5 between the two.
+_NO_MASKING = 1.0 / 1.6**2
 
 
 class Beckmann(Distribution):
@@ -39,14 +41,14 @@ class Beckmann(Distribution):
         """The rational approximation of Walter07, which Cycles uses."""
         a = 1.0 / np.sqrt(np.maximum(a2_tan2, 1e-30))
         rational = ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a)
-        return np.where(a2_tan2 < 0.39, 0.0, rational)
+        return np.where(a2_tan2 <= _NO_MASKING, 0.0, rational)
 
     def smith_lambda_rate(self, a2_tan2):
         """That of the rational approximation, by a = 1 / (alpha tan), whose own rate is -a^3 / 2."""
         a = 1.0 / np.sqrt(np.maximum(a2_tan2, 1e-30))
         top, below = (0.396 * a - 1.259) * a + 1.0, (2.181 * a + 3.535) * a
         by_a = ((0.792 * a - 1.259) * below - top * (4.362 * a + 3.535)) / np.square(below)
-        return np.where(a2_tan2 < 0.39, 0.0, -0.5 * a**3 * by_a)
+        return np.where(a2_tan2 <= _NO_MASKING, 0.0, -0.5 * a**3 * by_a)
 
     def projected_area(self, w, alpha):
         """Not by the approximation of `smith_lambda`, from which it differs by up to 0.35 %: samples and densities must agree."""

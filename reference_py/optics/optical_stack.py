@@ -17,6 +17,7 @@ from ..material.stack import Base, Layer, Stack
 from .bases import ConductorBase, DiffuseBase
 from .interface import Interface
 from .microfacet import BECKMANN, GGX, is_specular
+from .spectral import SpectralStack
 
 LAYERS: dict[str, Any] = {DIELECTRIC.name: Interface}
 BASES: dict[str, Any] = {LAMBERT.name: DiffuseBase, OREN_NAYAR.name: DiffuseBase, CONDUCTOR.name: ConductorBase}
@@ -35,6 +36,8 @@ class Support:
     bases: tuple[type, ...] | None = (DiffuseBase, ConductorBase)
     distributions: tuple[str, ...] | None = (GGX, BECKMANN)
     features: tuple[Feature, ...] = ()
+    spectral: bool = True
+    """Whether a model's colour axis may have any number of channels, rather than RGB, which methods and lobe sets have alone."""
 
 
 # Who supports what: by role, "model", "method" or "lobe set", and by name.
@@ -66,18 +69,27 @@ class OpticalStack:
     def of(cls, stack: Stack, user=None) -> "OpticalStack":
         """Resolve a stack for a model or method, a class or an instance decorated by `supports`.
 
-        Raises LaminaError naming the layer or base, its kind, distribution or feature, and who knows it.
+        Raises LaminaError naming the layer or base, its kind, distribution or feature, and who knows it; a value that is NaN, and spectra.
         """
         elements = [*((f"layer {i}", e) for i, e in enumerate(stack.layers)), ("base", stack.base)]
         for where, element in elements:
             kind = _class_of(element, where, BASES if element is stack.base else LAYERS)
+            _require_numbers(where, element)
             if user is not None:
                 _require(user, where, element, kind, "bases" if element is stack.base else "layers")
         interfaces, n = [], 1.0
         for layer in stack.layers:
             interfaces.append(LAYERS[layer.kind].of(layer, n))
             n = interfaces[-1].n_below
-        return cls(tuple(interfaces), BASES[stack.base.kind].of(stack.base, n))
+        base = BASES[stack.base.kind].of(stack.base, n)
+        for i, interface in enumerate(interfaces):
+            if len(interface.tau) != base.channels:
+                raise LaminaError(f"layer {i} has {len(interface.tau)} channels and the base {base.channels}; choose one number for all (optics.spectral)")
+        is_rgb = base.channels == 3 and not isinstance(stack, SpectralStack)
+        if user is not None and not is_rgb and not (user.role == "model" and user.support.spectral):
+            able = ", ".join(name for name, support in USERS["model"].items() if support.spectral)
+            raise LaminaError(f"{user.role} {user.name} knows RGB alone, and this stack has {base.channels} spectral channels; choose model {able}")
+        return cls(tuple(interfaces), base)
 
     @property
     def channels(self) -> int:
@@ -105,6 +117,13 @@ def _class_of(element: Layer | Base, where: str, classes: dict[str, Any]) -> Any
     if element.kind not in classes:
         raise LaminaError(f"{where}: the kind {element.kind} has no optics; choose {', '.join(classes)}")
     return classes[element.kind]
+
+
+def _require_numbers(where: str, element: Layer | Base) -> None:
+    """Raises LaminaError for a value that is NaN: one that no schema has checked."""
+    for name, value in element.values.items():
+        if not isinstance(value, str) and np.any(np.isnan(value)):
+            raise LaminaError(f"{where}: {name} is {value!r}, which has a NaN; choose numbers")
 
 
 def _require(user, where: str, element: Layer | Base, kind: type, place: str) -> None:

@@ -31,7 +31,7 @@ def medium_of(layer: Layer, tint_tau: np.ndarray) -> tuple[np.ndarray, Scatterin
     if not layer.has(SCATTERING):
         return tint_tau, None
     if "density" in layer:
-        extinction, albedo = np.full(3, layer["density"]), np.array(albedo_of_color(layer["scatter_color"], layer["scatter_g"]))
+        extinction, albedo = np.full(len(layer["scatter_color"]), layer["density"]), np.array(albedo_of_color(layer["scatter_color"], layer["scatter_g"]))
     else:
         extinction, albedo = np.array(layer["extinction"]), np.array(layer["scatter_albedo"])
     own = extinction * layer["thickness"]

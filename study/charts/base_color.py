@@ -7,9 +7,9 @@ import numpy as np
 
 from ...reference_py.atomic import require_writable
 from ...reference_py.lobes.baked import follows
-from ...reference_py.lobes.cache import truth_of
 from ...reference_py.lobes.error_estimate import ErrorEstimator, Errors
 from ...reference_py.lobes.methods import make_lobe_set
+from ...reference_py.lobes.truth import truth_of
 from ...reference_py.lobes.view_table import BASE_COLOR, TableLobes
 from ...reference_py.material.stack import Stack
 from ..suite import charted

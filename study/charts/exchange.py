@@ -11,7 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.exchange.materialx import SUFFIX, Material, load_mtlx
+from ...reference_py.exchange import SUFFIX
+from ...reference_py.exchange.layer_graph import LayeredMaterial
+from ...reference_py.exchange.materialx import Material, load_mtlx
 from ...reference_py.exchange.report import APPROXIMATED, LOST
 from ..colorimetry import colour_science, delta_e_2000, xyz_of_linear
 from ..tables import Report, write_table
@@ -54,14 +56,14 @@ def row_of(path: Path) -> list[str]:
     unsaid = any(difference > SAID_ABOVE and name not in named for name, difference in off.items())
     numbers = (100.0 * match.soft_light, 100.0 * match.lost_light, match.color_difference, max(off.values(), default=0.0))
     counts = [str(len(report.of(fate))) for fate in (LOST, APPROXIMATED)]
-    return [path.name, material.name, material.surface.node, *counts, *(f"{n:.2f}" for n in numbers), "yes" if unsaid else "no"]
+    return [path.name, material.name, material.node, *counts, *(f"{n:.2f}" for n in numbers), "yes" if unsaid else "no"]
 
 
-def _off(path: Path, material: Material) -> dict[str, float]:
+def _off(path: Path, material: Material | LayeredMaterial) -> dict[str, float]:
     """CIEDE2000 between the colors of a file as they were read and as colour-science reads them, by input."""
     colour = colour_science()
     root = ElementTree.parse(path).getroot()
-    node = next((n for n in root.iter(material.surface.node)), None)
+    node = next((n for n in root.iter(material.node)), None)
     off = {}
     for given in node if node is not None else ():
         space = given.get("colorspace") or node.get("colorspace") or root.get("colorspace", "")

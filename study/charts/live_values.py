@@ -8,9 +8,9 @@ import numpy as np
 
 from ...reference_py.atomic import require_writable
 from ...reference_py.lobes.baked import baked
-from ...reference_py.lobes.cache import truth_of
 from ...reference_py.lobes.error_estimate import ErrorEstimator
 from ...reference_py.lobes.methods import make_lobe_set
+from ...reference_py.lobes.truth import truth_of
 from ...reference_py.material.place import Place, in_words
 from ...reference_py.material.stack import Stack
 from ..tables import Report, write_table

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from ...reference_py.atomic import require_writable
-from ...reference_py.lobes.cache import truth_of
 from ...reference_py.lobes.error_estimate import ErrorEstimator, ball_cosines
 from ...reference_py.lobes.methods import make_lobe_set
+from ...reference_py.lobes.truth import truth_of
 from ...reference_py.material.stack import Stack
 from ...reference_py.optics.frame import spherical
 from ...reference_py.optics.scattering import albedo_of_color

@@ -79,9 +79,9 @@ def test_items_travel_to_another_process(tmp_path):
     assert [Item.from_dict(json.loads(json.dumps(item.to_dict()))) for item in made] == made
 
 
-def test_the_job_in_the_readme_is_one(tmp_path):
-    readme = (Path(lamina.__file__).parent / "README.md").read_text(encoding="utf-8")
-    (text,) = (block for block in re.findall(r"```json\n(.*?)```", readme, re.DOTALL) if '"stacks"' in block)
+def test_the_job_in_the_manual_is_one(tmp_path):
+    page = (Path(lamina.__file__).parent / "docs/technical-directors.md").read_text(encoding="utf-8")
+    (text,) = (block for block in re.findall(r"```json\n(.*?)```", page, re.DOTALL) if '"stacks"' in block)
     assert len(expand(Job.from_json(text, tmp_path / "job.json"))) == 12
 
 

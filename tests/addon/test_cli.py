@@ -43,6 +43,24 @@ def test_eval_prints_f_for_every_light_direction():
     assert np.array(data["f"]) == pytest.approx(make_model("closure_model", presets.load("frosted_paint"), method="analytic").f(wo, wi))
 
 
+def test_eval_prints_a_table_of_a_grid():
+    out, _ = lamina("eval", "glazed_mug", "--model", "position_free", "--option", "walks=64", "--wo", "30,0", "--grid", 30, "--csv")
+    header, *rows = out.splitlines()
+    assert header == "theta_o,phi_o,theta_i,phi_i,r,g,b,r_stderr,g_stderr,b_stderr"
+    table = np.array([[float(v) for v in row.split(",")] for row in rows])
+    assert table.shape == (1 + 2 * 12, 10) and np.all(table[:, :2] == [30.0, 0.0]) and set(table[:, 2]) == {0.0, 30.0, 60.0}
+    wi = spherical(np.radians(table[:, 2]), np.radians(table[:, 3]))
+    f, stderr = make_model("position_free", presets.load("glazed_mug"), walks=64).f_stderr(spherical(np.radians(30.0), 0.0), wi)
+    assert table[:, 4:] == pytest.approx(np.concatenate([f, stderr], axis=1), rel=1e-5)
+
+
+def test_plot_writes_a_picture_or_nothing(tmp_path):
+    lamina("plot", "glazed_mug", "--model", "weidlich_wilkie", "--theta", 20, "-o", tmp_path / "mug.svg")
+    assert "view 20" in (tmp_path / "mug.svg").read_text(encoding="utf-8")
+    _, err = lamina("plot", "glazed_mug", "-o", tmp_path / "mug.gif", code=2)
+    assert err.count("\n") == 1 and "choose a name that ends in .svg" in err and not (tmp_path / "mug.gif").exists()
+
+
 def test_json_says_how_to_get_the_numbers_again():
     out, _ = lamina("albedo", "glazed_mug", "--model", "adding", "--option", "nodes=40", "--surface", "single", "--theta", 0, "--json")
     data = json.loads(out)

@@ -224,6 +224,44 @@ def test_a_file_becomes_materials_with_its_images(plane, tmp_path):
     assert counts() == before
 
 
+LAYERS = """<image name="i" type="color3"><input name="file" type="filename" value="wood.png" colorspace="srgb_texture"/></image>
+<image name="r" type="float"><input name="file" type="filename" value="wood.png"/></image>
+<roughness_anisotropy name="ra" type="vector2"><input name="roughness" type="float" nodename="r"/></roughness_anisotropy>
+<oren_nayar_diffuse_bsdf name="paint" type="BSDF"><input name="color" type="color3" nodename="i"/></oren_nayar_diffuse_bsdf>
+<dielectric_bsdf name="gloss" type="BSDF"><input name="roughness" type="vector2" nodename="ra"/></dielectric_bsdf>
+<layer name="l" type="BSDF"><input name="top" type="BSDF" nodename="gloss"/><input name="base" type="BSDF" nodename="paint"/></layer>
+<mix name="m" type="BSDF"><input name="bg" type="BSDF" nodename="paint"/><input name="fg" type="BSDF" nodename="l"/><input name="mix" type="float" nodename="r"/></mix>
+<surface name="s" type="surfaceshader"><input name="bsdf" type="BSDF" nodename="m"/></surface>"""
+
+
+def test_images_of_layers_are_linked_and_outside_blender_their_means_stand_in(plane, tmp_path, capsys):
+    image = bpy.data.images.new("wood", 4, 4)
+    image.pixels[:] = [0.5, 0.25, 0.75, 1.0] * 16
+    image.filepath_raw, image.file_format = str(tmp_path / "wood.png"), "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+    file, out = tmp_path / "layers.mtlx", tmp_path / "out.json"
+    file.write_text(f'<materialx version="1.39" colorspace="lin_rec709">{LAYERS}</materialx>')
+    assert bpy.ops.lamina.import_materials("EXEC_DEFAULT", filepath=str(file)) == {"FINISHED"}
+    lamina = plane.active_material.lamina
+    gloss, base = node_of(lamina.layers[0]), node_of(lamina.base)
+    assert all(socket.is_linked for socket in (gloss.inputs["Coverage"], gloss.inputs["Roughness"], base.inputs["Color"]))
+    assert gloss.inputs["Roughness"].links[0].from_node.image.colorspace_settings.name == "Non-Color"
+    before = counts()
+    assert run(["convert", str(file), "-o", str(out)]) == 0
+    assert counts() == before
+    told = capsys.readouterr().out
+    assert "approximated: paint color image" in told and "wood.png: its mean, 0.2159 0.05127 0.521, stands in" in told
+    stack = Stack.load(out)
+    assert stack.layers[0]["coverage"] == pytest.approx(0.5, abs=0.01) and stack.layers[0]["roughness"] == pytest.approx(0.5, abs=0.01)
+    file.write_text(file.read_text().replace("wood.png", "gone.png"))
+    assert run(["convert", str(file), "-o", str(out)]) == 0
+    assert "gone.png: there is no such file" in capsys.readouterr().out
+    (tmp_path / "gone.png").write_text("no image")
+    assert run(["convert", str(file), "-o", str(out)]) == 0
+    assert "no image that Blender can read" in capsys.readouterr().out
+
+
 def test_an_objects_material_is_written_outside_a_window(plane, tmp_path, capsys):
     material = layered(plane)
     material.node_tree.links.new(ramp(material), node_of(material.lamina.layers[0]).inputs["Roughness"])

@@ -31,13 +31,14 @@ STACK = Stack.from_dict(
     }
 )
 CHECKER = (np.indices((8, 8)).sum(axis=0) % 2 * 255).astype(np.uint8)[..., None].repeat(3, axis=-1)
+RENDER = thumbnails.render_thumbnail  # without the quick one of the tests
 
 
 @pytest.fixture(autouse=True)
 def folder(blender, tmp_path, monkeypatch):
     """The folder of own presets, of this test alone; the picture is none of the material, as that takes seconds."""
     monkeypatch.setenv(user_folders.PRESETS_VARIABLE, str(tmp_path / "own"))
-    monkeypatch.setattr(preset_operators, "render_thumbnail", lambda _, path: write_png(path, CHECKER.repeat(2, 0).repeat(2, 1)))
+    monkeypatch.setattr(preset_assets, "render_thumbnail", lambda _, path: write_png(path, CHECKER.repeat(2, 0).repeat(2, 1)))
     yield tmp_path / "own"
     for library in [l for l in bpy.context.preferences.filepaths.asset_libraries if Path(library_path(l)) == tmp_path / "own"]:
         bpy.context.preferences.filepaths.asset_libraries.remove(library)
@@ -163,7 +164,7 @@ def test_a_material_of_the_presets_name_keeps_it(folder, tmp_path):
 
 def test_without_openimageio_there_is_a_picture_all_the_same(folder, tmp_path, monkeypatch):
     textured(tmp_path)
-    monkeypatch.setattr(preset_operators, "render_thumbnail", lambda owner, path: thumbnails.render_thumbnail(owner, path, 16, 1))
+    monkeypatch.setattr(preset_assets, "render_thumbnail", lambda owner, path: RENDER(owner, path, 16, 1))
     with monkeypatch.context() as lacking:
         lacking.setitem(sys.modules, "OpenImageIO", None)
         assert bpy.ops.lamina.save_preset(name="Mine") == {"FINISHED"}
@@ -179,7 +180,7 @@ def test_a_picture_that_fails_is_said_and_the_preset_is_there(folder, tmp_path, 
         raise LaminaError("no engine")
 
     textured(tmp_path)
-    monkeypatch.setattr(preset_operators, "render_thumbnail", fail)
+    monkeypatch.setattr(preset_assets, "render_thumbnail", fail)
     assert bpy.ops.lamina.save_preset(name="Mine") == {"FINISHED"}
     assert "the preset has no picture: no engine" in capfd.readouterr().out
     assert user_presets.asset_of("mine").is_file() and not user_presets.picture_of("mine").exists()
@@ -207,7 +208,7 @@ def test_what_cannot_be_saved_is_refused_before_a_picture_is_rendered(folder, tm
     else:
         folder.write_text("a file where the folder should be")
     before = contents(), sorted(tmp_path.rglob("*"))
-    monkeypatch.setattr(preset_operators, "render_thumbnail", lambda *_: pytest.fail("it rendered"))
+    monkeypatch.setattr(preset_assets, "render_thumbnail", lambda *_: pytest.fail("it rendered"))
     with pytest.raises(RuntimeError, match=told) as error:
         bpy.ops.lamina.save_preset(name="Mine")
     assert len(str(error.value).strip().splitlines()) == 1

@@ -97,11 +97,11 @@ def test_the_panels_list_is_of_that_property(blender):
 
 
 CHANGES = {
-    "add": (lambda: bpy.ops.lamina.layer_add("EXEC_DEFAULT", True, kind="dielectric"), "Dielectric"),
+    "add": (lambda: bpy.ops.lamina.layer_add("EXEC_DEFAULT", True, kind="dielectric"), "Plastic"),
     "remove": (lambda: bpy.ops.lamina.layer_remove("EXEC_DEFAULT", True), "C"),
     "move": (lambda: bpy.ops.lamina.layer_move("EXEC_DEFAULT", True, direction="UP"), "B"),
     "duplicate": (lambda: bpy.ops.lamina.layer_duplicate("EXEC_DEFAULT", True), "B 2"),
-    "preset": (lambda: bpy.ops.lamina.apply_preset("EXEC_DEFAULT", True, preset="glossy_plastic"), "Dielectric"),
+    "preset": (lambda: bpy.ops.lamina.apply_preset("EXEC_DEFAULT", True, preset="glossy_plastic"), "Plastic"),
 }
 
 

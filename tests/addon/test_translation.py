@@ -35,7 +35,7 @@ def test_the_collector_sees_all_sources(blender):
     """One string of each sort: schema, choice, operator, its property, its choice, panel, check, ready layer."""
     found = translatable.strings()
     assert {
-        "Absolute index of refraction of the film",
+        "Metal whose measured color is used",
         "Oren-Nayar",
         "Add Layer",
         "Kind",

@@ -32,7 +32,7 @@ from lamina.addon.batch.items import expand
 from lamina.addon.batch.job import KEYS, Job
 from lamina.reference_py.atomic import write_text
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.fit.readers import read
+from lamina.reference_py.fit.readers.by_suffix import read
 from lamina.reference_py.fit.readers.measurement import spread_pairs
 from lamina.reference_py.lobes import cache
 from lamina.reference_py.lobes.methods import is_cached, key_of, make_lobe_set

@@ -7,11 +7,11 @@ import pytest
 from lamina.reference_py.lobes import cache
 from lamina.reference_py.lobes.baked import Baker
 from lamina.reference_py.lobes.baked.fit_lobes import non_negative
-from lamina.reference_py.lobes.cache import truth_of
 from lamina.reference_py.lobes.closure import lobe_energy
 from lamina.reference_py.lobes.error_estimate import ErrorEstimator
 from lamina.reference_py.lobes.lobe import DiffuseLobe
 from lamina.reference_py.lobes.methods import make_lobe_set
+from lamina.reference_py.lobes.truth import truth_of
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.adding.model import Adding

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from lamina.reference_py.lobes.baked import follows, in_tables, pack_lobes, unpack_lobes
-from lamina.reference_py.lobes.cache import truth_of
 from lamina.reference_py.lobes.closure import lobe_energy
 from lamina.reference_py.lobes.error_estimate import ErrorEstimator
 from lamina.reference_py.lobes.methods import make_lobe_set
+from lamina.reference_py.lobes.truth import truth_of
 from lamina.reference_py.lobes.view_table import BASE_COLOR, BaseColorTable
 from lamina.reference_py.material.place import Place
 from lamina.reference_py.material.stack import Stack

@@ -14,8 +14,9 @@ from support.stacks import coat, conductor, lambert, stack
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.lobes import cache
 from lamina.reference_py.lobes.analytic import AnalyticLobes
-from lamina.reference_py.lobes.cache import cached, get, stack_key, truth_of
+from lamina.reference_py.lobes.cache import cached, get, stack_key
 from lamina.reference_py.lobes.methods import auto, is_cached, key_of, make_lobe_set, packed, put
+from lamina.reference_py.lobes.truth import truth_of
 from lamina.reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes
 from lamina.reference_py.material.place import Place
 

@@ -13,6 +13,7 @@ from lamina.reference_py.optics.colour import (
     resample,
     rgb_weights,
     standard_wavelengths,
+    upsampled,
     xyz_to_rgb,
 )
 from lamina.reference_py.optics.fresnel import fresnel_conductor
@@ -104,6 +105,23 @@ def test_artist_conductor_limits():
     n, k = artist_index(0.0, 0.5)
     assert (n, k) == (1.0, 0.0)
     assert artist_color(1.0, 0.0) == (0.0, 0.0)
+
+
+def test_upsampled_colors_come_back_and_are_reflectances():
+    rgb = np.random.default_rng(1).random((50, 3))
+    wavelength_nm, spectra = upsampled(rgb)
+    np.testing.assert_allclose(reflectance_to_rgb(spectra, wavelength_nm), rgb, atol=2e-5)
+    assert spectra.min() >= 0.0 and spectra.max() <= 1.0 + 1e-5
+    np.testing.assert_allclose(upsampled([0.3, 0.3, 0.3])[1], 0.3, atol=1e-5)
+
+
+def test_the_spectra_of_the_primaries_are_those_of_the_study():
+    pytest.importorskip("scipy")
+    from lamina.study.make_rgb_spectra import WAVELENGTH_NM, primaries
+
+    wavelength_nm, spectra = upsampled(np.eye(3))
+    assert np.array_equal(wavelength_nm, WAVELENGTH_NM)
+    np.testing.assert_allclose(spectra, primaries(), atol=1e-5)
 
 
 @pytest.mark.parametrize(

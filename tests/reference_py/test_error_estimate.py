@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from support.stacks import coat, lambert, stack, view
 
-from lamina.reference_py.lobes.cache import truth_of
 from lamina.reference_py.lobes.error_estimate import ErrorEstimator, Errors, ball_cosines
 from lamina.reference_py.lobes.methods.paper import PaperLobes
+from lamina.reference_py.lobes.truth import truth_of
 from lamina.reference_py.lobes.view_table import KNOTS, DiffuseTable, TableLobes
 from lamina.reference_py.registry import make_model
 

@@ -77,6 +77,17 @@ def test_coverage_is_exact_at_its_ends_and_the_mean_between(name, rtol):
     assert np.allclose(figures([{**tinted, "coverage": 0.5}, glaze]), 0.5 * (there + gone), rtol=rtol)
 
 
+@pytest.mark.parametrize("generator", [False, True])
+def test_the_error_of_walks_of_patches_is_that_of_their_mean(generator):
+    # two patches that are alike err alike with the same random numbers, and 1.41 times less with other ones
+    grey = {"kind": "lambert", "color": [0.5, 0.5, 0.5]}
+    alike = stack([COAT, {**grey, "coverage": 0.5}], grey)
+    figures = [make_model("position_free", alike, walks=100, seed=s).albedo_stderr(WO[1], rng=s if generator else None) for s in range(200)]
+    albedo, error = (np.array(values)[:, 0] for values in zip(*figures))
+    assert np.std(albedo) == pytest.approx(np.mean(error), rel=0.2)
+    assert np.std(albedo) == pytest.approx(0.016 if generator else 0.022, rel=0.3)
+
+
 def test_a_covered_white_stack_is_white():
     white = stack([{**COAT, "coverage": 0.3}, {**COAT, "ior": 1.8, "coverage": 0.6}], WHITE)
     assert np.allclose(make_model("adding", white).albedo(WO), 1.0, atol=1e-3)

@@ -8,16 +8,17 @@ import pytest
 from support.measured import paint
 
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.fit import fit_structure, select
+from lamina.reference_py.fit import selection
 from lamina.reference_py.fit.baseline_fits import BASELINE_MODELS, fit_baseline
-from lamina.reference_py.fit.certainty import certainty, independent_pairs
+from lamina.reference_py.fit.certainty import certainty, independent_pairs, noise_and_misfit
 from lamina.reference_py.fit.dense import evaluate_all
-from lamina.reference_py.fit.fitting import corrected, subsampled
+from lamina.reference_py.fit.fitting import corrected, fit_structure, subsampled
 from lamina.reference_py.fit.metric import Metric, shape_error
 from lamina.reference_py.fit.outcome import outcome
 from lamina.reference_py.fit.parameters import Parameters, Structure
 from lamina.reference_py.fit.readers.measurement import checked, spread_pairs
 from lamina.reference_py.fit.readers.sampled import sample_model
+from lamina.reference_py.fit.selection import select
 from lamina.reference_py.fit.solve import least_squares
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
@@ -162,6 +163,37 @@ def test_what_a_model_cannot_say_counts_less_than_noise():
     lacking = fit_structure(sample_model("weidlich_wilkie", COATED, pairs=400), Structure.of(0, "oren_nayar"), "weidlich_wilkie")
     assert independent_pairs(fitted) > 0.7 * 400
     assert independent_pairs(lacking) < 0.5 * 400
+    for fit, larger in ((fitted, 0), (lacking, 1)):
+        parts = noise_and_misfit(fit)
+        assert np.hypot(*parts) == pytest.approx(fit.error) and parts[larger] > parts[1 - larger]
+    assert noise_and_misfit(fitted)[0] == pytest.approx(0.05, abs=0.015), "the noise that was put in"
+
+
+def test_a_larger_stack_is_never_worse_than_one_that_it_contains():
+    metric = subsampled(sample_model("weidlich_wilkie", COATED, pairs=400, noise=0.05))
+    structure, larger = Structure.of(1, "lambert"), Structure.of(2, "lambert")
+    less = corrected(metric, structure, "weidlich_wilkie", Parameters(structure, 3).coordinates(COATED))
+    x = Parameters(larger, 3).without_effect(less.parameters, less.x)
+    wi, wo = spread_pairs(50, np.random.default_rng(0))
+    one, two = (make_model("weidlich_wilkie", fit.stack(at)).f(wo, wi) for fit, at in ((less.parameters, less.x), (Parameters(larger, 3), x)))
+    np.testing.assert_allclose(two, one, rtol=1e-9)
+    stuck = replace(less, parameters=Parameters(larger, 3), x=np.full(Parameters(larger, 3).size, 0.5), residual=2.0 * less.residual)
+    search = selection._Search(metric, "weidlich_wilkie", np.random.default_rng(0))
+    better = search.no_worse(stuck, less)
+    assert better.structure == larger and better.error <= less.error * (1.0 + 1e-9)
+    assert search.no_worse(less, stuck) is less and search.no_worse(stuck, None) is stuck
+    told = selection._containing(stuck, less)
+    assert told.error == less.error and "gains nothing" in selection._reason(less, [less, told], "auto")
+
+
+def test_a_metal_must_gain_more_than_noise():
+    metric = subsampled(sample_model("weidlich_wilkie", COATED, pairs=400, noise=0.05))
+    plain = corrected(metric, Structure.of(1, "lambert"), "weidlich_wilkie", Parameters(Structure.of(1, "lambert"), 3).coordinates(COATED))
+    metal = replace(plain, parameters=Parameters(Structure.of(1, "conductor"), 3), residual=0.9 * plain.residual)
+    assert selection.criterion(metal) < selection.criterion(plain)
+    assert selection.preferred([plain, metal]) is plain
+    assert selection.preferred([plain, replace(metal, residual=0.1 * plain.residual)]).structure.base == "conductor"
+    assert selection.preferred([metal]) is metal, "a metal that was asked for"
 
 
 def test_a_measurement_that_no_stack_explains():

@@ -8,8 +8,8 @@ import pytest
 from support import measured
 
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.fit import read
 from lamina.reference_py.fit.readers import rgl
+from lamina.reference_py.fit.readers.by_suffix import read
 from lamina.reference_py.fit.readers.measurement import checked, directions_of, half_angles, spread_pairs, subsample, without_shadows
 
 

@@ -8,11 +8,11 @@ import pytest
 
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.lobes import cache
-from lamina.reference_py.lobes.cache import truth_of
 from lamina.reference_py.lobes.closure import lobe_energy
 from lamina.reference_py.lobes.error_estimate import ErrorEstimator
 from lamina.reference_py.lobes.live_grid import LiveLobes
 from lamina.reference_py.lobes.methods import AnalyticLobes, key_of, make_lobe_set
+from lamina.reference_py.lobes.truth import truth_of
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.place import Place
 from lamina.reference_py.material.stack import Stack

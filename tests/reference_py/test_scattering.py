@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.lobes.cache import truth_of
+from lamina.reference_py.lobes.lobe import GlossyLobe
 from lamina.reference_py.lobes.methods import make_lobe_set, provisional
+from lamina.reference_py.lobes.truth import truth_of
 from lamina.reference_py.material.place import Place
 from lamina.reference_py.material.schema import SCATTERING
 from lamina.reference_py.material.stack import Stack
@@ -211,9 +212,9 @@ def test_who_does_not_know_it_names_who_does():
             make_model(name, one)
     with pytest.raises(LaminaError, match="method analytic knows no scattering, which layer 0 has; choose .*baked"):
         make_lobe_set(one, "analytic")
-    with pytest.raises(LaminaError, match="no bake follows the anisotropy of layer 0, and bakes alone know media that scatter"):
+    with pytest.raises(LaminaError, match="a medium that scatters cannot be had together with the anisotropy of layer 0"):
         make_lobe_set(stack(medium(1.0, 0.9, anisotropy=0.5)), "baked")
-    with pytest.raises(LaminaError, match="no bake follows the density of layer 0"):
+    with pytest.raises(LaminaError, match="no quality follows the density of layer 0"):
         make_lobe_set(stack({"density": 1.0, "scatter_color": [0.5] * 3}), "auto", live=(Place(0, "density"),))
     with pytest.raises(LaminaError, match="position_free: layer 0 has the optical depth 1000 and the albedo 1, .*choose adding"):
         make_model("position_free", stack(medium(1000.0, 1.0)))
@@ -236,3 +237,14 @@ def test_a_bake_has_the_energy(layer):
     baked = make_model("closure_model", one, method="baked").albedo(WO[:3])
     assert baked == pytest.approx(truth, rel=0.01)
     assert made.lobe_set.lobe_count <= 3 and provisional(one).lobe_set.lobe_count <= 2
+
+
+def test_no_lobe_of_a_bake_stands_between_two_points_of_the_truth():
+    """Light that a medium sends back under a smooth surface once got a needle of alpha .006 at three knots: a ring on a ball."""
+    one = stack({"scatter_color": [0.75, 0.85, 0.9], "density": 1.0, "scatter_g": -0.8}, base={"kind": "lambert", "color": [0.45, 0.12, 0.06]})
+    width = np.sqrt(1.0 - 0.8)
+    cosines = np.cos(np.radians(np.linspace(0.0, 75.0, 31)))
+    for lobe in make_lobe_set(one, "auto").lobe_set.lobes(cosines):
+        if isinstance(lobe, GlossyLobe) and np.any(lobe.alpha_x > 0.0):
+            carries = np.max(lobe.weight, axis=-1) > 0.01
+            assert np.all(np.minimum(lobe.alpha_x, lobe.alpha_y)[carries] > 0.3 * width)

@@ -64,9 +64,9 @@ def tangent_parity(material, f, sun_theta_deg: float, size: int = 96) -> Parity:
     return parity(material, f, sun_theta_deg, size, with_tangent=True)
 
 
-def parity(material, f, sun_theta_deg: float, size: int = 96, window=(0.0, 0.0, 1.0), with_tangent: bool = False) -> Parity:
-    """Render `material` and compare with f(wo, wi), per pixel with the pixel's own normal."""
-    picture = render_sun_sphere(material, sun_theta_deg, size, window=window)
+def parity(material, f, sun_theta_deg: float, size: int = 96, window=(0.0, 0.0, 1.0), with_tangent: bool = False, **where) -> Parity:
+    """Render `material` and compare with f(wo, wi), per pixel with the pixel's own normal; `where` are the device and whether by OSL."""
+    picture = render_sun_sphere(material, sun_theta_deg, size, window=window, **where)
     normal = picture["normal"][picture["mask"]].astype(float)
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
     if with_tangent:

@@ -13,8 +13,10 @@ from lamina.addon import registration
 from lamina.addon.blender import environment
 from lamina.addon.check import check
 from lamina.addon.library.preset_catalogues import CATALOGUES, OWN
+from lamina.addon.material import seen_color
 from lamina.addon.material.properties import choice_label
-from lamina.addon.ui.panel_values import UNITS
+from lamina.addon.ui.value_notes import UNITS
+from lamina.reference_py.material import ready_layers
 from lamina.reference_py.material.schema import SCHEMA
 
 ADDON = Path(lamina.__file__).parent / "addon"
@@ -25,7 +27,20 @@ _TRANSLATING = {"iface_", "rpt_", "tip_", "pgettext_iface", "pgettext_rpt", "pge
 
 def strings() -> set[str]:
     """All of them."""
-    found = {*_of_schema(), *_of_classes(), *_of_checks(), *CATALOGUES, OWN, *UNITS.values(), environment.NO_CYCLES, environment.NO_OSL, environment.NO_QUERY}
+    found = {
+        *_of_schema(),
+        *_of_classes(),
+        *_of_checks(),
+        *CATALOGUES,
+        OWN,
+        *(group.title() for group in ready_layers.GROUPS),
+        *UNITS.values(),
+        environment.NO_CYCLES,
+        environment.NO_OSL,
+        environment.NO_QUERY,
+    }
+    seen = bpy.types.ShaderNodeGroup.bl_rna.properties[seen_color.NAME]
+    found |= {seen.name, seen.description}
     for folder in _SHOWN:
         for path in sorted((ADDON / folder).glob("*.py")):
             found |= set(_of_source(path))
@@ -35,8 +50,10 @@ def strings() -> set[str]:
 
 def _of_schema() -> Iterator[str]:
     for kind in (*SCHEMA.layers.values(), *SCHEMA.bases.values()):
-        for thing in (kind, *kind.features, *kind.all_parameters):
+        for thing in (kind, *kind.features):
             yield from (thing.label, thing.help)
+        for parameter in kind.all_parameters:
+            yield from (parameter.label, parameter.tooltip)
         yield from (choice_label(c) for p in kind.structure for c in p.choices)
 
 

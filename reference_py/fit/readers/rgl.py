@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import LaminaError
+from ...optics.frame import rotate_z
 from .measurement import Measurement, checked, spread_pairs
 from .tensor_file import read_tensors
 
@@ -26,16 +27,11 @@ def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | N
     rng = np.random.default_rng(0)
     wi, wo = spread_pairs(_PAIRS, rng)
     turn = 2.0 * np.pi * rng.random(_PAIRS)
-    wi, wo = _rotated(wi, turn), _rotated(wo, turn)
+    wi, wo = rotate_z(wi, turn), rotate_z(wo, turn)
     where = "isotropic" if material.is_isotropic else f"anisotropic ({len(material.phi_i)} azimuths; the fit is isotropic)"
     text = bytes(material.description).decode("utf-8", "replace").strip("\0 \n")
     found = (f"RGL material {text!r}, {where}, {len(material.theta_i)} angles of incidence",)
     return checked(wi, wo, material.f(wi, wo), str(path), found, material.wavelength_nm, wavelength_nm, steepest_deg)
-
-
-def _rotated(w, angle):
-    c, s = np.cos(angle), np.sin(angle)
-    return np.stack([c * w[:, 0] - s * w[:, 1], s * w[:, 0] + c * w[:, 1], w[:, 2]], axis=-1)
 
 
 @dataclass(frozen=True)
@@ -113,10 +109,10 @@ class Material:
         v = ((phi_m - phi_i if self.is_isotropic else phi_m) + np.pi) / (2.0 * np.pi) % 1.0
         corners = self._corners(phi_i, theta_i)
         s, t = self._place(u, v, corners)
-        result = sum(w[:, None] * _bilinear(self.values, s, t, a, b) for a, b, w in corners)
+        result = sum(w[:, None] * bilinear(self.values, s, t, a, b) for a, b, w in corners)
         if self.has_jacobian:
-            ndf = _bilinear(self.ndf[None, None, None], u, v)[:, 0]
-            sigma = _bilinear(self.sigma[None, None, None], np.sqrt(theta_i * (2.0 / np.pi)), (phi_i + np.pi) / (2.0 * np.pi))[:, 0]
+            ndf = bilinear(self.ndf[None, None, None], u, v)[:, 0]
+            sigma = bilinear(self.sigma[None, None, None], np.sqrt(theta_i * (2.0 / np.pi)), (phi_i + np.pi) / (2.0 * np.pi))[:, 0]
             result = result * (ndf / (4.0 * np.maximum(sigma, 1e-12)))[:, None]
         return result / wo[:, 2:]
 
@@ -189,7 +185,7 @@ def _between(nodes, x):
     return i, np.clip((x - nodes[i]) / (nodes[i + 1] - nodes[i]), 0.0, 1.0)
 
 
-def _bilinear(table, u, v, a=0, b=0):
+def bilinear(table: np.ndarray, u: np.ndarray, v: np.ndarray, a=0, b=0) -> np.ndarray:
     """(n, channels) of a table (A, B, channels, rows, columns) at u along the columns and v along the rows, both 0 to 1."""
     rows, columns = table.shape[-2:]
     x, y = np.clip(u, 0.0, 1.0) * (columns - 1), np.clip(v, 0.0, 1.0) * (rows - 1)

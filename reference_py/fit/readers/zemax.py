@@ -13,6 +13,7 @@ import numpy as np
 
 from ...errors import LaminaError
 from ...optics.colour import xyz_to_rgb
+from ...optics.frame import rotate_z
 from .measurement import Measurement, checked
 
 _AXES = ("SampleRotation", "AngleOfIncidence", "ScatterAzimuth", "ScatterRadial")
@@ -103,9 +104,4 @@ def _directions(rotation, incidence, azimuth, radial) -> tuple[np.ndarray, np.nd
     side = np.array([0.0, 1.0, 0.0])
     wo = np.cos(s)[..., None] * mirror + np.sin(s)[..., None] * (np.cos(a)[..., None] * to_normal + np.sin(a)[..., None] * side)
     wi = np.stack([-np.sin(i), 0.0 * i, np.cos(i)], axis=-1)
-    return _turned(wi, r), _turned(wo, r)
-
-
-def _turned(w, angle):
-    c, s = np.cos(angle), np.sin(angle)
-    return np.stack([c * w[..., 0] - s * w[..., 1], s * w[..., 0] + c * w[..., 1], w[..., 2]], axis=-1)
+    return rotate_z(wi, r), rotate_z(wo, r)

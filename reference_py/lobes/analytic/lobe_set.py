@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...material.qualities import ANALYTIC
 from ...material.stack import Stack
 from ...optics.bases import ConductorBase, DiffuseBase
 from ...optics.optical_stack import OpticalStack, supports
@@ -28,7 +29,7 @@ class AnalyticLobes:
     lobe; the base has one. Every energy is divided by that of its closure, so albedos are those of the adding.
     """
 
-    name = "analytic"
+    name = ANALYTIC
 
     def __init__(self, stack: Stack):
         self.stack = stack

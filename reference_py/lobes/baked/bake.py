@@ -13,19 +13,22 @@ from ...material.place import Place
 from ...material.stack import Stack
 from ...optics.microfacet import GGX
 from ...optics.optical_stack import OpticalStack, rough_surfaces
-from ..cache import truth_of
 from ..closure import unit_energy
 from ..live_grid import LiveLobes
 from ..samples import truth_at
 from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
+from ..truth import truth_of
 from ..view_table import BASE_COLOR, KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
 from .energy import shares, top_lobe
+from .fit_lobes import LEAST_ALPHA
 from .live import bake_live, base_of, over_black
 from .plan import Branches, Path, Plan, best_path, continued_path
 
 DEFAULT_GLOSSY, MAX_GLOSSY = 2, 4
 # Points of each strategy at a view.
 _POINTS = 96
+# No lobe is narrower than this share of what a medium scatters: light that leaves it towards grazing is squeezed.
+_OF_MEDIUM = 0.4
 # A lobe that nowhere carries more than this share of the albedo is left out.
 _NEGLIGIBLE = 1e-3
 # With one lobe less a path is worth a look where its first error is at most so many times as large.
@@ -59,14 +62,17 @@ class Baker:
 
     def __init__(self, stack: Stack, truth, progress: Callable[[float], None] | None = None):
         self._report = progress or (lambda share: None)
-        cosines, surfaces = knot_cosines(), rough_surfaces(stack) or _media(stack)
+        cosines, rough, media = knot_cosines(), rough_surfaces(stack), _media(stack)
+        surfaces = rough or media
         widths = [alpha for _, alpha in surfaces]
+        # nothing under smooth surfaces is narrower than what media scatter: such a lobe would stand between two points of the truth
+        least_alpha = _OF_MEDIUM * min(widths) if media and not rough else LEAST_ALPHA
         self._truth, self._specular = truth, truth.specular_albedo(cosines)
         views = truth_at(truth, np.concatenate([cosines, middle_cosines()]), widths, _POINTS)
         self._albedo = truth.albedo(views.wo[:KNOTS])
         top = top_lobe(stack)
         known = [None] if top is None else [None, top]
-        self._plans = [Plan(lobe, surfaces, views.of(slice(KNOTS)), views.of(slice(KNOTS, None))) for lobe in known]
+        self._plans = [Plan(lobe, surfaces, views.of(slice(KNOTS)), views.of(slice(KNOTS, None)), least_alpha) for lobe in known]
         self._found: dict[int, Found] = {}
         self._report(0.3)
 

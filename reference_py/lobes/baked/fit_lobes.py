@@ -14,14 +14,14 @@ from ..closure import glossy_rates, lobe_f, unit_glossy
 from ..lobe import GlossyLobe
 from ..samples import Views
 
-# Cycles takes no alpha above 1.
-_ALPHA_RANGE = (1e-3, 1.0)
+# The least alpha that fits of rough surfaces use, and the largest that Cycles takes.
+LEAST_ALPHA, _LARGEST_ALPHA = 1e-3, 1.0
 _MAX_TILT = 1.5
 # Cycles bends a normal back from which the view would be mirrored below this.
 _LOWEST_REFLECTION = np.radians(88.0)
 # Residuals below this share of f, and of the albedo, count alike.
 _FLOOR_OF_F, _FLOOR_OF_ALBEDO = 0.02, 0.001
-_HIGH = np.array([np.log(_ALPHA_RANGE[1])] * 2 + [_MAX_TILT])
+_HIGH = np.array([np.log(_LARGEST_ALPHA)] * 2 + [_MAX_TILT])
 _LONGEST_STEP = 0.7
 _FIRST_DAMPING, _LEAST_DAMPING = 1e-2, 1e-6
 
@@ -66,8 +66,8 @@ class ViewFits:
     low: np.ndarray
 
     @classmethod
-    def at(cls, views: Views, known: GlossyLobe | None) -> "ViewFits":
-        """Fits beside the lobe `known`, or beside none."""
+    def at(cls, views: Views, known: GlossyLobe | None, least_alpha: float) -> "ViewFits":
+        """Fits beside the lobe `known`, or beside none, by lobes no narrower than `least_alpha`."""
         wo, sin_o = views.wo[:, None], np.hypot(views.wo[:, 0], views.wo[:, 1])
         truth = np.swapaxes(views.f, 1, 2)
         albedo = np.maximum(truth @ views.share[..., None], 1e-9)
@@ -75,7 +75,7 @@ class ViewFits:
         if known is not None:
             goal = truth - np.swapaxes(lobe_f(known, np.broadcast_to(wo, views.wi.shape), views.wi), 1, 2)
         away = np.tan(0.5 * np.maximum(_LOWEST_REFLECTION - np.arccos(views.cos_theta_o), 0.0)) / np.maximum(sin_o, 1e-6)
-        narrowest = np.full(len(away), np.log(_ALPHA_RANGE[0]))
+        narrowest = np.full(len(away), np.log(least_alpha))
         low = np.stack([narrowest, narrowest, -np.minimum(away, _MAX_TILT)], axis=-1)[:, None]
         return cls(
             wo,

@@ -12,9 +12,9 @@ from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
 from ..axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, IndexAxis, NumberAxis, ReflectanceAxis, Scale, ThicknessAxis
-from ..cache import truth_of
 from ..live_grid import MIN_ENERGY, Energies, LiveLobes, grid_of
 from ..samples import view_of
+from ..truth import truth_of
 from ..view_table import BASE_COLOR, KNOTS, BaseColorTable, knot_cosines
 from .energy import shares, top_lobe
 

@@ -42,13 +42,13 @@ class Branches:
 
 
 class Plan:
-    """Fits beside one known lobe, or none. `views` are at the knots, `middles` half-way between them."""
+    """Fits beside one known lobe, or none, by lobes no narrower than `least_alpha`. `views` are at the knots, `middles` half-way between them."""
 
-    def __init__(self, known: GlossyLobe | None, surfaces: list[tuple[str, float]], views: Views, middles: Views):
+    def __init__(self, known: GlossyLobe | None, surfaces: list[tuple[str, float]], views: Views, middles: Views, least_alpha: float):
         self.known = known
         self._distributions = sorted({distribution for distribution, _ in surfaces})
         self._alphas = _widths(surfaces)
-        self.fits, self.middles = ViewFits.at(views, known), ViewFits.at(middles, known)
+        self.fits, self.middles = (ViewFits.at(some, known, least_alpha) for some in (views, middles))
         self._coarse = self.fits.of(COARSE).thinned(_STRIDE)
         self._found: dict[int, Branches] = {}
 

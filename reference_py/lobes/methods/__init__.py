@@ -7,6 +7,7 @@
 from ...errors import LaminaError
 from ...material.coverage import Patch, is_plain, patches
 from ...material.place import Place, in_words
+from ...material.qualities import DEFAULT_METHOD
 from ...material.schema import THIN_FILM
 from ...material.stack import Stack
 from ...optics.optical_stack import OpticalStack
@@ -29,13 +30,11 @@ METHODS = {
     for row in (
         Method(
             PaperLobes.name,
-            "Every value live, as the paper of 2007 has it, whose energy is far from the truth's",
             lambda stack, options: Made(PaperLobes.name, stack, PaperLobes(stack)),
             lambda stack, live: True,
         ),
         Method(
             AnalyticLobes.name,
-            "Every value live, all reflections between the layers computed while shading: for textures and animation of many values",
             lambda stack, options: Made(AnalyticLobes.name, stack, featured_analytic(stack)),
             lambda stack, live: True,
         ),
@@ -43,7 +42,6 @@ METHODS = {
         auto.METHOD,
     )
 }
-DEFAULT_METHOD = auto.METHOD.name
 
 
 def method_of(name: str) -> Method:
@@ -153,8 +151,9 @@ def _made(row: Method, stack: Stack, options: Options) -> Made:
         return row.make(stack, options)
     plain = bakeable(stack)
     if scatters(stack) and (not_bakeable(stack) or not can_follow(plain, options.live)):
-        what = needs_live(stack) or in_words(options.live)
-        raise LaminaError(f"no bake follows {what}, and bakes alone know media that scatter; choose one of the two")
+        if what := needs_live(stack):
+            raise LaminaError(f"a medium that scatters cannot be had together with {what}; choose one of the two")
+        raise LaminaError(f"no quality follows {in_words(options.live)} where a medium scatters; take its texture or animation away")
     if row.follows(plain, options.live):
         made = row.make(plain, options)
     else:

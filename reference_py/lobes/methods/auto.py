@@ -9,6 +9,7 @@ import numpy as np
 
 from ...errors import LaminaError
 from ...material.place import in_words
+from ...material.qualities import AUTO
 from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
 from ...models.position_free import PositionFree
@@ -16,11 +17,12 @@ from ...optics.frame import spherical
 from ...optics.optical_stack import Support
 from ..analytic import AnalyticLobes
 from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, baked, follows, pack_lobes, unpack_lobes
-from ..cache import stack_key, truth_of
+from ..cache import stack_key
 from ..closure import lobe_energy
 from ..error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosines
 from ..live_grid import LiveLobes
 from ..made import Candidate, Choice, Made, Options
+from ..truth import truth_of
 from ..view_table import BASE_COLOR, TableLobes
 from .cost import cost
 from .method import Computed, Method
@@ -28,7 +30,7 @@ from .not_bakeable import scatters
 from .paper import PaperLobes
 from .with_features import featured_analytic
 
-NAME = "auto"
+NAME = AUTO
 # Errors that differ by less than this share of them are as good: the cheaper one is taken.
 _AS_CLOSE = 0.05
 # Soft light sees a third to a fifth of an error of shape: above so many tolerances a bake need not be made good to know that it is not.
@@ -155,7 +157,6 @@ COMPUTED = Computed(
 
 METHOD = Method(
     NAME,
-    "Live while values change; when they rest, the cheapest shader whose error stays under the tolerance",
     _make,
     lambda stack, live: True,
     COMPUTED,

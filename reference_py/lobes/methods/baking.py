@@ -5,6 +5,7 @@ Live values are followed by tables over them too (`baked.follows`).
 """
 
 from ...material.place import Place, in_words
+from ...material.qualities import BAKED
 from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
@@ -15,7 +16,7 @@ from ..cache import stack_key
 from ..made import Made, Options
 from .method import Computed, Method
 
-NAME = "baked"
+NAME = BAKED
 
 
 def is_bare_oren_nayar(stack: Stack) -> bool:
@@ -50,7 +51,6 @@ COMPUTED = Computed(
 
 METHOD = Method(
     NAME,
-    "The truth, computed once when values rest and fitted by few lobes: closest and cheapest",
     _make,
     _follows,
     COMPUTED,

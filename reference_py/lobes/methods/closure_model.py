@@ -16,11 +16,10 @@ method | auto    | how Cycles is told about the stack: weidlich_wilkie, analytic
 
 import numpy as np
 
-from ...errors import LaminaError
 from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
 from ...optics.directions import components, vectors
-from ...optics.frame import azimuth, dot, half_vector, normalize, reflect
+from ...optics.frame import DOWN, azimuth, color_axis, dot, half_vector, no_axis, normalize, per_direction, reflect, sampled
 from ...optics.microfacet import anisotropic_distribution
 from ...optics.optical_stack import supports
 from ...optics.quadrature import cosine_directions, directional_albedo
@@ -33,63 +32,58 @@ from . import DEFAULT_METHOD, make_lobe_set
 _LEAST_SHARE = 1e-3
 
 
-@supports("model", features=(ANISOTROPY, THIN_FILM, SCATTERING))
+@supports("model", spectral=False, features=(ANISOTROPY, THIN_FILM, SCATTERING))
 class ClosureModel:
     """What Cycles renders: the closures of a method, evaluated."""
 
     name = "closure_model"
     stochastic = False
+    channels = 3
 
-    def __init__(self, stack: Stack, **options: str):
-        for key in options:
-            if key not in ("method", "tier"):  # tier is what it was called
-                raise LaminaError(f"model {self.name}: unknown option {key!r}; choose method")
-        self.lobe_set = make_lobe_set(stack, options.get("method") or options.get("tier") or DEFAULT_METHOD)
+    def __init__(self, stack: Stack, method: str = DEFAULT_METHOD):
+        self.lobe_set = make_lobe_set(stack, method)
 
+    @per_direction(color_axis)
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """BRDF (..., 3) in 1/sr without cosine; mirror-like lobes have none and count as 0."""
-        wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
         visible = (wo[..., 2] > 0.0) & (wi[..., 2] > 0.0)
         lobes = self.lobe_set.lobes(np.where(visible, wo[..., 2], 1.0), azimuth(wo))
         total = sum(lobe_f(lobe, wo, wi) for lobe in lobes)
         return np.where(visible[..., None], total, 0.0)
 
+    @per_direction(color_axis)
     def albedo(self, wo: np.ndarray) -> np.ndarray:
         """Directional albedo (..., 3), mirror-like lobes included."""
-        wo = np.asarray(wo, float)
-        lobes = self.lobe_set.lobes(wo[..., 2], azimuth(wo))
-        glossy = [lobe for lobe in lobes if isinstance(lobe, GlossyLobe)]
+        return np.concatenate([self._albedo(wo[i : i + 1]) for i in range(len(wo))])
+
+    def _albedo(self, wo: np.ndarray) -> np.ndarray:
+        """That of one view (1, 3), whose lobes have widths of their own."""
+        glossy = [lobe for lobe in self.lobe_set.lobes(wo[:, 2], azimuth(wo)) if isinstance(lobe, GlossyLobe)]
         widths = [(lobe.distribution, float(np.max(alpha))) for lobe in glossy for alpha in (lobe.alpha_x, lobe.alpha_y)]
         total = directional_albedo(self.f, wo, widths)
-        for lobe in glossy:
-            if is_specular_lobe(lobe):
-                total = total + lobe.weight * fresnel(lobe, wo[..., 2])
-        return total
+        return sum((lobe.weight * fresnel(lobe, wo[:, 2]) for lobe in glossy if is_specular_lobe(lobe)), total)
 
-    def sample(self, wo: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    @sampled
+    def sample(self, wo: np.ndarray, rng: np.random.Generator | int) -> tuple[np.ndarray, np.ndarray]:
         """One light direction (..., 3) per wo and whether it is above the horizon, (...).
 
         A lobe is picked by its energy at the view and sampled by its visible normals or cosine, as in Cycles.
-        Mirror-like lobes are never picked; null vectors where there are no others.
+        Mirror-like lobes are never picked; where there are no others, wi points straight down.
         """
-        wo = np.asarray(wo, float)
-        flat = wo.reshape(-1, 3)
-        lobes, shares = self._finite_lobes(flat)
+        lobes, shares = self._finite_lobes(wo)
         bounds = np.cumsum(shares, axis=-1)[:, :-1]
-        chosen = np.sum(rng.random(len(flat))[:, None] >= bounds, axis=-1)
-        wi = np.zeros(flat.shape)
+        chosen = np.sum(rng.random(len(wo))[:, None] >= bounds, axis=-1)
+        wi = np.broadcast_to(DOWN, wo.shape)
         for i, lobe in enumerate(lobes):
-            wi = np.where((chosen == i)[:, None], _sample_lobe(lobe, flat, rng), wi)
-        valid = (wi[:, 2] > 0.0) & (flat[:, 2] > 0.0)
-        return wi.reshape(wo.shape), valid.reshape(wo.shape[:-1])
+            wi = np.where((chosen == i)[:, None], _sample_lobe(lobe, wo, rng), wi)
+        return wi, (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
 
+    @per_direction(no_axis)
     def pdf(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """Density (...) in 1/sr of `sample` for wi on the whole sphere; 0 for viewers below the horizon."""
-        wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
-        flat_o, flat_i = wo.reshape(-1, 3), wi.reshape(-1, 3)
-        lobes, shares = self._finite_lobes(flat_o)
-        total = sum((shares[:, i] * _lobe_density(lobe, flat_o, flat_i) for i, lobe in enumerate(lobes)), np.zeros(len(flat_o)))
-        return np.where(flat_o[:, 2] > 0.0, total, 0.0).reshape(wo.shape[:-1])
+        lobes, shares = self._finite_lobes(wo)
+        total = sum((shares[:, i] * _lobe_density(lobe, wo, wi) for i, lobe in enumerate(lobes)), np.zeros(len(wo)))
+        return np.where(wo[:, 2] > 0.0, total, 0.0)
 
     def _finite_lobes(self, wo):
         """The lobes with a finite f and the probabilities (n, lobes) of picking them for wo (n, 3)."""

@@ -48,7 +48,6 @@ class Method:
     """
 
     name: str
-    help: str
     make: Callable[[Stack, Options], Made]
     follows: Callable[[Stack, tuple[Place, ...]], bool]
     computed: Computed | None = None

@@ -12,6 +12,7 @@ the generated shader. Against the exact component's energy that is good to 1 % u
 
 import numpy as np
 
+from ...material.qualities import PAPER
 from ...material.schema import ANISOTROPY, THIN_FILM
 from ...material.stack import Stack
 from ...optics import microfacet
@@ -42,7 +43,7 @@ def nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 class PaperLobes:
     """Lobes of a stack; see the module's head for how weights are found."""
 
-    name = "weidlich_wilkie"
+    name = PAPER
 
     def __init__(self, stack: Stack):
         self.stack = stack

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Ready layers: one JSON file each, named by its file, with the source of its numbers.
 
-A file is a stack without a base: "layers" from the top, all of which are put on a stack at once.
+A file is a stack without a base: "layers" from the top, all of which are put on a stack at once, and the "group" that it is
+offered in.
 """
 
 from collections.abc import Mapping
@@ -13,6 +14,7 @@ from ..schema import LAMBERT
 from ..stack import Layer, Stack
 
 FOLDER = Path(__file__).parent
+GROUPS = ("coats", "glazes", "metals", "dirt", "wear")
 
 
 def names() -> list[str]:
@@ -20,13 +22,32 @@ def names() -> list[str]:
     return sorted(path.stem for path in FOLDER.glob("*.json"))
 
 
+def label_and_source(name: str) -> tuple[str, str]:
+    """What a menu shows of a ready layer, without a look at its layers. Raises LaminaError as `load`."""
+    data, _ = _read(name)
+    return data["name"], data["source"]
+
+
 def load(name: str) -> tuple[str, str, tuple[Layer, ...]]:
     """Label, source and layers, from the top, of a ready layer. Raises LaminaError; an unknown name lists the choices."""
-    if name not in names():
-        raise LaminaError(f"unknown ready layer {name!r}; choose {', '.join(names())}")
+    data, where = _read(name)
+    return data["name"], data["source"], layers_of(data, where)
+
+
+def group_of(name: str) -> str:
+    """Which of GROUPS a ready layer is offered in. Raises LaminaError as `load`, and where its file says another."""
+    data, where = _read(name)
+    if data.get("group") not in GROUPS:
+        raise LaminaError(f"{where}: unknown group {data.get('group')!r}; choose {', '.join(GROUPS)}")
+    return data["group"]
+
+
+def _read(name: str) -> tuple[dict, str]:
+    """What a ready layer's file says, and its path."""
     where = FOLDER / f"{name}.json"
-    data = parse_json(read_text(where, "layer file"), str(where))
-    return data["name"], data["source"], layers_of(data, str(where))
+    if not name.isidentifier() or not where.is_file():
+        raise LaminaError(f"unknown ready layer {name!r}; choose {', '.join(names())}")
+    return parse_json(read_text(where, "layer file"), str(where)), str(where)
 
 
 def layers_of(data: Mapping, where: str) -> tuple[Layer, ...]:

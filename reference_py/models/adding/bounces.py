@@ -71,7 +71,7 @@ class Microsurface:
     """`etas`: n_other / n_own of each side for a dielectric, or empty; `index`: relative (eta, k) of a conductor."""
 
     alpha: float
-    kind: str
+    distribution: str
     etas: tuple[float, ...] = ()
     index: tuple[float, float] = (0.0, 0.0)
 
@@ -142,7 +142,7 @@ class _Scatter:
     def __init__(self, surface: Microsurface, side: int, cos_theta: np.ndarray, detail: Detail):
         self.surface, self.side, self.detail = surface, side, detail
         eta = (surface.etas or (1.0,))[side]
-        facets = visible_facets(cos_theta, surface.alpha, surface.kind, MULTIPLE, detail.across, detail.along, eta)
+        facets = visible_facets(cos_theta, surface.alpha, surface.distribution, MULTIPLE, detail.across, detail.along, eta)
         cos = np.clip(facets.cos_om, 0.0, 1.0)
         if surface.etas:
             reflectance = fresnel_dielectric(cos, eta)
@@ -227,7 +227,7 @@ def _node_heights(heights: int) -> np.ndarray:
 
 
 def _lambda(cos_theta, surface: Microsurface):
-    return smith_lambda(np.abs(cos_theta), surface.alpha, surface.kind)
+    return smith_lambda(np.abs(cos_theta), surface.alpha, surface.distribution)
 
 
 def _free(cos_theta, heights, surface: Microsurface) -> np.ndarray:

@@ -21,6 +21,9 @@ from .facets import reflection_lobe
 from .operators import Resolution, knows_two_events, phase_terms
 from .two_events import two_reflections
 
+# Fresnel curves that one table of two reflections holds.
+_AT_ONCE = 3
+
 
 def direct_f(effective: EffectiveStack, surface: str, wo: np.ndarray, wi: np.ndarray, grid: Grid, resolution: Resolution) -> np.ndarray:
     """f (P, 3) in 1/sr of this part, for directions (P, 3) above the surface; the rest comes from `grid` at this resolution."""
@@ -51,7 +54,7 @@ class _SmoothRun:
         crossing = [np.exp(-tau / np.maximum(c, 1e-12)[:, None]) for tau, c in zip((effective.tau_above, *effective.taus), cosines)]
         reflectances = [fresnel_dielectric(cosine, i.eta)[:, None] for cosine, i in zip(cosines, run)]
         self.depth = len(run)
-        self.mirrored = np.zeros((len(cos_theta), 3))
+        self.mirrored = np.zeros((len(cos_theta), effective.base.channels))
         if self.depth == len(effective.interfaces) and effective.base.is_specular:
             self.mirrored = effective.base.reflectance(cosines[-1])
         self._below, trips = [], []
@@ -61,7 +64,7 @@ class _SmoothRun:
             trips.insert(0, 1.0 / np.maximum(1.0 - f * back, 1e-13))
             self.mirrored = f + np.square(1.0 - f) * back * trips[0]
         self.mirrored = self.mirrored * np.square(crossing[0])
-        self.through, self._entering, self._shares = crossing[0] * np.ones(3), [], crossing[1:]
+        self.through, self._entering, self._shares = crossing[0], [], crossing[1:]
         for f, share, more in zip(reflectances, crossing[1:], trips):
             self._entering.append(self.through * (1.0 - f) * more)
             self.through = self._entering[-1] * share
@@ -97,12 +100,12 @@ def _event(effective: EffectiveStack, k: int, surface: str, wo, wi, resolution: 
     base = effective.base
     if k < len(effective.interfaces):
         interface = effective.interfaces[k]
-        facets, fresnel = interface.facets, fresnel_dielectric(cos_h, interface.eta)[:, None] * np.ones(3)
-        indices = ((interface.eta,),) * 3
+        facets, fresnel = interface.facets, fresnel_dielectric(cos_h, interface.eta)[:, None]
+        indices = ((interface.eta,),)
     elif base.facets is None:
         return base.f(wi, wo)
     elif base.is_specular:
-        return np.zeros(wo.shape)
+        return np.zeros((len(wo), base.channels))
     else:
         facets, fresnel, indices = base.facets, base.reflectance(cos_h), tuple(zip(*base.relative_index))
     lobe = (facets.alpha, facets.distribution)
@@ -112,9 +115,11 @@ def _event(effective: EffectiveStack, k: int, surface: str, wo, wi, resolution: 
     return f
 
 
-def _two_events(wo, wi, alpha: float, kind: str, indices: tuple) -> np.ndarray:
-    """f (P, 3) of two reflections on facets of these indices per channel."""
+def _two_events(wo, wi, alpha: float, distribution: str, indices: tuple) -> np.ndarray:
+    """f (P, len(indices)) of two reflections on facets of these indices."""
     distinct = tuple(dict.fromkeys(indices))
     sines = np.maximum(np.hypot(wo[:, 0], wo[:, 1]) * np.hypot(wi[:, 0], wi[:, 1]), 1e-12)
-    cos_turn = -(wo[:, 0] * wi[:, 0] + wo[:, 1] * wi[:, 1]) / sines
-    return two_reflections(alpha, kind, distinct)(wo[:, 2], wi[:, 2], cos_turn)[:, [distinct.index(index) for index in indices]]
+    turn = (wo[:, 2], wi[:, 2], -(wo[:, 0] * wi[:, 0] + wo[:, 1] * wi[:, 1]) / sines)
+    # of many channels a few at a time, which bounds memory
+    tables = (two_reflections(alpha, distribution, distinct[i : i + _AT_ONCE]) for i in range(0, len(distinct), _AT_ONCE))
+    return np.concatenate([table(*turn) for table in tables], axis=1)[:, [distinct.index(index) for index in indices]]

@@ -16,7 +16,7 @@ from .operators import Resolution, conductor_rows, lambert_rows, oren_nayar_rows
 
 @dataclass(frozen=True)
 class EffectiveStack:
-    """`tau_above` (3,) is absorption above the first interface; `tau` of an interface is that of the medium below it.
+    """`tau_above` (channels,) is absorption above the first interface; `tau` of an interface is that of the medium below it.
 
     Interfaces between equal indices are left out: they do not exist, whatever their roughness. Where a medium that scatters
     ends at one, it stays, smooth, and does nothing.
@@ -30,7 +30,7 @@ class EffectiveStack:
     @classmethod
     def of(cls, optics: OpticalStack) -> "EffectiveStack":
         """That of a resolved stack."""
-        tau_above, kept, taus = np.zeros(3), [], []
+        tau_above, kept, taus = np.zeros(optics.channels), [], []
         for interface in optics.interfaces:
             if interface.eta == 1.0 and (interface.scattering or (kept and kept[-1].scattering)):
                 interface = replace(interface, facets=Microfacets(interface.distribution, 0.0))
@@ -73,7 +73,7 @@ class EffectiveStack:
     def channels(self) -> list[tuple[int, list[int]]]:
         """(representative, members) of each set of channels that are alike."""
         groups: dict = {}
-        for c in range(3):
+        for c in range(self.base.channels):
             scattered = (i.scattering.albedo[c] for i in self.interfaces if i.scattering)
             key = (self.base.channel_key(c), self.tau_above[c], *(tau[c] for tau in self.taus), *scattered)
             groups.setdefault(key, []).append(c)

@@ -11,8 +11,9 @@ from math import pi
 
 import numpy as np
 
+from ...optics import microfacet
 from ...optics.fresnel import fresnel_dielectric
-from ...optics.microfacet import GGX, distribution, distribution_of
+from ...optics.microfacet import GGX, distribution_of
 from ...optics.sampling import projected_area
 from .direction_grid import gauss_legendre
 
@@ -33,7 +34,7 @@ class Facets:
     weights: np.ndarray
     """(I, Q) share of the visible area, sums to 1 over Q for `multiple`."""
     alpha: float
-    kind: str
+    distribution: str
     surface: str
 
     @property
@@ -54,7 +55,7 @@ class Facets:
         return wt, self.weights * np.where(wt[..., 2] < 0.0, self._transmission_masking(-wt[..., 2]), 0.0)
 
     def _lambda(self, cos_theta):
-        return smith_lambda(cos_theta, self.alpha, self.kind)
+        return smith_lambda(cos_theta, self.alpha, self.distribution)
 
     def _reflection_masking(self, cos_i):
         """Share of the facets seen from wo that are seen from wi too: G / G1(wo)."""
@@ -71,7 +72,7 @@ class Facets:
         return np.exp(log_gamma(2.0 + lambda_o) + log_gamma(1.0 + lambda_t) - log_gamma(2.0 + lambda_o + lambda_t))
 
 
-def visible_facets(cos_theta: np.ndarray, alpha: float, kind: str, surface: str, across: int, along: int, eta: float = 1.0) -> Facets:
+def visible_facets(cos_theta: np.ndarray, alpha: float, distribution: str, surface: str, across: int, along: int, eta: float = 1.0) -> Facets:
     """Quadrature over the normals seen at cosines (I,), below the horizon too.
 
     `across` and `along` points of the plane of incidence. Where eta = n_t / n_i < 1 the strip of facets that
@@ -97,36 +98,36 @@ def visible_facets(cos_theta: np.ndarray, alpha: float, kind: str, surface: str,
     nz = np.maximum(nz, 1e-12)
     weights = np.square(np.cos(a)) * np.cos(b) * w_a * w_b
     weights = weights / weights.sum(axis=(1, 2), keepdims=True)
-    if kind != GGX:  # the nodes are those of GGX
+    if distribution != GGX:  # the nodes are those of GGX
         slope2 = (np.square(nx) + np.square(ny)) / np.square(nz)
-        weights = weights * np.square(1.0 + slope2) * distribution_of(kind).slope_density(slope2)
+        weights = weights * np.square(1.0 + slope2) * distribution_of(distribution).slope_density(slope2)
         if surface == MULTIPLE:  # the walk on the microsurface draws normals from the normalised density
             weights = weights / np.maximum(weights.sum(axis=(1, 2), keepdims=True), 1e-300)
         else:
-            ratio = (1.0 + smith_lambda(cos_theta, alpha, GGX)) / (1.0 + smith_lambda(cos_theta, alpha, kind))
+            ratio = (1.0 + smith_lambda(cos_theta, alpha, GGX)) / (1.0 + smith_lambda(cos_theta, alpha, distribution))
             weights = weights * ratio[:, None, None]
     wm = np.stack([alpha * nx, alpha * ny, nz], axis=-1)
     wm = wm / np.linalg.norm(wm, axis=-1, keepdims=True)
     wo = np.stack([sin_theta, np.zeros_like(sin_theta), cos_theta], axis=-1)[:, None, :]
-    return Facets(wo, wm.reshape(len(cos_theta), -1, 3), weights.reshape(len(cos_theta), -1), alpha, kind, surface)
+    return Facets(wo, wm.reshape(len(cos_theta), -1, 3), weights.reshape(len(cos_theta), -1), alpha, distribution, surface)
 
 
-def reflection_lobe(cos_o, cos_i, cos_m, alpha: float, kind: str, surface: str) -> np.ndarray:
+def reflection_lobe(cos_o, cos_i, cos_m, alpha: float, distribution: str, surface: str) -> np.ndarray:
     """D G / (4 cos_i cos_o) of one event, f without Fresnel; cos_m is that of the facet normal. Broadcasts."""
     cos_o, cos_i = np.maximum(cos_o, GRAZING), np.maximum(cos_i, GRAZING)
-    lambda_o, lambda_i = smith_lambda(cos_o, alpha, kind), smith_lambda(cos_i, alpha, kind)
+    lambda_o, lambda_i = smith_lambda(cos_o, alpha, distribution), smith_lambda(cos_i, alpha, distribution)
     one_over_g = (1.0 + lambda_o) * (1.0 + lambda_i) if surface == SINGLE else 1.0 + lambda_o + lambda_i
-    return distribution(cos_m, alpha, kind) / (4.0 * cos_o * cos_i * one_over_g)
+    return microfacet.distribution(cos_m, alpha, distribution) / (4.0 * cos_o * cos_i * one_over_g)
 
 
-def smith_lambda(cos_theta: np.ndarray, alpha: float, kind: str) -> np.ndarray:
+def smith_lambda(cos_theta: np.ndarray, alpha: float, distribution: str) -> np.ndarray:
     """Lambda of directions at cosines above the surface, from the exact projected area (Heitz16, eq. 3).
 
     `microfacet.smith_lambda` approximates Beckmann's, which would not balance to the last digit.
     """
     cos = np.maximum(np.ravel(cos_theta), GRAZING)
     w = np.stack([np.sqrt(np.maximum(1.0 - cos * cos, 0.0)), np.zeros_like(cos), cos], axis=-1)
-    return np.maximum(projected_area(w, alpha, kind) / cos - 1.0, 0.0).reshape(np.shape(cos_theta))
+    return np.maximum(projected_area(w, alpha, distribution) / cos - 1.0, 0.0).reshape(np.shape(cos_theta))
 
 
 @dataclass(frozen=True)

@@ -31,9 +31,10 @@ from math import ceil
 
 import numpy as np
 
-from ...errors import LaminaError
+from ...errors import LaminaError, one_of
 from ...material.schema import SCATTERING
 from ...material.stack import Stack
+from ...optics.frame import color_axis, per_direction
 from ...optics.microfacet import is_specular
 from ...optics.optical_stack import OpticalStack, supports
 from .assembly import TRAPPED_LOSS, Layers, add, empty, round_trips
@@ -100,15 +101,12 @@ class Adding:
     name = "adding"
     stochastic = False
 
-    def __init__(self, stack: Stack, surface: str = MULTIPLE, nodes: int | None = None, modes: int | None = None, draft: int = 0, **unknown):
-        for key in unknown:
-            raise LaminaError(f"model {self.name}: unknown option {key!r}; choose surface, nodes, modes, draft")
-        if surface not in SURFACES:
-            raise LaminaError(f"model {self.name}: unknown surface {surface!r}; choose {', '.join(SURFACES)}")
-        self.stack, self.surface = stack, surface
+    def __init__(self, stack: Stack, surface: str = MULTIPLE, nodes: int | None = None, modes: int | None = None, draft: int = 0):
+        self.stack, self.surface = stack, one_of(f"model {self.name}", "surface", surface, SURFACES)
         if _whole("draft", draft, 0, 1) and not nodes is modes is None:
             raise LaminaError("model adding: draft=1 chooses nodes and modes itself; leave them out")
-        self._effective = EffectiveStack.of(OpticalStack.of(stack, self))
+        optics = OpticalStack.of(stack, self)
+        self.channels, self._effective = optics.channels, EffectiveStack.of(optics)
         self._width, self._unresolved = self._effective.narrowest_lobe(), nodes is modes is None
         fine = _NODES_PER_WIDTH / max(self._width, _NODES_PER_WIDTH / _MOST_NODES)
         if draft:
@@ -139,12 +137,12 @@ class Adding:
 
     # --- energies ---
 
+    @per_direction(color_axis)
     def albedo(self, wo: np.ndarray) -> np.ndarray:
         """Directional albedo (..., 3) for wo (..., 3) above the surface, mirror-like parts included; 0 below."""
-        wo = np.asarray(wo, float)
-        cos_theta, inverse = np.unique(wo[..., 2].ravel(), return_inverse=True)
+        cos_theta, inverse = np.unique(wo[:, 2], return_inverse=True)
         visible = np.flatnonzero(cos_theta > 0.0)
-        result = np.zeros((len(cos_theta), 3))
+        result = np.zeros((len(cos_theta), self.channels))
         if len(visible):
             cos_o = np.minimum(cos_theta[visible], 1.0)
             reflected, crossed = self._rows_from_above(cos_o)
@@ -152,12 +150,12 @@ class Adding:
                 inside = reflected(channel) if crossed is None else reflected(channel) + crossed @ self._escape[channel]
                 inside = inside * np.exp(-self._effective.tau_above[channel] / cos_o)
                 result[np.ix_(visible, members)] = inside[:, None]
-        return result[inverse].reshape(wo.shape[:-1] + (3,))
+        return result[inverse]
 
     def _rows_from_above(self, cos_o):
         """Energy that the first surface turns out per channel, and what it lets cross on the grid below it."""
         effective, grid = self._effective, self._grid
-        outside = {c: transmittance(grid, 1.0, effective.tau_above[c]) for c in range(3)}
+        outside = {c: transmittance(grid, 1.0, effective.tau_above[c]) for c in range(self.channels)}
         if not effective.interfaces:
             return lambda c: sum(base_rows(effective.base, c, cos_o, self.surface, grid, _ENERGY))[0] @ outside[c], None
         top = effective.interfaces[0]
@@ -178,13 +176,13 @@ class Adding:
     def specular_albedo(self, cos_theta: np.ndarray) -> np.ndarray:
         """The part (..., 3) of the albedo that is mirror-like and has no f, for view cosines (...)."""
         cos_theta = np.asarray(cos_theta, float)
-        return specular_reflectance(self._effective, cos_theta.ravel()).reshape(cos_theta.shape + (3,))
+        return specular_reflectance(self._effective, cos_theta.ravel()).reshape(cos_theta.shape + (self.channels,))
 
     def layer_energies(self) -> LayerEnergies:
         """Energies of all layers without the base."""
         effective, grid = self._effective, self._grid
         n_below = effective.base.n_above
-        nodal = {key: np.zeros((grid.count(n), 3)) for key, n in (("r_up", 1.0), ("t_down", 1.0), ("r_down", n_below), ("t_up", n_below))}
+        nodal = {key: np.zeros((grid.count(n), self.channels)) for key, n in (("r_up", 1.0), ("t_down", 1.0), ("r_down", n_below), ("t_up", n_below))}
         for channel, members in effective.channels():
             whole = self._layers(channel)
             for key, values in nodal.items():
@@ -247,18 +245,16 @@ class Adding:
 
     # --- shape ---
 
+    @per_direction(color_axis)
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """BRDF (..., 3) in 1/sr without cosine; mirror-like parts have no f; 0 below the horizon."""
-        wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
-        shape = wo.shape
-        wo, wi = wo.reshape(-1, 3), wi.reshape(-1, 3)
         visible = (wo[:, 2] > 0.0) & (wi[:, 2] > 0.0)
-        result = np.zeros(wo.shape)
+        result = np.zeros((len(wo), self.channels))
         wo, wi = wo[visible], wi[visible]
         if len(wo):
             value = self.direct_f(wo, wi) + self._interpolated(wo, wi)
             result[visible] = np.maximum(value, 0.0)  # a cut Fourier series may undershoot
-        return result.reshape(shape)
+        return result
 
     def direct_f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """The part (n, 3) of f that is in closed form, for directions (n, 3) above the surface."""
@@ -275,7 +271,7 @@ class Adding:
         harmonics = chebyshev(turn, self._shape.modes)
         # along the normal there is no azimuth: its mean alone counts
         harmonics[1:] *= np.where(sines > 1e-6, 2.0, 0.0)
-        result = np.zeros((len(wo), 3))
+        result = np.zeros((len(wo), self.channels))
         for channel, members in self._effective.channels():
             density = self._remainder[channel]
             value = np.zeros(len(wo))

@@ -49,11 +49,11 @@ class InterfaceOperators(Layers):
 
 
 @lru_cache(maxsize=24)
-def interface_operators(n_above, n_below, alpha, kind, surface, grid: Grid, resolution: Resolution) -> InterfaceOperators:
+def interface_operators(n_above, n_below, alpha, distribution, surface, grid: Grid, resolution: Resolution) -> InterfaceOperators:
     """Operators of a dielectric interface; n_above and n_below are among grid.breaks."""
     if is_specular(alpha):
         return _specular_operators(n_above, n_below, grid, resolution.modes)
-    setup = (alpha, kind, surface, grid, resolution)
+    setup = (alpha, distribution, surface, grid, resolution)
     single, multi, t_down = dielectric_rows(n_above, n_below, grid.cosines(n_above), *setup)
     single_down, multi_down, t_up = dielectric_rows(n_below, n_above, grid.cosines(n_below), *setup)
     return InterfaceOperators(single + multi, t_down, single_down + multi_down, t_up, single)
@@ -70,16 +70,18 @@ def _specular_operators(n_above, n_below, grid, modes) -> InterfaceOperators:
     return InterfaceOperators(r_up, t_down * (1.0 - f_above)[:, None], r_down, t_up * (1.0 - f_below)[:, None], np.zeros_like(r_up))
 
 
-def dielectric_rows(n_own, n_other, cos_theta, alpha, kind, surface, grid: Grid, resolution: Resolution):
+def dielectric_rows(n_own, n_other, cos_theta, alpha, distribution, surface, grid: Grid, resolution: Resolution):
     """Rows for walkers that arrive at cosines (I,) in n_own: (reflected as `direct_f` knows, reflected otherwise, transmitted).
 
     A mirror reflects "otherwise": its part has no finite f.
     """
-    parts = [_dielectric_chunk(n_own, n_other, cos_theta[i : i + _CHUNK], alpha, kind, surface, grid, resolution) for i in range(0, len(cos_theta), _CHUNK)]
+    parts = [
+        _dielectric_chunk(n_own, n_other, cos_theta[i : i + _CHUNK], alpha, distribution, surface, grid, resolution) for i in range(0, len(cos_theta), _CHUNK)
+    ]
     return tuple(np.concatenate(rows, axis=1) for rows in zip(*parts))
 
 
-def _dielectric_chunk(n_own, n_other, cos_theta, alpha, kind, surface, grid, resolution):
+def _dielectric_chunk(n_own, n_other, cos_theta, alpha, distribution, surface, grid, resolution):
     eta, modes = n_other / n_own, resolution.modes
     if is_specular(alpha):
         reflectance = fresnel_dielectric(cos_theta, eta)[:, None]
@@ -87,10 +89,10 @@ def _dielectric_chunk(n_own, n_other, cos_theta, alpha, kind, surface, grid, res
         refracted = (1.0 - reflectance) * grid.interpolation(n_other, cos_theta_t(cos_theta, eta))
         every = np.ones((modes, 1, 1))
         return 0.0 * every * specular, every * specular, every * refracted
-    facets = visible_facets(cos_theta, alpha, kind, surface, resolution.across, resolution.along, eta)
+    facets = visible_facets(cos_theta, alpha, distribution, surface, resolution.across, resolution.along, eta)
     (wi, w_reflected), (wt, w_refracted) = dielectric_events(facets, eta)
     if _is_resolved(alpha, grid):
-        single = _resolved_lobes([lambda cos: fresnel_dielectric(cos, eta)], cos_theta, n_own, alpha, kind, surface, grid, modes)[0]
+        single = _resolved_lobes([lambda cos: fresnel_dielectric(cos, eta)], cos_theta, n_own, alpha, distribution, surface, grid, modes)[0]
     else:
         single = grid.project(n_own, wi, modes)(w_reflected)
     multi = np.zeros_like(single)
@@ -98,7 +100,7 @@ def _dielectric_chunk(n_own, n_other, cos_theta, alpha, kind, surface, grid, res
     if _scatters_more_than_once(surface, alpha, modes):
         left = 1.0 - single[0].sum(axis=1) - transmitted[0].sum(axis=1)
         detail = detail_of(modes)
-        moments, twice = (shares * left[:, None] for shares in Microsurface(alpha, kind, etas=(eta, n_own / n_other)).shares(cos_theta, detail))
+        moments, twice = (shares * left[:, None] for shares in Microsurface(alpha, distribution, etas=(eta, n_own / n_other)).shares(cos_theta, detail))
         multi[: moments.shape[1]] = _spread(moments[0], grid, n_own)
         transmitted[: moments.shape[1]] += _spread(moments[1], grid, n_other)
         if knows_two_events(surface, alpha, resolution):
@@ -164,22 +166,22 @@ def oren_nayar_rows(color: float, sigma_deg: float, n: float, cos_theta, grid: G
     return np.einsum("mp,ijp->mij", harmonics, f) * grid.weights[: grid.count(n)] / (n * n)
 
 
-def conductor_rows(index, n, cos_theta, alpha, kind, surface, grid: Grid, resolution: Resolution):
+def conductor_rows(index, n, cos_theta, alpha, distribution, surface, grid: Grid, resolution: Resolution):
     """By channel, rows (modes, I, N) of a conductor of relative (eta, k) per channel: (reflected once, reflected otherwise)."""
-    setup = (alpha, kind, surface, grid, resolution)
+    setup = (alpha, distribution, surface, grid, resolution)
     return _conductor_rows(index, n, tuple(cos_theta.tolist()), *setup)
 
 
 @lru_cache(maxsize=8)
-def _conductor_rows(index, n, cos_theta: tuple, alpha, kind, surface, grid, resolution):
+def _conductor_rows(index, n, cos_theta: tuple, alpha, distribution, surface, grid, resolution):
     distinct = list(dict.fromkeys(index))
     cosines = np.array(cos_theta)
-    parts = [_conductor_chunk(distinct, n, cosines[i : i + _CHUNK], alpha, kind, surface, grid, resolution) for i in range(0, len(cosines), _CHUNK)]
+    parts = [_conductor_chunk(distinct, n, cosines[i : i + _CHUNK], alpha, distribution, surface, grid, resolution) for i in range(0, len(cosines), _CHUNK)]
     by_channel = [tuple(np.concatenate(rows, axis=1) for rows in zip(*chunks)) for chunks in zip(*parts)]
     return tuple(by_channel[distinct.index(pair)] for pair in index)
 
 
-def _conductor_chunk(index, n, cos_theta, alpha, kind, surface, grid, resolution) -> list[tuple[np.ndarray, np.ndarray]]:
+def _conductor_chunk(index, n, cos_theta, alpha, distribution, surface, grid, resolution) -> list[tuple[np.ndarray, np.ndarray]]:
     modes = resolution.modes
     if is_specular(alpha):
         every = np.ones((modes, 1, 1))
@@ -187,10 +189,10 @@ def _conductor_chunk(index, n, cos_theta, alpha, kind, surface, grid, resolution
         return [(0.0 * every * rows, every * rows) for rows in specular]
     curves = [lambda cos, pair=pair: fresnel_conductor(cos, *pair) for pair in index]
     if _is_resolved(alpha, grid):
-        lobe = (cos_theta, n, alpha, kind, surface, grid)
+        lobe = (cos_theta, n, alpha, distribution, surface, grid)
         single, white = _resolved_lobes(curves, *lobe, modes), _resolved_lobes([np.ones_like], *lobe, 1)[0][0].sum(axis=1)
     else:
-        facets = visible_facets(cos_theta, alpha, kind, surface, 2 * resolution.across, 2 * resolution.along)
+        facets = visible_facets(cos_theta, alpha, distribution, surface, 2 * resolution.across, 2 * resolution.along)
         wi, weights = facets.reflected()
         projected, cos_om = grid.project(n, wi, modes), facets.cos_om
         single, white = [projected(weights * curve(cos_om)) for curve in curves], weights.sum(axis=1)
@@ -198,7 +200,7 @@ def _conductor_chunk(index, n, cos_theta, alpha, kind, surface, grid, resolution
     if _scatters_more_than_once(surface, alpha, modes):
         left = np.maximum(1.0 - white, 0.0)[:, None]
         for once, rows, pair in zip(single, multi, index):
-            (moments,), twice = Microsurface(alpha, kind, index=pair).shares(cos_theta, detail_of(modes))
+            (moments,), twice = Microsurface(alpha, distribution, index=pair).shares(cos_theta, detail_of(modes))
             rows[: len(moments)] = _spread(moments * left, grid, n)
             if knows_two_events(surface, alpha, resolution):
                 known = _spread((moments if alpha < NARROW_ALPHA else twice) * left, grid, n)
@@ -211,7 +213,7 @@ def _is_resolved(alpha: float, grid: Grid) -> bool:
     return alpha * grid.nodes >= _RESOLVED
 
 
-def _resolved_lobes(curves: Sequence[Callable], cos_theta, n: float, alpha, kind, surface, grid: Grid, modes: int) -> list[np.ndarray]:
+def _resolved_lobes(curves: Sequence[Callable], cos_theta, n: float, alpha, distribution, surface, grid: Grid, modes: int) -> list[np.ndarray]:
     """By Fresnel curve, rows (modes, I, N) of one reflection whose lobe is so wide that its values at the nodes do.
 
     Scattered facets would miss the root that radiance has at a critical angle; the grid's panels do not.
@@ -229,7 +231,7 @@ def _resolved_lobes(curves: Sequence[Callable], cos_theta, n: float, alpha, kind
     # 1 + cos of the angle between wo and wi, whose azimuths differ by pi for a turn of 0
     both = np.maximum(1.0 + cos_o * cos_i - sines * cos_turn, 1e-30)
     cos_m, cos_om = np.minimum((cos_o + cos_i) / np.sqrt(2.0 * both), 1.0), np.sqrt(0.5 * both)
-    lobe = reflection_lobe(cos_o, cos_i, cos_m, alpha, kind, surface) * measure
+    lobe = reflection_lobe(cos_o, cos_i, cos_m, alpha, distribution, surface) * measure
     f = np.stack([lobe * curve(cos_om) for curve in curves])
     before, now = cos_turn, np.ones_like(cos_turn)
     rows = np.empty((len(curves), modes, *lobe.shape[:2]))

@@ -15,8 +15,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from ...optics import microfacet
 from ...optics.fresnel import fresnel_conductor, fresnel_dielectric
-from ...optics.microfacet import distribution
 from .bounces import ENERGY, NARROW_ALPHA, Microsurface
 from .direction_grid import gauss_legendre
 from .facets import smith_lambda
@@ -37,7 +37,7 @@ class TwoReflections:
     """f of `curves` Fresnel curves, tabulated."""
 
     alpha: float
-    kind: str
+    distribution: str
     log_f: np.ndarray
     """(directions, directions, azimuths + 1, curves) logarithm of f times `_fading`, at even steps of `_place` and of azimuth from the mirror's on."""
 
@@ -53,7 +53,7 @@ class TwoReflections:
                 for b in range(4):
                     weight = share * weight_o[a] * weight_i[b]
                     result += weight[:, None] * self.log_f[o + a, i + b, cell + step]
-        fading = _fading(smith_lambda(cos_o, self.alpha, self.kind), smith_lambda(cos_i, self.alpha, self.kind))
+        fading = _fading(smith_lambda(cos_o, self.alpha, self.distribution), smith_lambda(cos_i, self.alpha, self.distribution))
         return np.exp(result) / fading[:, None]
 
 
@@ -77,8 +77,8 @@ def _place(cos_theta, alpha: float):
     return 1.0 - np.sqrt(1.0 - np.minimum(even, 1.0))
 
 
-@lru_cache(maxsize=8)
-def two_reflections(alpha: float, kind: str, indices: tuple) -> TwoReflections:
+@lru_cache(maxsize=32)
+def two_reflections(alpha: float, distribution: str, indices: tuple) -> TwoReflections:
     """That of a surface whose curves are a dielectric's (eta,) or conductors' (eta, k), relative."""
     directions, azimuths = _FINE if alpha < _NARROW else _COARSE
     angles = 1.0 - np.square(np.linspace(1.0, 0.0, 2049))
@@ -87,10 +87,10 @@ def two_reflections(alpha: float, kind: str, indices: tuple) -> TwoReflections:
     z, weights = _between(np.append(cos, 0.0)[::-1], alpha)
     facet_cosines = np.linspace(0.0, 1.0, _CELLS + 1)
     curves = [fresnel_dielectric(facet_cosines, *index) if len(index) == 1 else fresnel_conductor(facet_cosines, *index) for index in indices]
-    own, between = smith_lambda(cos, alpha, kind), smith_lambda(z, alpha, kind)
+    own, between = smith_lambda(cos, alpha, distribution), smith_lambda(z, alpha, distribution)
     rising = weights / (z * (1.0 + own[:, None] + between))
-    up = _lobes(cos, z, alpha, kind, curves, azimuths)
-    down = _lobes(cos, -z, alpha, kind, curves, azimuths)
+    up = _lobes(cos, z, alpha, distribution, curves, azimuths)
+    down = _lobes(cos, -z, alpha, distribution, curves, azimuths)
     scale = _fading(own[:, None], own) / (16.0 * cos[:, None] * cos * (1.0 + own[:, None] + own))
     tables = []
     for index, first, then in zip(indices, up, down):
@@ -98,16 +98,16 @@ def two_reflections(alpha: float, kind: str, indices: tuple) -> TwoReflections:
         half = np.moveaxis(first * rising[..., None], -1, 0) @ np.moveaxis(then, -1, 0).swapaxes(-1, -2)
         spectrum = half + half.swapaxes(-1, -2)
         f = np.fft.irfft(spectrum, axis=0)[: azimuths + 1] * (np.pi / azimuths) * scale
-        further = _further(cos, alpha, kind, index)
+        further = _further(cos, alpha, distribution, index)
         tables.append(np.log(np.maximum(np.moveaxis(f * (1.0 + further[:, None] * further), 0, -1), _LEAST)))
-    return TwoReflections(alpha, kind, np.stack(tables, axis=-1))
+    return TwoReflections(alpha, distribution, np.stack(tables, axis=-1))
 
 
-def _further(cos, alpha: float, kind: str, index: tuple):
+def _further(cos, alpha: float, distribution: str, index: tuple):
     """(I,) whose products are what a narrow surface reflects otherwise, over what it reflects twice: from the energies of both."""
     if alpha >= NARROW_ALPHA:
         return np.zeros(len(cos))
-    surface = Microsurface(alpha, kind, etas=(index[0], 1.0 / index[0])) if len(index) == 1 else Microsurface(alpha, kind, index=index)
+    surface = Microsurface(alpha, distribution, etas=(index[0], 1.0 / index[0])) if len(index) == 1 else Microsurface(alpha, distribution, index=index)
     again, twice = surface.shares(cos, ENERGY)
     return np.sqrt(np.clip(again[0, 0, :, 0] / np.maximum(twice[0, :, 0], 1e-9) - 1.0, 0.0, 1.0))
 
@@ -121,7 +121,7 @@ def _between(edges, alpha: float):
     return np.stack([edges[:-1] + step, edges[1:] - step], axis=1).ravel(), np.repeat(measure, 2)
 
 
-def _lobes(cos, z, alpha, kind, curves, azimuths):
+def _lobes(cos, z, alpha, distribution, curves, azimuths):
     """By curve, the spectrum (I, Z, azimuths + 1) over azimuth of D F of the facets that turn light from cosines (I,) to cosines z (Z,)."""
     rise = np.maximum(cos[:, None] + z, 0.0)[..., None]
     sines = np.sqrt((1.0 - np.square(cos))[:, None] * (1.0 - np.square(z)))[..., None]
@@ -130,7 +130,7 @@ def _lobes(cos, z, alpha, kind, curves, azimuths):
     def lobe(cos_phi):
         length = np.sqrt(np.maximum(base - 2.0 * sines * cos_phi, 1e-30))
         cell = (length * (0.5 * _CELLS) + 0.5).astype(np.int32)
-        facets = np.where(rise > 0.0, distribution(np.minimum(rise / length, 1.0), alpha, kind), 0.0)
+        facets = np.where(rise > 0.0, microfacet.distribution(np.minimum(rise / length, 1.0), alpha, distribution), 0.0)
         return [facets * curve[cell] for curve in curves]
 
     # the samples that a lobe may be narrower than are means over their cells, by an angle in which it is smooth

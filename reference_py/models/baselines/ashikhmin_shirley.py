@@ -32,24 +32,24 @@ class AshikhminShirley(Baseline):
 
     name = "ashikhmin_shirley"
 
-    def __init__(self, stack: Stack, **options: str):
-        super().__init__(stack, **options)
+    def __init__(self, stack: Stack):
+        super().__init__(stack)
         is_metal = self.optics.base.facets is not None
         tint = self.optics.round_trip()
         facets = self.optics.base.facets or (self.optics.interfaces[0].facets if stack.layers else None)
         self._alpha = facets.alpha if facets else 1.0
         if is_metal:
-            self._f0, self._tint, self._color = metal_f0(self.optics), tint, np.zeros(3)
+            self._f0, self._tint, self._color = metal_f0(self.optics), tint, np.zeros(self.channels)
         else:
-            self._f0 = np.full(3, dielectric_f0(self.optics.interfaces[0].eta) if stack.layers else 0.0)
-            self._tint, self._color = np.full(3, 1.0 if stack.layers else 0.0), tint * self.optics.base.color
+            self._f0 = np.full(self.channels, dielectric_f0(self.optics.interfaces[0].eta) if stack.layers else 0.0)
+            self._tint, self._color = np.full(self.channels, 1.0 if stack.layers else 0.0), tint * self.optics.base.color
 
     def _f(self, wo, wi):
         return self._specular(wo, wi) + self._diffuse(wo, wi)
 
     def _specular(self, wo, wi):
         if is_specular(self._alpha):
-            return np.zeros(wi.shape)
+            return np.zeros(wi.shape[:-1] + (self.channels,))
         n = blinn_exponent(self._alpha)
         wh = half_vector(wi, wo)
         cos_h = np.clip(dot(wi, wh), 1e-12, 1.0)

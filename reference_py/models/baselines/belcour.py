@@ -7,7 +7,7 @@ single-scattering GGX lobe and transmits the rest; media multiply by exp(-tau / 
 the refraction's Jacobian as in his section 5; the constants are those of his code: s = a^1.1 / (1 - a^1.1).
 He has no diffuse base: here its total is exact, T(wo) rho T(wi) / (pi n^2 (1 - rho R_d)) with T and R_d of all layers
 from the model `adding`; Oren-Nayar counts as Lambert. Every distribution counts as GGX.
-Limits: f is not reciprocal; one mean direction per lobe, no tilt. Under a rough interface the weights add up to too
+Limits: RGB alone, whose mean is what widens its lobes; f is not reciprocal; one mean direction per lobe, no tilt. Under a rough interface the weights add up to too
 much, since what single scattering loses is taken as transmitted; then the lobe counts masking again, so that f gives
 too little, too broadly. Aluminium under n = 1.5, green channel, alpha .3 over .05 at 60 degrees: weights .84, albedo
 .64, f at the mirror direction 1.55; the truth is .73 and 2.21 (`adding`), and .52 for interfaces that lose what single
@@ -40,14 +40,14 @@ _MIN_COS = 1e-4
 _FACETS = 1024
 
 
-@supports("model")
+@supports("model", spectral=False)
 class Belcour(Baseline):
     """Belcour 2018: one equivalent GGX lobe per interface."""
 
     name = "belcour"
 
-    def __init__(self, stack: Stack, **options: str):
-        super().__init__(stack, **options)
+    def __init__(self, stack: Stack):
+        super().__init__(stack)
         self._metal = metal_lobe(self.optics)
         count = len(stack.layers) + bool(self._metal)
         # per lobe three weights and an alpha

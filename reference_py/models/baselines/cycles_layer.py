@@ -20,6 +20,7 @@ ggx    | multi_ggx | where the stack says ggx: multi_ggx, Blender's default, com
 
 import numpy as np
 
+from ...errors import one_of
 from ...material.stack import Stack
 from ...optics.microfacet import BECKMANN, GGX
 from ...optics.optical_stack import supports
@@ -32,10 +33,10 @@ class CyclesLayer(Baseline):
     """Closures stacked with Cycles' layer(), as Cycles computes it."""
 
     name = "cycles_layer"
-    OPTIONS = {"ggx": (MULTI_GGX, GGX)}
 
-    def __init__(self, stack: Stack, **options: str):
-        super().__init__(stack, **options)
+    def __init__(self, stack: Stack, ggx: str = MULTI_GGX):
+        super().__init__(stack)
+        self._ggx = one_of(f"model {self.name}", "ggx", ggx, (MULTI_GGX, GGX))
         surfaces = self.optics.interfaces
         self._tops = [dielectric_closure(s.alpha, self.closure_distribution(s.distribution), s.eta) for s in surfaces]
         self._tints = [np.exp(-2.0 * s.tau) for s in surfaces]
@@ -43,7 +44,7 @@ class CyclesLayer(Baseline):
 
     def closure_distribution(self, distribution: str) -> str:
         """Name of the closure's distribution for one of the stack."""
-        return BECKMANN if distribution == BECKMANN else self.options["ggx"]
+        return BECKMANN if distribution == BECKMANN else self._ggx
 
     def _metal_closure(self) -> Closure:
         facets = self.optics.base.facets

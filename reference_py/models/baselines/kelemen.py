@@ -33,12 +33,12 @@ class Kelemen(Baseline):
 
     name = "kelemen"
 
-    def __init__(self, stack: Stack, **options: str):
-        super().__init__(stack, **options)
+    def __init__(self, stack: Stack):
+        super().__init__(stack)
         metal = metal_lobe(self.optics)
         tint = self.optics.round_trip()
         self._lobe = metal or (interface_lobe(self.optics, 0) if stack.layers else None)
-        self._tint = tint if metal else np.ones(3)
+        self._tint = tint if metal else np.ones(self.channels)
         self._matte = None if metal else tint * self.optics.base.color
         if self._matte is not None and self._lobe:
             # where the lobe's own albedo exceeds 1 nothing is left for the matte part
@@ -56,7 +56,7 @@ class Kelemen(Baseline):
 
     def _specular(self, wo, wi):
         if not self._lobe or is_specular(self._lobe.alpha):
-            return np.zeros(np.broadcast_shapes(wi.shape, wo.shape))
+            return np.zeros(np.broadcast_shapes(wi.shape, wo.shape)[:-1] + (self.channels,))
         wh = half_vector(wi, wo)
         d = microfacet.distribution(wh[..., 2], self._lobe.alpha, self._lobe.distribution)
         h2 = np.maximum(2.0 * (1.0 + dot(wi, wo)), 1e-30)

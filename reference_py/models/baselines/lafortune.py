@@ -5,7 +5,7 @@ f = d / pi + sum of max(Cxy (x x' + y y') + Cz z z', 0)^n. It is a fit to measur
 material is that of option `fit`, and the stack is not used at all. `blue_paint` stands in for the measured latex
 paint of Weidlich07, figure 9, which is not at hand: three lobes per channel as printed in pbrt version 1 (Pharr and
 Humphreys 2004), materials/bluepaint.cpp, not checked against the paper of 1997.
-Limits: fixed data, no mirror-like coat. The third lobe peaks off the mirror direction; the first is a
+Limits: fixed data in RGB, no mirror-like coat. The third lobe peaks off the mirror direction; the first is a
 retroreflection, the second broad. Its albedo is .31 .40 .73 at normal and .38 .46 .75 at grazing views.
 
 option | default    | meaning
@@ -19,6 +19,8 @@ fit    | blue_paint | measured material: blue_paint
 
 import numpy as np
 
+from ...errors import one_of
+from ...material.stack import Stack
 from ...optics.optical_stack import supports
 from .parts import Baseline
 
@@ -35,16 +37,18 @@ _FITS = {
 }
 
 
-@supports("model")
+@supports("model", spectral=False)
 class Lafortune(Baseline):
     """Lafortune 1997: the fit of a blue paint; it ignores the stack."""
 
     name = "lafortune"
-    OPTIONS = {"fit": tuple(_FITS)}
+
+    def __init__(self, stack: Stack, fit: str = "blue_paint"):
+        super().__init__(stack)
+        self._fit = one_of(f"model {self.name}", "fit", fit, tuple(_FITS))
 
     def _f(self, wo, wi):
-        fit = self.options["fit"]
-        return np.array(_FITS[fit][0]) / np.pi * np.ones(wi.shape) + sum(lobes(wo, wi, fit))
+        return np.array(_FITS[self._fit][0]) / np.pi * np.ones(wi.shape) + sum(lobes(wo, wi, self._fit))
 
 
 def lobes(wo: np.ndarray, wi: np.ndarray, fit: str = "blue_paint") -> list[np.ndarray]:

@@ -24,6 +24,7 @@ darkening | on      | Delta: on is the specification's weight 1, off is 0
 
 import numpy as np
 
+from ...errors import one_of
 from ...material.stack import Stack
 from ...optics.fresnel import cos_theta_t, fresnel_dielectric
 from ...optics.interface import Microfacets
@@ -38,13 +39,13 @@ class OpenPbrCoat(Baseline):
     """OpenPBR 1: coat with darkening over its base."""
 
     name = "openpbr_coat"
-    OPTIONS = {"darkening": ("on", "off")}
 
-    def __init__(self, stack: Stack, **options: str):
-        super().__init__(stack, **options)
+    def __init__(self, stack: Stack, darkening: str = "on"):
+        super().__init__(stack)
+        self._darkens = one_of(f"model {self.name}", "darkening", darkening, ("on", "off")) == "on"
         surfaces = self.optics.interfaces
         self._coat = self._lobe = None
-        self._tau = sum((s.tau for s in surfaces), np.zeros(3))
+        self._tau = sum((s.tau for s in surfaces), np.zeros(self.channels))
         if surfaces:
             self._eta = surfaces[0].eta
             self._coat = Lobe(surfaces[0].alpha, GGX, dielectric(self._eta))
@@ -77,7 +78,7 @@ class OpenPbrCoat(Baseline):
             left = 1.0 - self._gloss_albedo(wo[..., 2]) if self._lobe else 1.0
             base = base + left * self.optics.base.f(wi, wo)
         if not self._coat:
-            return base * np.ones(3)
+            return base * np.ones(self.channels)
         return self._coat.f(wo, wi) + self._throughput(wo[..., 2], wi[..., 2]) * base
 
     def _throughput(self, cos_o, cos_i):
@@ -87,8 +88,8 @@ class OpenPbrCoat(Baseline):
         return absorbed * (1.0 - self._coat_albedo(cos_o)) * self._darkening(cos_o)
 
     def _darkening(self, cos_o):
-        if self.options["darkening"] == "off":
-            return np.ones(3)
+        if not self._darkens:
+            return np.ones(self.channels)
         smooth = fresnel_dielectric(cos_o, self._eta)
         rough = 1.0 - (1.0 - self._mean_fresnel) / self._eta**2
         inside = (smooth + self._base_roughness * (rough - smooth))[..., None]
@@ -97,7 +98,7 @@ class OpenPbrCoat(Baseline):
     def _specular_albedo(self, cos_o):
         base = self._lobe.specular_albedo(cos_o) if self._lobe else super()._specular_albedo(cos_o)
         if not self._coat:
-            return base * np.ones(3)
+            return base * np.ones(self.channels)
         return self._coat.specular_albedo(cos_o) + self._throughput(cos_o, cos_o) * base
 
     def _widths(self):

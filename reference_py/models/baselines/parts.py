@@ -10,10 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...errors import LaminaError
 from ...material.stack import Stack
 from ...optics import microfacet
-from ...optics.frame import dot, half_vector
+from ...optics.frame import color_axis, dot, half_vector, per_direction
 from ...optics.fresnel import fresnel_conductor, fresnel_dielectric
 from ...optics.microfacet import is_specular
 from ...optics.optical_stack import OpticalStack
@@ -31,32 +30,25 @@ Fresnel = Callable[[np.ndarray], np.ndarray]
 class Baseline:
     """A model of the shared signature. Subclasses give `_f`, and `_widths` and `_specular_albedo` where they have lobes.
 
-    `OPTIONS` names the options and their choices, the default first. Raises LaminaError on any other.
+    The colour axis, written (..., 3) below, has `channels` entries.
     """
 
     name: str
     stochastic = False
-    OPTIONS: dict[str, tuple[str, ...]] = {}
 
-    def __init__(self, stack: Stack, **options: str):
-        for key, value in options.items():
-            if key not in self.OPTIONS:
-                choices = f"choose {', '.join(self.OPTIONS)}" if self.OPTIONS else "it has none"
-                raise LaminaError(f"model {self.name}: unknown option {key!r}; {choices}")
-            if value not in self.OPTIONS[key]:
-                raise LaminaError(f"model {self.name}: unknown {key} {value!r}; choose {', '.join(self.OPTIONS[key])}")
-        self.options = {key: options.get(key, choices[0]) for key, choices in self.OPTIONS.items()}
+    def __init__(self, stack: Stack):
         self.stack, self.optics = stack, OpticalStack.of(stack, self)
+        self.channels = self.optics.channels
 
+    @per_direction(color_axis)
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """BRDF (..., 3) in 1/sr without cosine; mirror-like parts have none and count as 0."""
-        wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
         visible = ((wo[..., 2] > 0.0) & (wi[..., 2] > 0.0))[..., None]
         return np.where(visible, self._f(np.where(visible, wo, _UP), np.where(visible, wi, _UP)), 0.0)
 
+    @per_direction(color_axis)
     def albedo(self, wo: np.ndarray) -> np.ndarray:
         """Directional albedo (..., 3), mirror-like parts included; 0 for views below the surface."""
-        wo = np.asarray(wo, float)
         visible = wo[..., 2:] > 0.0
         above = np.where(visible, wo, _UP)
         total = directional_albedo(self.f, above, self._widths()) + self._specular_albedo(above[..., 2])
@@ -72,7 +64,7 @@ class Baseline:
 
     def _specular_albedo(self, cos_o: np.ndarray) -> np.ndarray:
         """Energy (..., 3) of mirror-like lobes."""
-        return np.zeros(cos_o.shape + (3,))
+        return np.zeros(cos_o.shape + (self.channels,))
 
 
 @dataclass(frozen=True)

@@ -36,8 +36,8 @@ class PrincipledCoat(Baseline):
 
     name = "principled_coat"
 
-    def __init__(self, stack: Stack, **options: str):
-        super().__init__(stack, **options)
+    def __init__(self, stack: Stack):
+        super().__init__(stack)
         surfaces = self.optics.interfaces
         self._coat = dielectric_closure(surfaces[0].alpha, MULTI_GGX, surfaces[0].eta) if surfaces else None
         self._coat_eta = surfaces[0].eta if surfaces else 1.0
@@ -82,7 +82,7 @@ class PrincipledCoat(Baseline):
     def _throughput(self, cos_o):
         """What the coat leaves of the base, (..., 3)."""
         if not self._coat:
-            return np.ones(cos_o.shape + (3,))
+            return np.ones(cos_o.shape + (self.channels,))
         path = 1.0 / cos_theta_t(cos_o, self._coat_eta)
         return self._coat.left(cos_o) * self._tint ** path[..., None]
 

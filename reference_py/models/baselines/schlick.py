@@ -35,8 +35,8 @@ class Schlick(Baseline):
 
     name = "schlick"
 
-    def __init__(self, stack: Stack, **options: str):
-        super().__init__(stack, **options)
+    def __init__(self, stack: Stack):
+        super().__init__(stack)
         self._top_alpha = self.optics.interfaces[0].alpha if stack.layers else None
         self._top_fresnel = schlick(np.array([dielectric_f0(self.optics.interfaces[0].eta)])) if stack.layers else None
         is_metal = self.optics.base.facets is not None

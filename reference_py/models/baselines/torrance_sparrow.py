@@ -28,16 +28,16 @@ class TorranceSparrow(Baseline):
 
     name = "torrance_sparrow"
 
-    def __init__(self, stack: Stack, **options: str):
-        super().__init__(stack, **options)
+    def __init__(self, stack: Stack):
+        super().__init__(stack)
         self._metal = metal_lobe(self.optics)
         self._tint = self.optics.round_trip()
         self._lobe = self._metal or (interface_lobe(self.optics, 0) if stack.layers else None)
-        self._lobe_tint = self._tint if self._metal else np.ones(3)
+        self._lobe_tint = self._tint if self._metal else np.ones(self.channels)
         self._diffuse = self._tint * (1.0 - dielectric_f0(self.optics.interfaces[0].eta) if stack.layers else 1.0)
 
     def _f(self, wo, wi):
-        total = np.zeros(wi.shape)
+        total = np.zeros(wi.shape[:-1] + (self.channels,))
         if self._lobe:
             total = total + self._lobe_tint * self._lobe.f(wo, wi)
         if not self._metal:

@@ -20,9 +20,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...errors import LaminaError
+from ...errors import LaminaError, one_of
 from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
+from ...optics.frame import color_axis, generator, per_direction
 from ...optics.microsurface import SURFACES
 from ...optics.optical_stack import OpticalStack, supports
 from .surfaces import Surfaces
@@ -30,6 +31,10 @@ from .walk import Walk, connected_f
 
 BATCH = 1 << 15
 DEFAULT_WALKS = 1 << 16
+
+
+def _depth_axes(model) -> tuple[int, ...]:
+    return len(model._surfaces), model.channels
 
 
 class Cancelled(Exception):
@@ -57,27 +62,21 @@ class Histogram:
 class PositionFree:
     """The truth by Monte Carlo walks, each figure with its standard error.
 
-    Methods take `rng` in place of the seed, `progress`, called with the share done, and `cancel`, asked before every
+    Methods take `rng`, a seed or a generator, in place of the model's seed, `progress`, called with the share done, and `cancel`, asked before every
     batch; if it says true they raise Cancelled.
     Raises LaminaError on an unknown option or choice.
     """
 
     name = "position_free"
     stochastic = True
-    options = ("surface", "walks", "seed")
 
-    def __init__(self, stack: Stack, **options):
-        for key in options:
-            if key not in self.options:
-                raise LaminaError(f"model {self.name}: unknown option {key!r}; choose {', '.join(self.options)}")
-        surface = options.get("surface", SURFACES[0])
-        if surface not in SURFACES:
-            raise LaminaError(f"model {self.name}: unknown surface {surface!r}; choose {', '.join(SURFACES)}")
-        self.surface = surface
-        self.walks = _whole_number("walks", options.get("walks", DEFAULT_WALKS), 2)
-        self.seed = _whole_number("seed", options.get("seed", 0), 0)
+    def __init__(self, stack: Stack, surface: str = SURFACES[0], walks: int = DEFAULT_WALKS, seed: int = 0):
+        self.surface = one_of(f"model {self.name}", "surface", surface, SURFACES)
+        self.walks = _whole_number("walks", walks, 2)
+        self.seed = _whole_number("seed", seed, 0)
         self.stack = stack
-        self._surfaces = Surfaces(OpticalStack.of(stack, self), surface)
+        optics = OpticalStack.of(stack, self)
+        self.channels, self._surfaces = optics.channels, Surfaces(optics, surface)
 
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """BRDF (..., 3) in 1/sr without cosine; mirror-like components have none and count as 0."""
@@ -87,9 +86,9 @@ class PositionFree:
         """Directional albedo (..., 3), mirror-like components included."""
         return self.albedo_stderr(wo)[0]
 
+    @per_direction(color_axis, color_axis)
     def f_stderr(self, wo, wi, *, rng=None, progress=None, cancel=None) -> tuple[np.ndarray, np.ndarray]:
         """`f` and its standard error, both (..., 3)."""
-        wo, wi = np.broadcast_arrays(np.asarray(wo, float), np.asarray(wi, float))
         visible = (wo[..., 2] > 0.0) & (wi[..., 2] > 0.0)
         # f is symmetric. Few microfacets send light to a grazing direction, all take it from there: start with that.
         swap = (wi[..., 2] < wo[..., 2])[..., None]
@@ -98,37 +97,37 @@ class PositionFree:
         def sample(figure, rng):
             return connected_f(self._surfaces, start[figure], end[figure], rng)
 
-        return self._spread(visible, *self._estimate(sample, len(start), (3,), rng, progress, cancel))
+        return self._spread(visible, *self._estimate(sample, len(start), (self.channels,), rng, progress, cancel))
 
+    @per_direction(color_axis, color_axis)
     def albedo_stderr(self, wo, *, rng=None, progress=None, cancel=None) -> tuple[np.ndarray, np.ndarray]:
         """`albedo` and its standard error, both (..., 3); 0 for viewers below the horizon."""
-        wo = np.asarray(wo, float)
         visible = wo[..., 2] > 0.0
         wo_visible = wo[visible]
 
         def sample(figure, rng):
-            energy = np.zeros((3, len(figure))).T
+            energy = np.zeros((self.channels, len(figure))).T
             for rays in Walk(self._surfaces, wo_visible[figure], rng).exits():
                 energy[rays.path] = rays.throughput
             return energy
 
-        return self._spread(visible, *self._estimate(sample, len(wo_visible), (3,), rng, progress, cancel))
+        return self._spread(visible, *self._estimate(sample, len(wo_visible), (self.channels,), rng, progress, cancel))
 
+    @per_direction(_depth_axes, _depth_axes)
     def albedo_by_depth(self, wo, *, rng=None, progress=None, cancel=None) -> tuple[np.ndarray, np.ndarray]:
         """Albedo (..., surfaces, 3) by the deepest surface that light has met, the base last; and its standard error."""
-        wo = np.asarray(wo, float)
         visible = wo[..., 2] > 0.0
         wo_visible = wo[visible]
         depths = len(self._surfaces)
 
         def sample(figure, rng):
             walk = Walk(self._surfaces, wo_visible[figure], rng)
-            energy = np.zeros((len(figure), depths, 3))
+            energy = np.zeros((len(figure), depths, self.channels))
             for rays in walk.exits():
                 energy[rays.path, walk.deepest[rays.path]] = rays.throughput
             return energy
 
-        return self._spread(visible, *self._estimate(sample, len(wo_visible), (depths, 3), rng, progress, cancel))
+        return self._spread(visible, *self._estimate(sample, len(wo_visible), (depths, self.channels), rng, progress, cancel))
 
     def histogram(self, wo, theta_edges, phi_edges, *, deepest: int | None = None, rng=None, progress=None, cancel=None) -> Histogram:
         """Where the energy that meets the stack along -wo, wo (3,), leaves to; edges in radians, ascending.
@@ -139,7 +138,7 @@ class PositionFree:
         theta_edges, phi_edges = np.asarray(theta_edges, float), np.asarray(phi_edges, float)
         shape = (len(theta_edges) - 1, len(phi_edges) - 1)
         azimuth = np.arctan2(wo[1], wo[0])
-        total, squares = np.zeros((2, shape[0] * shape[1], 3))
+        total, squares = np.zeros((2, shape[0] * shape[1], self.channels))
         for count, batch_rng in self._batches(1, rng, progress, cancel):
             walk = Walk(self._surfaces, np.broadcast_to(wo, (len(count), 3)), batch_rng)
             for rays in walk.exits():
@@ -151,15 +150,15 @@ class PositionFree:
                 if deepest is not None:
                     inside &= walk.deepest[rays.path] == deepest % len(self._surfaces)
                 bins, energy = (row * shape[1] + column)[inside], rays.throughput[inside]
-                for channel in range(3):
+                for channel in range(self.channels):
                     total[:, channel] += np.bincount(bins, energy[:, channel], len(total))
                     squares[:, channel] += np.bincount(bins, np.square(energy[:, channel]), len(total))
         mean, stderr = _mean_and_stderr(total, squares, self.walks)
-        return Histogram(mean.reshape(*shape, 3), stderr.reshape(*shape, 3), theta_edges, phi_edges)
+        return Histogram(mean.reshape(*shape, self.channels), stderr.reshape(*shape, self.channels), theta_edges, phi_edges)
 
     def _batches(self, figures: int, rng, progress, cancel):
         """Yield (index of the figure per walk, rng) until every figure has its walks."""
-        rng = np.random.default_rng(self.seed) if rng is None else rng
+        rng = generator(self.seed if rng is None else rng)
         walks = figures * self.walks
         for start in range(0, walks, BATCH):
             if cancel is not None and cancel():

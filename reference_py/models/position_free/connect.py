@@ -30,9 +30,9 @@ class LightPaths:
 
     def __init__(self, surfaces: Surfaces, wi: np.ndarray, rng: np.random.Generator):
         self.surfaces = surfaces
-        self.f = np.zeros((len(wi), 3))
+        self.f = np.zeros((len(wi), surfaces.channels))
         self._u = [np.asfortranarray(wi, float)]
-        self._weight = [(1.0 / wi[:, 2])[:, None] * np.ones(3)]
+        self._weight = [(1.0 / wi[:, 2])[:, None] * np.ones(surfaces.channels)]
         self._lower = [np.zeros(len(wi))]
         crossed, passed = [], []
         for index, surface in enumerate(surfaces.all[:-1]):
@@ -66,7 +66,7 @@ class LightPaths:
             turned_back[i] = 1.0 / np.maximum(1.0 - (1.0 - crossed[i]) * mirrored[i + 1] * np.square(passed[i]), _TRAPPED)
             mirrored[i] = 1.0 - crossed[i] + np.square(crossed[i] * passed[i]) * mirrored[i + 1] * turned_back[i]
         self._entering, self._rising = [], []
-        energy = np.ones((len(self.f), 3))
+        energy = np.ones(self.f.shape)
         for i, (through, left) in enumerate(zip(crossed, passed)):
             # f_t(a, b) / n_b^2 = f_t(b, a) / n_a^2 (Walter07), telescoped over the interfaces
             spread = self.surfaces.n_above[i + 1] ** 2 * self._u[i + 1][:, 2:]

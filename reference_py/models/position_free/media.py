@@ -48,7 +48,7 @@ class ScatteringMedium:
             if self.absorbs:
                 throughput = (throughput.T * np.where(place == 0, self.albedo[:, None], 1.0)).T
             return replace(rays, throughput=throughput, depth=new), place
-        chosen = np.sum(rng.random(len(depth)) >= np.cumsum(rays.share.T[:2], axis=0), axis=0)
+        chosen = np.sum(rng.random(len(depth)) >= np.cumsum(rays.share.T[:-1], axis=0), axis=0)
         length = free / np.maximum(self.tau[chosen], 1e-12)
         with np.errstate(divide="ignore"):
             edge = np.where(z > 0.0, depth, depth - 1.0) / np.where(z == 0.0, 1e-300, z)

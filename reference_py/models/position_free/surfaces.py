@@ -212,6 +212,7 @@ class Surfaces:
         self.all = [_dielectric(layer, surface) for layer in optics.interfaces] + [_base(optics.base, surface)]
         self.tau = [layer.tau if np.any(layer.tau > 0.0) else None for layer in optics.interfaces]
         self.media = [None if s.scattering is None else ScatteringMedium(s, f"layer {i}") for i, s in enumerate(optics.interfaces)]
+        self.channels = optics.channels
         self.n_above = [layer.n_above for layer in optics.interfaces] + [optics.base.n_above]
 
     def __len__(self) -> int:

@@ -37,8 +37,8 @@ class Walk:
         """(n,) deepest surface that each walk has met so far."""
         carry = None if light is None else np.zeros(n)
         is_grey = all(medium is None or medium.is_grey for medium in surfaces.media)
-        share = None if is_grey else np.full((3, n), 1.0 / 3.0).T
-        start = Rays(np.asfortranarray(wo, float), np.ones((3, n)).T, np.arange(n), carry, share)
+        share = None if is_grey else np.full((surfaces.channels, n), 1.0 / surfaces.channels).T
+        start = Rays(np.asfortranarray(wo, float), np.ones((surfaces.channels, n)).T, np.arange(n), carry, share)
         self._queues = {(0, False): [start]}
         last = len(surfaces) - 1
         down = [place for i in range(last) for place in ((i, False), (i, _MEDIUM))] + [(last, False)]

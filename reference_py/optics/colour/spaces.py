@@ -94,9 +94,12 @@ def _decoded(values: np.ndarray, curve: str) -> np.ndarray:
 def _matrix(primaries: str) -> np.ndarray:
     """(3, 3) from linear RGB of these primaries to linear Rec.709."""
     source, target = _CHROMATICITIES[primaries], _CHROMATICITIES["rec709"]
-    cones_source, cones_target = (_BRADFORD @ _xyz(c[3]) for c in (source, target))
-    adapted = np.linalg.inv(_BRADFORD) @ np.diag(cones_target / cones_source) @ _BRADFORD
-    return np.linalg.inv(_to_xyz(target)) @ adapted @ _to_xyz(source)
+    return np.linalg.inv(_to_xyz(target)) @ adaptation(_xyz(source[3]), _xyz(target[3])) @ _to_xyz(source)
+
+
+def adaptation(white: np.ndarray, new_white: np.ndarray) -> np.ndarray:
+    """(3, 3) from XYZ under one white to XYZ under another, each (3,), by Bradford's cones (Lam 1985)."""
+    return np.linalg.inv(_BRADFORD) @ np.diag((_BRADFORD @ new_white) / (_BRADFORD @ white)) @ _BRADFORD
 
 
 def _to_xyz(chromaticities) -> np.ndarray:

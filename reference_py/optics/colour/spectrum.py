@@ -11,7 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import LaminaError
+from ...errors import LaminaError, one_of
+from .spaces import adaptation
 
 OBSERVER_FILE = Path(__file__).parents[2] / "data" / "cie1931_2deg.json"
 
@@ -23,13 +24,16 @@ REC709_PRIMARIES = np.array([[0.640, 0.330], [0.300, 0.600], [0.150, 0.060]])
 def _tables() -> tuple[np.ndarray, np.ndarray]:
     """Wavelengths (81,) and the weights (81, 3) that turn a reflectance on them into XYZ, Y of white being 1."""
     table = json.loads(OBSERVER_FILE.read_text(encoding="utf-8"))
-    observer = np.array([table["x_bar"], table["y_bar"], table["z_bar"]]).T
-    weights = observer * np.array(table["d65"])[:, None]
+    weights = _observer(table) * np.array(table["d65"])[:, None]
     weights /= weights[:, 1].sum()
     wavelength_nm = np.array(table["wavelength_nm"], float)
     for array in (wavelength_nm, weights):
         array.setflags(write=False)
     return wavelength_nm, weights
+
+
+def _observer(table: dict) -> np.ndarray:
+    return np.array([table["x_bar"], table["y_bar"], table["z_bar"]]).T
 
 
 @lru_cache(maxsize=1)
@@ -63,16 +67,32 @@ def resample(wavelength_nm: np.ndarray, values: np.ndarray, new_wavelength_nm: n
 def observer_rgb() -> tuple[np.ndarray, np.ndarray]:
     """Wavelengths (81,) and the color matching functions (81, 3) of linear Rec.709 on them, without an illuminant."""
     table = json.loads(OBSERVER_FILE.read_text(encoding="utf-8"))
-    observer = np.array([table["x_bar"], table["y_bar"], table["z_bar"]]).T
-    return standard_wavelengths(), observer @ _rgb_from_xyz().T
+    return standard_wavelengths(), _observer(table) @ _rgb_from_xyz().T
 
 
-def rgb_weights(wavelength_nm: np.ndarray) -> np.ndarray:
+def rgb_weights(wavelength_nm: np.ndarray, illuminant: str = "D65") -> np.ndarray:
     """Weights (n, 3): `reflectance @ weights` is linear Rec.709 for a reflectance on these wavelengths (n,).
 
-    The reflectance counts as piecewise linear, constant beyond its ends. Raises LaminaError unless increasing.
+    The reflectance counts as piecewise linear, constant beyond its ends. White is (1, 1, 1) under every illuminant (Bradford).
+    Raises LaminaError unless increasing, and for an unknown illuminant.
     """
-    return _xyz_weights(wavelength_nm) @ _rgb_from_xyz().T
+    if illuminant == "D65":
+        return _xyz_weights(wavelength_nm) @ _rgb_from_xyz().T
+    table_nm, d65 = _tables()
+    table = json.loads(OBSERVER_FILE.read_text(encoding="utf-8"))
+    weights = _observer(table) * illuminant_power(table_nm, illuminant)[:, None]
+    weights = weights / weights[:, 1].sum()
+    adapted = weights @ adaptation(weights.sum(axis=0), d65.sum(axis=0)).T
+    return _interpolation(_checked(wavelength_nm), table_nm) @ adapted @ _rgb_from_xyz().T
+
+
+def illuminant_power(wavelength_nm: np.ndarray, illuminant: str) -> np.ndarray:
+    """Relative spectral power (n,) of illuminant A, lamp light (CIE 015:2018, eq. 1), or E, of equal energy. Raises LaminaError for others."""
+    one_of("colour", "illuminant", illuminant, ("A", "E"))
+    nm = np.asarray(wavelength_nm, float)
+    if illuminant == "E":
+        return np.ones(nm.shape)
+    return 100.0 * (560.0 / nm) ** 5 * np.expm1(1.435e7 / (2848.0 * 560.0)) / np.expm1(1.435e7 / (2848.0 * nm))
 
 
 def reflectance_to_xyz(reflectance: np.ndarray, wavelength_nm: np.ndarray) -> np.ndarray:

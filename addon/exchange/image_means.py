@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mean of an image of a MaterialX file, for where there are no textures."""
+
+import bpy
+import numpy as np
+
+from ...reference_py.errors import LaminaError
+from ...reference_py.exchange.materialx_graph import Image
+from ...reference_py.optics.colour import is_known, to_linear_rec709
+
+
+def mean_of_image(image: Image) -> np.ndarray:
+    """(3,) in linear Rec.709, or (1,) of one channel or of data. Raises LaminaError for a file that is no image."""
+    try:
+        block = bpy.data.images.load(image.file)
+    except RuntimeError:
+        raise LaminaError(f"{image.file}: no image that Blender can read") from None
+    try:
+        block.colorspace_settings.name = "Non-Color"  # the file's own numbers
+        width, height = block.size
+        pixels = np.empty(width * height * block.channels, np.float32)
+        if not len(pixels):
+            raise LaminaError(f"{image.file}: no image that Blender can read")
+        block.pixels.foreach_get(pixels)
+    finally:
+        bpy.data.images.remove(block)
+    pixels = pixels.reshape(width * height, -1)
+    if image.channel is not None:
+        return np.atleast_1d(np.mean(pixels[:, min(image.channel, pixels.shape[1] - 1)], dtype=float))
+    color = np.broadcast_to(pixels[:, :1], (len(pixels), 3)) if pixels.shape[1] < 3 else pixels[:, :3]
+    if not image.space or not is_known(image.space):
+        return np.mean(color, axis=0, dtype=float)
+    return np.mean(to_linear_rec709(color, image.space), axis=0, dtype=float)

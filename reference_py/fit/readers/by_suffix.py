@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Any file of a measurement, by its suffix."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import LaminaError
+from . import SUFFIXES, merl, rgl, speos, text_table, zemax
+from .measurement import Measurement, without_shadows
+from .tensor_file import MAGIC
+
+Reader = Callable[[Path, float | None, float | None], Measurement]
+
+
+def _bsdf(path: Path, wavelength_nm: float | None, steepest_deg: float | None) -> Measurement:
+    """RGL's files and Zemax' have the same suffix: which one it is stands at the beginning."""
+    with open(path, "rb") as file:
+        head = file.read(2000)
+    if zemax.looks_like(head):
+        return zemax.read(path, wavelength_nm, steepest_deg)
+    if not head.startswith(MAGIC):
+        raise LaminaError(f"{path}: neither a tensor file of the RGL database, which starts with 'tensor_file', nor a Zemax or Radiant table, with 'Source'")
+    return rgl.read(path, wavelength_nm, steepest_deg)
+
+
+_BY_SUFFIX: dict[str, Reader] = dict(zip(SUFFIXES, (merl.read, _bsdf, speos.read, text_table.read, text_table.read), strict=True))
+
+
+def read(path: str | os.PathLike, wavelength_nm: float | None = None, steepest_deg: float | None = None) -> Measurement:
+    """Read a measurement, by its suffix: .binary (MERL), .bsdf (RGL, Zemax), .brdf (Speos), .csv or .txt (a text_table).
+
+    With `wavelength_nm` it has one channel; `steepest_deg` is the largest angle that is used, 85 unless given. Raises LaminaError.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in _BY_SUFFIX:
+        raise LaminaError(
+            f"{path}: unknown kind of measurement {path.suffix!r}; choose .binary (MERL), .bsdf (RGL, Zemax), .brdf (Speos), .csv or .txt (text_table)"
+        )
+    try:
+        # a broken file holds any numbers; `checked` counts those that are none
+        with np.errstate(all="ignore"):
+            return without_shadows(_BY_SUFFIX[path.suffix.lower()](path, wavelength_nm, steepest_deg))
+    except OSError as error:
+        raise LaminaError(f"{path}: cannot read the measurement: {error.strerror or error}") from None
