@@ -112,10 +112,10 @@ def select(
     # few layers that were not asked for are fitted as well: more are found from them
     tried: list[Fit] = []
     for count in range(last + 1):
-        found = search.look(count, bases)
+        found = search.look(count, bases, layers != AUTO)
         bases = search.promising(count, found, bases)
         best = preferred(found.values(), tried[-1] if tried else None)
-        tried.append(search.closer(best) if layers in (AUTO, count) else best)
+        tried.append(_containing(search.closer(best) if layers in (AUTO, count) else best, tried[-1] if tried else None))
         if layers == AUTO and count and not _is_clear(*tried[-2:]):
             tried[-2:] = [search.at_own_settings(fit) for fit in tried[-2:]]
             tried[-1] = _containing(*tried[:-3:-1])
@@ -161,8 +161,8 @@ class _Search:
     def __post_init__(self):
         self._by_base: dict[str, Fit] = {}
 
-    def look(self, count: int, bases: tuple[str, ...]) -> dict[str, Fit]:
-        """Quick fits by base, under `count` layers, of those that the stand-in brings near the data."""
+    def look(self, count: int, bases: tuple[str, ...], contained: bool) -> dict[str, Fit]:
+        """Quick fits by base, under `count` layers, of those that the stand-in brings near the data; `contained`: none worse than with a layer less."""
         before, rough = self._by_base, {}
         for base in bases:
             known = []
@@ -180,7 +180,8 @@ class _Search:
             rough[base] = min(options, key=lambda option: option[0])
         least = min(cost for cost, _, _ in rough.values())
         self._by_base = {base: self._quick(structure, x, _LOOK_STEPS) for base, (cost, structure, x) in rough.items() if cost <= _FAR * least}
-        self._by_base = {base: _containing(fit, before.get(base)) for base, fit in self._by_base.items()}
+        if contained:
+            self._by_base = {base: _containing(fit, before.get(base)) for base, fit in self._by_base.items()}
         return self._by_base
 
     def _quick(self, structure: Structure, x: np.ndarray, steps: int) -> Fit:
