@@ -95,7 +95,7 @@ class LiveTables:
             return interpolate(self._at(table, one), cos_o)
 
         result: list[GlossyLobe | DiffuseLobe] = []
-        for table in map(rooted, self.tables):
+        for table in (rooted(table, self.is_color) for table in self.tables):
             weight = np.ones((*cos_o.shape, 3)) if table.energy is None else energy(table.energy)
             if table.through is not None:
                 color = np.clip(self.stack.base["color"], 0.0, 1.0)
@@ -117,8 +117,10 @@ class LiveTables:
         return reduce(lambda part, place: np.tensordot(_hats(*place)[0], part, 1), zip(self.scales, coordinates), table)
 
 
-def rooted(table: LiveTable) -> LiveTable:
-    """The table with the roots of its energies, of which all is linear."""
+def rooted(table: LiveTable, is_color: bool) -> LiveTable:
+    """The table with the roots of its energies, of which all is linear; where channels have no coordinates of their own, with those of weights."""
+    if table.unit is not None and not is_color:
+        table = replace(table, energy=table.energy / table.unit, unit=None)
     roots = {name: getattr(table, name) ** (1.0 / POWER) for name in ("energy", "through", "back") if getattr(table, name) is not None}
     return replace(table, **roots)
 

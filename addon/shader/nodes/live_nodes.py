@@ -234,9 +234,7 @@ class _Plan:
                 self.is_root.setdefault((where, part.block), []).append(part.is_root)
 
     def _lobe(self, table: LiveTable) -> dict[str, list[_Part]]:
-        if table.unit is not None and not self._tables.is_color:
-            table = LiveTable(table.energy / table.unit, table.distribution, table.shape, None, table.fresnel)
-        table, lobe = rooted(table), {}
+        table, lobe = rooted(table, self._tables.is_color), {}
         for name in ("energy", "through", "back"):
             values = getattr(table, name)
             if values is not None:
