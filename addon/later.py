@@ -25,6 +25,7 @@ MODULES = (
     "addon/material/kind_groups",
     "addon/material/layers",
     "addon/material/live_values",
+    "addon/material/mask_links",
     "addon/material/material",
     "addon/material/osl_setting",
     "addon/material/pasted",

@@ -14,18 +14,20 @@ from .operators import (
     fit_operators,
     layer_operators,
     mask_operators,
+    mask_link_operators,
     material_operators,
     note_operator,
     preset_operators,
     texture_operator,
 )
-from .ui import panel, panel_layers, preferences, swatch_icons, translation
+from .ui import keys, panel, panel_layers, preferences, swatch_icons, translation
 
 CLASSES = (
     *properties.CLASSES,
     *material_operators.CLASSES,
     *layer_operators.CLASSES,
     *mask_operators.CLASSES,
+    *mask_link_operators.CLASSES,
     *check_operators.CLASSES,
     *note_operator.CLASSES,
     *preset_operators.CLASSES,
@@ -48,6 +50,7 @@ def register() -> None:
     swatch_icons.register()
     preset_icons.register()
     asset_library.register()
+    keys.register()
     bpy.types.TOPBAR_MT_file_import.append(exchange_operators.show_import)
     keep_in(cache_folder(), lambda message: print(f"Lamina: {message}"))
     for handlers, handler in (*older_groups.handlers(), *staleness.handlers(), *stamp_note.handlers(), *bakes.handlers()):
@@ -60,6 +63,7 @@ def unregister() -> None:
     bakes.stop()
     fitting.stop()
     bpy.types.TOPBAR_MT_file_import.remove(exchange_operators.show_import)
+    keys.unregister()
     asset_library.unregister()
     preset_icons.unregister()
     swatch_icons.unregister()

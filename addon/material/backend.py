@@ -10,7 +10,7 @@ AUTO, OSL, NODES = "auto", "osl", "nodes"
 BACKENDS = {
     AUTO: "Both: an OSL shader for CPU and OptiX, and stock nodes that show wherever OSL does not run",
     OSL: "An OSL shader alone, which reads values and textures live; black wherever OSL does not run",
-    NODES: "Stock nodes alone, for every device and for EEVEE; they hold the values that the layers had when they were made",
+    NODES: "Stock nodes alone, for every device and for EEVEE; of textures and animation they follow what a bake follows",
 }
 DEFAULT_BACKEND = AUTO
 
@@ -44,6 +44,6 @@ def notice(wanted: str, translated: Callable[[str], str] = str) -> str:
     if wanted != AUTO or OSL in branches_here(wanted):
         return ""
     sentence = translated(
-        "made of stock nodes, because {reason}; of all textures and animation of layers only a coverage's and a Lambert base's color have an effect"
+        "made of stock nodes, because {reason}; of all textures and animation of layers only coverages and what a bake follows have an effect"
     )
     return sentence.format(reason=translated(environment.osl_available()[1]))

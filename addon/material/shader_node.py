@@ -11,12 +11,10 @@ from contextlib import contextmanager
 
 import bpy
 
-from ...reference_py.lobes.patch_lobes import PatchLobes
-from ...reference_py.lobes.view_table import TableLobes
 from ..blender import environment
 from ..shader.inputs import PRIMARIES, TANGENT, ShaderInput
 from ..shader.nodes.node_groups import drop_group, lobe_group
-from ..shader.nodes.stock_nodes import group_inputs
+from ..shader.nodes.stock_nodes import Tables, group_inputs
 from ..shader.osl.block import LIVE
 from ..shader.osl.generate import Shader
 from ..shader.working_space import primaries
@@ -111,7 +109,7 @@ class Surface:
         self._wire(node, shader.inputs, owners)
         return node
 
-    def stock(self, lobe_set: TableLobes | PatchLobes, owners: dict[str, bpy.types.Node], role: str = NODES) -> bpy.types.Node:
+    def stock(self, lobe_set: Tables, owners: dict[str, bpy.types.Node], role: str = NODES) -> bpy.types.Node:
         """The group node of this lobe set, wired to the nodes of the values that it reads live; of a role, NODES or EEVEE."""
         group = lobe_group(lobe_set)
         node = self._branch(role, lambda node: node.node_tree == group, lambda node: setattr(node, "node_tree", group))

@@ -2,6 +2,7 @@
 """What the buttons beside the list of layers do. Each operator is one undo step."""
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_tip as tip_
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 
@@ -82,7 +83,14 @@ class LAMINA_OT_layer_remove(SelectedLayerOperator, bpy.types.Operator):
 class LAMINA_OT_layer_move(SelectedLayerOperator, bpy.types.Operator):
     bl_idname = "lamina.layer_move"
     bl_label = "Move Layer"
-    bl_description = "Move the selected layer up or down; textures and animation move with it"
+    bl_description = "Move the selected layer up or down, also by Ctrl + Up and Down over the panel; textures and animation move with it"
+
+    @classmethod
+    def poll(cls, context):
+        space = context.space_data
+        if space is not None and space.type == "PROPERTIES" and space.context != "MATERIAL":
+            return False  # its keys are those of every tab
+        return super().poll(context)
 
     direction: EnumProperty(name="Direction", items=[("UP", "Up", "Toward the viewer"), ("DOWN", "Down", "Toward the base")])
 
@@ -137,15 +145,24 @@ class LAMINA_OT_layer_drag(RowOperator, bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self._start_y, self._start, self._material = event.mouse_y, self.index, material.name_full
+        name = material.lamina.layers[self.index].name
         context.window_manager.modal_handler_add(self)
+        context.window.cursor_modal_set("SCROLL_Y")
+        context.workspace.status_text_set(iface_("Lamina carries {layer}: a click drops it, Escape puts it back").format(layer=name))
         return {"RUNNING_MODAL"}
+
+    def cancel(self, context):
+        context.window.cursor_modal_restore()
+        context.workspace.status_text_set(None)
 
     def modal(self, context, event):
         material = bpy.data.materials[self._material]
         if event.type in {"ESC", "RIGHTMOUSE"}:
+            self.cancel(context)
             layers.move_layer(material, self.index, self._start)
             return {"CANCELLED"}
         if event.type in {"LEFTMOUSE", "RET"} and event.value == "PRESS":
+            self.cancel(context)
             return {"FINISHED"} if self.index != self._start else {"CANCELLED"}
         if event.type == "MOUSEMOVE":
             self._carry(context, material, event.mouse_y)

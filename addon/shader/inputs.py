@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which parameters of a stack's elements a live shader reads through sockets."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.coverage import Patch
+from ...reference_py.material.place import Place
 from ...reference_py.material.schema import ANISOTROPY, LAMBERT, SCHEMA, VECTOR, Parameter, Schema
 from ...reference_py.material.stack import Base, Layer, Stack
 
@@ -41,6 +43,14 @@ def owners_of(patch: Patch) -> list[str]:
 def base_color_input(owner: str) -> ShaderInput:
     """The color of a Lambert base, which is the material's or an opaque layer."""
     return ShaderInput(owner + LAMBERT.parameter("color").osl_name, owner, LAMBERT.parameter("color"))
+
+
+def place_input(stack: Stack, place: Place, owners: Sequence[str]) -> ShaderInput:
+    """The parameter of a value of a stack whose layers and base are these owners'."""
+    owner = owners[-1] if place.layer is None else owners[place.layer]
+    kinds = SCHEMA.bases if place.layer is None else SCHEMA.layers
+    parameter = kinds[place.element(stack).kind].parameter(place.name)
+    return ShaderInput(owner + parameter.osl_name, owner, parameter)
 
 
 def used_sockets(element: Layer | Base, kind) -> tuple[Parameter, ...]:

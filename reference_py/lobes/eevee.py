@@ -7,26 +7,39 @@ one. A Metallic node gets a metal's color at the edge, so dielectric curves are 
 """
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from ..optics.diffuse import oren_nayar_albedo
+from .axes import Scale
 from .closure import unit_energy
+from .live_grid import MIN_ALPHA
+from .live_tables import LiveTable, LiveTables
 from .lobe import GlossyLobe
 from .patch_lobes import PatchLobes
 from .tabulate import tabulate
-from .view_table import AZIMUTHS, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
+from .view_table import AZIMUTHS, KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
 
 # Points along each side of the unit square that an albedo is the mean over.
 _POINTS = 32
 _LEAST = 1e-3
+# Of what is interpolated over live values, from one root of alpha or cosine to the next.
+_CELLS = 24
+_SCALE = Scale(0.0, 1.0, _CELLS + 1)
 
 
-def eevee_tables(lobe_set) -> TableLobes | PatchLobes:
+def eevee_tables(lobe_set) -> TableLobes | LiveTables | PatchLobes:
     """A lobe set in tables, as `tabulate` makes them, whose energies are right in EEVEE."""
     tables = tabulate(lobe_set)
     if isinstance(tables, PatchLobes):
-        return PatchLobes(tables.stack, tuple((patch, TableLobes(tuple(map(_table, part.tables)))) for patch, part in tables.parts))
+        return PatchLobes(tables.stack, tuple((patch, _tables(part)) for patch, part in tables.parts))
+    return _tables(tables)
+
+
+def _tables(tables: TableLobes | LiveTables) -> TableLobes | LiveTables:
+    if isinstance(tables, LiveTables):
+        return replace(tables, tables=tuple(map(_live_table, tables.tables)))
     return TableLobes(tuple(map(_table, tables.tables)))
 
 
@@ -49,6 +62,47 @@ def eevee_albedo(alpha: np.ndarray, cos_theta_o: np.ndarray) -> np.ndarray:
     return np.mean(np.where(cos_i > 0.0, masking, 0.0), axis=-1)
 
 
+@lru_cache(maxsize=1)
+def _albedos() -> np.ndarray:
+    """`eevee_albedo` at even roots of alpha and of cosines (_CELLS + 1, _CELLS + 1)."""
+    roots = np.linspace(0.0, 1.0, _CELLS + 1)
+    return eevee_albedo(np.maximum(roots, 1e-3)[:, None] ** 2, roots[None] ** 2)
+
+
+def _albedo_between(root: np.ndarray, cos_theta_o: np.ndarray) -> np.ndarray:
+    """`eevee_albedo` (...) for the root of alpha (...), linear between those of `_albedos`."""
+    (i, s), (j, t) = (_SCALE.place(v) for v in (root, np.sqrt(cos_theta_o)))
+    table = _albedos()
+    return (table[i, j] * (1.0 - t) + table[i, j + 1] * t) * (1.0 - s) + (table[i + 1, j] * (1.0 - t) + table[i + 1, j + 1] * t) * s
+
+
+@lru_cache(maxsize=2)
+def _units(distribution: str) -> np.ndarray:
+    """Energies (_CELLS + 1, KNOTS, 1) of isotropic lobes of weight 1 at even roots of alpha."""
+    alphas = np.maximum(_SCALE.knots, MIN_ALPHA**0.5) ** 2 * np.ones((KNOTS, 1))
+    return np.stack([unit_energy(GlossyLobe(distribution, np.ones(3), alpha, alpha), knot_cosines())[:, :1] for alpha in alphas.T])
+
+
+def _live_table(table: LiveTable) -> LiveTable:
+    if table.shape is None or not np.any(table.shape):
+        return table
+    root_x, root_y, slope = np.moveaxis(table.shape, -1, 0)
+    root, energy = np.sqrt(root_x * root_y), table.energy
+    if table.unit is None:  # a share of such a lobe
+        i, t = _SCALE.place(root)
+        units, views = _units(table.distribution), np.arange(KNOTS)
+        energy = energy * (units[i, views] * (1.0 - t)[..., None] + units[i + 1, views] * t[..., None])
+    unit = np.maximum(_albedo_between(root, _tilted(slope)), _LEAST)[..., None]
+    return replace(table, distribution="ggx", energy=energy, shape=np.stack([root, root, slope], axis=-1), unit=unit)
+
+
+def _tilted(slope: np.ndarray) -> np.ndarray:
+    """Cosines (..., KNOTS) of the view from a node's normal, which is the surface's and `slope` (..., KNOTS) along the plane of incidence."""
+    cosines = knot_cosines()
+    sines = np.sqrt(1.0 - np.square(cosines))
+    return (cosines + slope * np.square(sines)) / np.hypot(1.0, slope * sines)
+
+
 def _table(table):
     if isinstance(table, OrenNayarTable):
         return DiffuseTable(oren_nayar_albedo(knot_cosines(), table.weight, table.sigma_deg, table.power), table.axis)
@@ -57,9 +111,7 @@ def _table(table):
     cosines = knot_cosines()
     alpha_x, alpha_y, slope = table.shape.T
     alpha = np.sqrt(alpha_x * alpha_y)
-    # the node's normal is the surface's and `slope` along the plane of incidence
     sines = np.sqrt(1.0 - np.square(cosines))
-    tilted = (cosines + slope * np.square(sines)) / np.hypot(1.0, slope * sines)
     lobe = GlossyLobe(table.distribution, np.ones(3), alpha_x, alpha_y, np.arctan(slope * sines), None, table.frame)
     if table.axis is None and table.frame is None:
         energy = unit_energy(lobe, cosines)
@@ -67,5 +119,5 @@ def _table(table):
     else:
         axis = table.axis if table.axis is not None else table.frame
         energy = np.stack([unit_energy(lobe, cosines, axis + phi) for phi in np.arccos(AZIMUTHS)])
-    weight = table.weight * energy / np.maximum(eevee_albedo(alpha, tilted), _LEAST)[:, None]
+    weight = table.weight * energy / np.maximum(eevee_albedo(alpha, _tilted(slope)), _LEAST)[:, None]
     return replace(table, distribution="ggx", weight=weight, shape=np.stack([alpha, alpha, slope], axis=-1), frame=None, axis=axis)

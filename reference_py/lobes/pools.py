@@ -17,6 +17,7 @@ from ..material.coverage import Patch
 from ..material.schema import NORMAL
 from ..optics.diffuse import oren_nayar_albedo
 from .live_grid import LiveLobes
+from .live_tables import LiveTables
 from .lobe import DiffuseLobe, GlossyLobe
 from .view_table import TableLobes
 
@@ -71,7 +72,7 @@ def _may_share(patch: Patch, lobe_set, lobe) -> bool:
         return False
     if isinstance(lobe, DiffuseLobe):
         return lobe.color is not None and not isinstance(lobe_set, TableLobes) and not patch.layers
-    return isinstance(lobe_set, TableLobes | LiveLobes) and lobe.fresnel is None and lobe.frame is None
+    return isinstance(lobe_set, TableLobes | LiveLobes | LiveTables) and lobe.fresnel is None and lobe.frame is None
 
 
 def _identity(patch: Patch, number: int, i: int, lobe) -> Hashable:
@@ -83,8 +84,9 @@ def _identity(patch: Patch, number: int, i: int, lobe) -> Hashable:
 
 def _width(lobe_set, i: int) -> float:
     """How wide a lobe is, in the mean over views and live values."""
-    if isinstance(lobe_set, LiveLobes):
-        return float(np.mean(np.square(lobe_set.grid[i].shape[..., :2])))
+    if isinstance(lobe_set, LiveLobes | LiveTables):
+        lobes = lobe_set.grid if isinstance(lobe_set, LiveLobes) else lobe_set.tables
+        return float(np.mean(np.square(lobes[i].shape[..., :2])))
     return float(np.mean(lobe_set.tables[i].shape[:, :2]))
 
 

@@ -17,22 +17,23 @@ import numpy as np
 
 from ..optics.diffuse import OREN_NAYAR_POWER, oren_nayar_albedo, oren_nayar_color
 from .closure import fresnel_share
+from .live_grid import LiveLobes
+from .live_tables import NARROWEST_CURVE, LiveTables, live_tables
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from .patch_lobes import PatchLobes
 from .view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
 
-# Up to this alpha a folded curve moves less than 5 % of a lobe's light, by less than its width.
-NARROWEST_CURVE = 0.01
 
-
-def tabulate(lobe_set, keep_dielectrics: bool = False, power: int = OREN_NAYAR_POWER) -> TableLobes | PatchLobes:
-    """A lobe set in tables, or, of a PatchLobes, one of such; `keep_dielectrics` leaves lobes their dielectric curve that
+def tabulate(lobe_set, keep_dielectrics: bool = False, power: int = OREN_NAYAR_POWER) -> TableLobes | LiveTables | PatchLobes:
+    """A lobe set in tables, those of one over live values in tables over these too, or, of a PatchLobes, one of such; `keep_dielectrics` leaves lobes their dielectric curve that
     are grey, isotropic, of weight 2 at most and wider than NARROWEST_CURVE. `power` is that of Oren-Nayar lobes (`DiffuseLobe`).
 
     `lobe_set` has `lobes(cos_theta_o)`, the same list of kinds at every view. Lobes of no weight are left out, but one stays.
     """
     if isinstance(lobe_set, PatchLobes):
         return PatchLobes(lobe_set.stack, tuple((patch, tabulate(part.lobe_set, keep_dielectrics, power)) for patch, part in lobe_set.parts))
+    if isinstance(lobe_set, LiveLobes):
+        return live_tables(lobe_set, keep_dielectrics)
     tables = lobe_set.tables if isinstance(lobe_set, TableLobes) else _tables(lobe_set, power)
     tables = [table if keep_dielectrics and _has_seen_curve(table) else _without_curve(table) for table in tables]
     return TableLobes(tuple([t for t in tables if isinstance(t, BaseColorTable) or np.any(t.weight > 0.0)] or tables[-1:]))

@@ -409,7 +409,7 @@ DIELECTRIC = Kind(
             "Thickness",
             "Thickness of the medium, in units of the tint's crossing",
             maximum=1000.0,
-            soft_maximum=4.0,
+            soft_maximum=2.0,
             look="How deep the tint becomes: 0 is clear, 1 the tint itself, 2 the tint twice over",
         ),
         _DISTRIBUTION,

@@ -6,7 +6,7 @@ CHARTS = {
     "lobes": "lobe_errors", "presets": "preset_errors", "tiers": "tiers", "error": "error", "stress": "stress_chart", "suite": "suite_chart",
     "pareto": "pareto_chart", "pair": "pair", "cost_factors": "cost_factors", "fit": "fit_charts", "scale": "scale", "viewport": "viewport_chart",
     "base_color": "base_color", "exchange": "exchange", "eevee": "eevee_energy", "scattering": "scattering",
-    "live_values": "live_values", "sliders": "sliders",
+    "live_values": "live_values", "mitsuba": "mitsuba", "published": "published", "sliders": "sliders",
 }  # fmt: skip
 # Names that charts had before, and still answer to.
 OLD_NAMES = {"network": "lobes", "levers": "cost_factors"}
@@ -33,6 +33,8 @@ def add_commands(commands) -> None:
             "scattering: the two truths on stacks whose media scatter, and half spaces against known answers; "
             "base_color and live_values: bakes that follow the base's color, and other values, at nine of each; "
             "sliders: the manual's strips, five renders for each parameter; "
+            "published: what others published of layered surfaces, beside the truth; "
+            "mitsuba: a sphere by Cycles and by Mitsuba with the exported table; "
             "exchange: what becomes of the MaterialX files in the folders of --files; "
             "pair: one car paint by Cycles' layer(), by Lamina and as explicit geometry"
         ),

@@ -106,7 +106,7 @@ def give(owner, element, label: str, value: float) -> bpy.types.NodeSocket:
 
 
 def test_with_a_roughness_and_a_thickness(blender, tmp_path):
-    """The wooden table: the script follows all three, stock nodes the color, over what the others were when they rested."""
+    """The wooden table: both branches follow all three."""
     owner, color = textured("varnish", "baked")
     layer = owner.lamina.layers[0]
     sockets = give(owner, layer, "Roughness", 0.5), give(owner, layer, "Thickness", 0.4)
@@ -114,14 +114,16 @@ def test_with_a_roughness_and_a_thickness(blender, tmp_path):
     in_white_world(owner, tmp_path)
     assert is_settled(owner) and not is_stale(owner) and not lags(owner)
     codes = [f.code for f in check.find(owner, bpy.context.scene, bpy.context.preferences)]
-    assert codes.count("texture_ignored") == 2
+    assert "texture_ignored" not in codes
     for rgb, roughness, thickness in (((0.05, 0.3, 0.8), 0.5, 0.4), ((0.7, 0.5, 0.3), 0.2, 1.5)):
         color.default_value = (*rgb, 1.0)
         sockets[0].default_value, sockets[1].default_value = roughness, thickness
         on, off = picture(tmp_path, True), picture(tmp_path, False)
-        for seen, layers in ((on, [{**SATIN, "roughness": roughness, "thickness": thickness}]), (off, [{**SATIN, "roughness": 0.5, "thickness": 0.4}])):
-            plain = bpy.data.materials.new("plain")
-            materials.apply_stack(plain, Stack.from_dict({"layers": layers, "base": {"kind": "lambert", "color": list(rgb)}}), "baked")
-            bpy.data.objects["ball"].data.materials[0] = plain
-            assert seen == pytest.approx(picture(tmp_path, True), rel=0.015)
+        plain = bpy.data.materials.new("plain")
+        varnish = {**SATIN, "roughness": roughness, "thickness": thickness}
+        materials.apply_stack(plain, Stack.from_dict({"layers": [varnish], "base": {"kind": "lambert", "color": list(rgb)}}), "baked")
+        bpy.data.objects["ball"].data.materials[0] = plain
+        expected = picture(tmp_path, True)
+        for seen in (on, off):
+            assert seen == pytest.approx(expected, rel=0.015)
         bpy.data.objects["ball"].data.materials[0] = owner

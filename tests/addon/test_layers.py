@@ -10,7 +10,8 @@ bpy = pytest.importorskip("bpy")
 
 from lamina.addon.material import layers, material
 from lamina.addon.material.elements import node_of
-from lamina.addon.operators.layer_operators import LAMINA_OT_layer_drag
+from lamina.addon.operators.layer_operators import LAMINA_OT_layer_drag, LAMINA_OT_layer_move
+from lamina.addon.ui import keys
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.material import presets, ready_layers
 from lamina.reference_py.material.schema import SCATTERING
@@ -192,3 +193,47 @@ def test_a_layer_is_carried_by_rows_of_the_list(blender):
         LAMINA_OT_layer_drag._carry(carried, window, owner, mouse_y)
         assert "".join(layer.name[0] for layer in owner.lamina.layers) == order
         assert owner.lamina.active_layer == carried.index == order.index("D")
+
+
+def test_who_carries_a_layer_is_told_how_to_drop_it(blender):
+    owner, said = made("owner"), []
+    window = SimpleNamespace(cursor_modal_set=lambda shape: said.append(shape), cursor_modal_restore=lambda: said.append("restored"))
+    context = SimpleNamespace(
+        material=owner,
+        window=window,
+        workspace=SimpleNamespace(status_text_set=lambda text: said.append(text)),
+        window_manager=SimpleNamespace(modal_handler_add=lambda _: None),
+    )
+    carried = SimpleNamespace(index=1, require_row=lambda _: None, report=None)
+    carried.cancel = lambda context: LAMINA_OT_layer_drag.cancel(carried, context)
+    assert LAMINA_OT_layer_drag.invoke(carried, context, SimpleNamespace(mouse_y=0)) == {"RUNNING_MODAL"}
+    assert said[0] == "SCROLL_Y" and owner.lamina.layers[1].name in said[1] and "Escape" in said[1]
+    for event in ({"type": "ESC", "value": "PRESS"}, {"type": "LEFTMOUSE", "value": "PRESS"}):
+        said.clear()
+        assert LAMINA_OT_layer_drag.modal(carried, context, SimpleNamespace(**event)) == {"CANCELLED"}
+        assert said == ["restored", None]
+
+
+def test_ctrl_and_arrows_move_the_selected_layer(blender, monkeypatch):
+    items = []
+
+    class Items(list):
+        def new(self, operator, key, value, ctrl):
+            self.append(SimpleNamespace(operator=operator, key=key, value=value, ctrl=ctrl, properties=SimpleNamespace()))
+            return self[-1]
+
+    keymap = SimpleNamespace(keymap_items=Items())
+    config = SimpleNamespace(keymaps=SimpleNamespace(new=lambda name, space_type: items.append((name, space_type)) or keymap))
+    monkeypatch.setattr(keys, "bpy", SimpleNamespace(context=SimpleNamespace(window_manager=SimpleNamespace(keyconfigs=SimpleNamespace(addon=config)))))
+    keys.register()
+    assert items == [("Property Editor", "PROPERTIES")]
+    assert [(i.operator, i.key, i.ctrl, i.properties.direction) for i in keymap.keymap_items] == [
+        ("lamina.layer_move", "UP_ARROW", True, "UP"),
+        ("lamina.layer_move", "DOWN_ARROW", True, "DOWN"),
+    ]
+    keys.unregister()
+    assert not keymap.keymap_items
+    for tab, is_allowed in (("MATERIAL", True), ("MODIFIER", False)):
+        space = SimpleNamespace(type="PROPERTIES", context=tab)
+        owner = made(tab)
+        assert LAMINA_OT_layer_move.poll(SimpleNamespace(space_data=space, material=owner)) is is_allowed

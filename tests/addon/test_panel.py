@@ -221,7 +221,7 @@ def test_a_group_of_an_older_file_gets_ranges_and_names_and_keeps_values(materia
     material = bpy.data.materials["coated"]
     node = node_of(material.lamina.layers[0])
     thickness = next(i for i in node.node_tree.interface.items_tree if i.name == "Thickness" and i.in_out == "INPUT")
-    assert thickness.max_value == 4.0 and thickness.description == SCHEMA.layers["dielectric"].parameter("thickness").tooltip
+    assert thickness.max_value == 2.0 and thickness.description == SCHEMA.layers["dielectric"].parameter("thickness").tooltip
     assert node.inputs["Thickness"].default_value == 44.0
     assert tuple(node.inputs["Scattered Share"].default_value[:3]) == pytest.approx((0.1, 0.2, 0.3)) and node.inputs["Scattered Share"].is_linked
     assert materials.stack_of(material).layers[0]["thickness"] == 44.0

@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 from support.goniometer import SUN_THETA_DEG, beckmann_sampling_bias, highlight_window, parity, tolerance
 
+from lamina.addon.blender.versions import HAS_DIELECTRIC
 from lamina.addon.material.shader_node import shader_of
+from lamina.reference_py.lobes.tabulate import tabulate
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
@@ -94,7 +96,7 @@ METAL = {"kind": "conductor", "reflectance": [0.9, 0.6, 0.3], "edge_color": [0.9
 ROUGH = {"kind": "oren_nayar", "color": [0.7, 0.45, 0.25], "sigma_deg": 30.0}
 
 
-@pytest.mark.parametrize(
+LIVE = pytest.mark.parametrize(
     "roughness, base, links",
     [
         (0.3, {"kind": "lambert"}, {(0, "Roughness"): 0.42}),
@@ -107,14 +109,12 @@ ROUGH = {"kind": "oren_nayar", "color": [0.7, 0.45, 0.25], "sigma_deg": 30.0}
     ],
     ids=["roughness", "roughness and thickness", "tint and base color", "index", "tint over a metal", "metal", "rough base"],
 )
-def test_a_bake_over_live_values_equals_its_lobe_set(blender, roughness, base, links):
-    """Values come in through sockets, as from textures; those of the test lie between knots, and below the first."""
+
+
+def _live(blender, roughness, base, links):
+    """A baked material whose values come in through sockets, as from textures; those of the test lie between knots, and below the first."""
     from lamina.addon.material.elements import node_of
-    from lamina.addon.material.live_values import live_values
-    from lamina.addon.material.material import apply_stack, refresh, stack_of
-    from lamina.reference_py.lobes.closure import lobe_f
-    from lamina.reference_py.lobes.live_grid import LiveLobes
-    from lamina.reference_py.lobes.methods import make_lobe_set
+    from lamina.addon.material.material import apply_stack, refresh
 
     material = blender.data.materials.new("Live")
     layer = {"kind": "dielectric", "ior": 1.5, "roughness": roughness, "tint": [0.9, 0.6, 0.3]}
@@ -126,6 +126,19 @@ def test_a_bake_over_live_values_equals_its_lobe_set(blender, roughness, base, l
         source.outputs[0].default_value = socket.default_value = (*value, 1.0) if color else value
         material.node_tree.links.new(source.outputs[0], socket)
     refresh(material, settle=True)
+    return material
+
+
+@LIVE
+def test_a_bake_over_live_values_equals_its_lobe_set(blender, roughness, base, links):
+    from lamina.addon.material.live_values import live_values
+    from lamina.addon.material.material import stack_of
+    from lamina.addon.material.roles import node_with
+    from lamina.reference_py.lobes.closure import lobe_energy, lobe_f
+    from lamina.reference_py.lobes.live_grid import LiveLobes
+    from lamina.reference_py.lobes.methods import make_lobe_set
+
+    material = _live(blender, roughness, base, links)
     assert len([socket for socket in shader_of(material).inputs if socket.is_linked]) == len(links)
     text = shader_of(material).script.as_string()
     lobe_set = make_lobe_set(stack_of(material), "baked", live=live_values(material)).lobe_set
@@ -135,6 +148,20 @@ def test_a_bake_over_live_values_equals_its_lobe_set(blender, roughness, base, l
         print(f"live {', '.join(label for _, label in links)}, sun {theta:g} deg: 99th percentile {result.percentile_99:.1e}, text {len(text) / 1e3:.0f} kB")
         assert result.finite and result.percentile_99 <= 1e-4
     assert len(text) <= 200_000
+
+    # stock nodes: exactly their tables, whose energies are those of the lobe set
+    group = node_with(material, "nodes")
+    assert len([socket for socket in group.inputs if socket.is_linked]) == len(links)
+    material.node_tree.links.new(group.outputs["BSDF"], material.node_tree.get_output_node("ALL").inputs["Surface"])
+    tables = tabulate(lobe_set, HAS_DIELECTRIC)
+    for theta in SUN_THETA_DEG:
+        result = parity(material, lambda wo, wi: sum(lobe_f(lobe, wo, wi) for lobe in tables.lobes(wo[..., 2])), theta)
+        print(f"stock nodes, sun {theta:g} deg: 99th percentile {result.percentile_99:.1e}, {len(group.node_tree.nodes)} nodes")
+        # places in the image are known to float32, and energies are fourth powers
+        assert result.finite and result.percentile_99 <= 6e-4
+    views = np.cos(np.radians([0.0, 30.0, 50.0, 65.0, 75.0, 82.0]))
+    energy, expected = (sum(lobe_energy(lobe, views) for lobe in lobes.lobes(views)) for lobes in (tables, lobe_set))
+    assert energy == pytest.approx(expected, rel=0.015)
 
 
 # Light that a white stack loses or gains. `analytic` reaches 1.009 at 85 degrees on some stacks (README).

@@ -88,4 +88,6 @@ def test_what_bakes_and_stock_nodes_follow():
     roughness, tint = Place(0, "roughness"), Place(0, "tint")
     assert follows(stack, (BASE_COLOR,)) and follows(stack, (roughness, tint, BASE_COLOR)) and follows(rough, (BASE_COLOR,))
     assert not follows(metal, (Place(None, "roughness"), roughness, tint)) and not follows(metal, (Place(None, "eta"),))
-    assert in_tables(stack, (roughness, BASE_COLOR)) == in_tables(rough, (BASE_COLOR,)) == (BASE_COLOR,) and in_tables(stack, (roughness,)) == ()
+    assert in_tables(stack, (roughness, BASE_COLOR)) == (roughness, BASE_COLOR) and in_tables(rough, (BASE_COLOR,)) == (BASE_COLOR,)
+    assert in_tables(stack, (roughness, tint, Place(0, "ior"), BASE_COLOR)) == (BASE_COLOR,), "more than a bake follows"
+    assert in_tables(metal, (Place(None, "roughness"), roughness, tint)) == ()

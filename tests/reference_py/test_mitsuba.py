@@ -42,14 +42,27 @@ def surface(mi, wi):
     return found
 
 
-def test_mitsuba_reads_a_table_as_our_reader_does(mi, satin):
-    material, plugin = Material.load(satin), mi.load_dict({"type": "measured", "filename": str(satin)})
+@pytest.fixture(scope="module")
+def brushed(tmp_path_factory):
+    """A table of a brushed metal, of few walks: what is read back matters here, and not how true it is."""
+    path = tmp_path_factory.mktemp("mitsuba") / "brushed.bsdf"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(rgl, "ANISOTROPIC", rgl.Sampling(9, 4, (33, 32), 10))
+        rgl.write(rgl.fields(Truth(stack(base=BRUSHED), 4), "brushed"), path)
+    return path
+
+
+@pytest.mark.parametrize("name", ["satin", "brushed"])
+def test_mitsuba_reads_a_table_as_our_reader_does(mi, name, request):
+    path = request.getfixturevalue(name)
+    material, plugin = Material.load(path), mi.load_dict({"type": "measured", "filename": str(path)})
     rng = np.random.default_rng(3)
     wi, wo = spread_pairs(200, rng)
     turn = 2.0 * np.pi * rng.random(200)
     wi, wo = rotate_z(wi, turn), rotate_z(wo, turn)
     found = np.array([plugin.eval(mi.BSDFContext(), surface(mi, i), mi.Vector3f(*o)) for i, o in zip(wi, wo)])
-    assert found == pytest.approx(material.f(wi, wo) * wo[:, 2:], rel=1e-4, abs=1e-7)
+    # Mitsuba computes in single precision, and walks leave steep steps between nodes
+    assert found == pytest.approx(material.f(wi, wo) * wo[:, 2:], rel=1e-3 if name == "brushed" else 1e-4, abs=1e-7)
 
 
 @pytest.mark.parametrize("theta_deg", [10.0, 60.0])

@@ -39,8 +39,9 @@ def test_places_of_an_opaque_layer_are_the_bases_in_its_patch():
     assert above.place(color) == Place(None, "color") and below.place(color) is None
     assert above.place(roughness) is None and below.place(roughness) == roughness
     assert below.place(Place(2, "ior")) == Place(1, "ior")
-    # stock nodes follow the color of the one patch that has it
-    assert followed_by_nodes(stack(COAT, {**PAINT, "coverage": 0.5}, base=GOLD), "auto", (color, roughness)) == (color,)
+    # stock nodes follow what the bake of each patch follows
+    assert followed_by_nodes(stack(COAT, {**PAINT, "coverage": 0.5}, base=GOLD), "auto", (color, roughness)) == (color, roughness)
+    assert followed_by_nodes(stack({**PAINT, "coverage": 0.5}, base=RUST), "auto", (Place(None, "color"),)) == (), "a bare rough base is no bake"
 
 
 @pytest.mark.parametrize("model", ["adding", "position_free", "weidlich_wilkie", "schlick"])

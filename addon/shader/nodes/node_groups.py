@@ -10,9 +10,8 @@ import bpy
 import numpy as np
 
 from ....reference_py.lobes.patch_lobes import PatchLobes
-from ....reference_py.lobes.view_table import TableLobes
 from ..working_space import REC709, is_current, working_space
-from .stock_nodes import SPACE_MARK, build_group
+from .stock_nodes import SPACE_MARK, Tables, build_group
 
 GROUP_KEY = "lamina_network"
 # The working space that a group was made in.
@@ -22,7 +21,7 @@ _MOST_BUILT = 256
 _built: dict[tuple[str, str], str] = {}
 
 
-def lobe_group(lobe_set: TableLobes | PatchLobes) -> bpy.types.NodeTree:
+def lobe_group(lobe_set: Tables) -> bpy.types.NodeTree:
     """The node group of a lobe set that `tabulate` made: one output "BSDF", and `group_inputs`.
 
     Lobe sets of equal tables share one group of this file. A group that somebody edited is left alone.
@@ -34,16 +33,18 @@ def lobe_group(lobe_set: TableLobes | PatchLobes) -> bpy.types.NodeTree:
     try:
         build_group(tree, lobe_set)
     except Exception:
-        bpy.data.node_groups.remove(tree)
+        _remove(tree)
         raise
     content = _content(tree)
     if len(_built) >= _MOST_BUILT:
         _built.pop(next(iter(_built)))
     _built[digest, working_space()] = content
     if other := _group_with(content):
-        bpy.data.node_groups.remove(tree)
+        _remove(tree)
         return other
     tree.name, tree[GROUP_KEY], tree[SPACE_KEY] = f"Lamina Lobe set {content}", content, working_space()
+    for image in _images(tree):
+        image.name = tree.name
     return tree
 
 
@@ -53,10 +54,10 @@ def _group_with(content: str | None) -> bpy.types.NodeTree | None:
     return next((group for group in own if _space_of(group) == working_space() and is_untouched(group)), None)
 
 
-def _digest(lobe_set: TableLobes | PatchLobes) -> str:
+def _digest(lobe_set: Tables) -> str:
     def plain(value):
         if isinstance(value, np.ndarray):
-            return value.tolist()
+            return [value.shape, hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()]
         if isinstance(value, PatchLobes):
             return plain((value.stack, value.parts))
         if is_dataclass(value):
@@ -71,7 +72,21 @@ def _digest(lobe_set: TableLobes | PatchLobes) -> str:
 def drop_group(tree: bpy.types.NodeTree | None) -> None:
     """Remove a lobe set's group that nothing uses any more. A group edited by hand stays."""
     if tree is not None and tree.library is None and GROUP_KEY in tree and tree.users == 0 and is_untouched(tree):
-        bpy.data.node_groups.remove(tree)
+        _remove(tree)
+
+
+def _remove(tree: bpy.types.NodeTree) -> None:
+    """Remove a group and the images of its tables."""
+    images = _images(tree)
+    bpy.data.node_groups.remove(tree)
+    for image in images:
+        if image.users == 0:
+            bpy.data.images.remove(image)
+
+
+def _images(tree: bpy.types.NodeTree) -> list[bpy.types.Image]:
+    """The images of a group's tables."""
+    return list({node.image.name: node.image for node in tree.nodes if getattr(node, "image", None) is not None}.values())
 
 
 def is_untouched(tree: bpy.types.NodeTree) -> bool:
@@ -96,16 +111,26 @@ def _space_of(tree) -> str:
 
 def _content(tree) -> str:
     """A hash of what a group computes."""
-    nodes = []
+    nodes, known = [], {}
     for node in tree.nodes:
         settings = [getattr(node, name, None) for name in ("operation", "distribution", "fresnel_type")]
         values = [_plain(s.default_value) for s in node.inputs if not s.is_linked and hasattr(s, "default_value")]
         ramp = node.color_ramp if hasattr(node, "color_ramp") else None
         stops = [ramp.interpolation, [(e.position, *e.color) for e in ramp.elements]] if ramp else []
-        nodes.append([node.bl_idname, node.mute, settings, values, stops])
+        image = [_pixels_of(node.image, known)] if getattr(node, "image", None) is not None else []
+        nodes.append([node.bl_idname, node.mute, settings, values, stops, *image])
     order = {node.name: index for index, node in enumerate(tree.nodes)}
     links = sorted([order[k.from_node.name], k.from_socket.identifier, order[k.to_node.name], k.to_socket.identifier] for k in tree.links)
     return hashlib.sha256(json.dumps([nodes, links]).encode()).hexdigest()[:12]
+
+
+def _pixels_of(image: bpy.types.Image, known: dict[str, str]) -> str:
+    """A hash of an image's pixels."""
+    if image.name not in known:
+        pixels = np.empty(len(image.pixels), np.float32)
+        image.pixels.foreach_get(pixels)
+        known[image.name] = hashlib.sha256(pixels.tobytes()).hexdigest()
+    return known[image.name]
 
 
 def _plain(value):

@@ -68,7 +68,9 @@ def base_of(truth, here: Stack, stack: Stack) -> BaseColorTable:
 
 
 def in_tables(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
-    """Those of the live values that tables over the view alone follow, as stock nodes have them."""
+    """Those of the live values that a bake follows, where it does not follow all: the color of a diffuse base alone."""
+    if not live or follows(stack, live):
+        return live
     return (BASE_COLOR,) if BASE_COLOR in live and _is_diffuse(stack) else ()
 
 

@@ -93,13 +93,17 @@ def key_of(stack: Stack, method: str, **options) -> str:
 
 def followed_by_nodes(stack: Stack, method: str, live: tuple[Place, ...]) -> tuple[Place, ...]:
     """Those of the live values that a method's stock nodes follow, in every patch that has them."""
-    return tuple(place for place in live if all(_is_followed(patch, place) for patch in patches(stack))) if holds_values(method) else ()
+    if not holds_values(method):
+        return ()
+    lost = {place for patch in patches(stack) for place in _lost(patch, live)}
+    return tuple(place for place in live if place not in lost)
 
 
-def _is_followed(patch: Patch, place: Place) -> bool:
-    """Whether the stock nodes of a patch follow a live value of the whole stack; what it has not does not matter."""
-    own = patch.place(place)
-    return own is None or own in in_tables(patch.stack, (own,)) and not not_bakeable(patch.stack)
+def _lost(patch: Patch, live: tuple[Place, ...]) -> list[Place]:
+    """Those of the live values of the whole stack that the stock nodes of a patch, which has them, do not follow."""
+    own = {place: there for place in live if (there := patch.place(place)) is not None}
+    followed = () if not_bakeable(patch.stack) or baking.is_bare_oren_nayar(patch.stack) else in_tables(patch.stack, tuple(own.values()))
+    return [place for place, there in own.items() if there not in followed]
 
 
 def is_cached(stack: Stack, method: str, **options) -> bool:

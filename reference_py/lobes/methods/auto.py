@@ -23,7 +23,7 @@ from ..error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosine
 from ..live_grid import LiveLobes
 from ..made import Candidate, Choice, Made, Options
 from ..truth import truth_of
-from ..view_table import BASE_COLOR, TableLobes
+from ..view_table import TableLobes
 from .cost import cost
 from .method import Computed, Method
 from .not_bakeable import scatters
@@ -59,8 +59,7 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
         makers = chain(makers, _bakes(Baker(stack, truth), glossy, tolerance))
     elif can_bake:
         over = (f"baked over {in_words(live)}", lambda: baked(stack, live, min(DEFAULT_GLOSSY, glossy), lambda share: report(0.4 + 0.6 * share)))
-        # stock nodes follow a color that is baked over, and no live method
-        makers = [over] if BASE_COLOR in live else [*makers, over]
+        makers = [over]  # stock nodes follow what is baked over, and no live method
     tried: list[tuple[Candidate, object]] = []
     for done, (label, make) in enumerate(makers):
         report(0.2 + 0.8 * done / (glossy + len(_LIVE)))

@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Numbers of lobes over live values as stock nodes: looked up in an image by the view and by the values that come in through sockets.
+
+The node that looks up is that of environments, as EEVEE reads its image without smaller copies of it: from one pixel to the next a
+place may jump. A direction of any length stands for a place: (cos p, sin p, tan t), with p around and t up.
+"""
+
+import math
+from collections.abc import Sequence
+from functools import cached_property, reduce
+
+import bpy
+import numpy as np
+
+from ....reference_py.errors import LaminaError
+from ....reference_py.lobes.axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, IndexAxis, NumberAxis, ReflectanceAxis, ThicknessAxis
+from ....reference_py.lobes.live_grid import MIN_ALPHA
+from ....reference_py.lobes.live_tables import POWER, LiveTable, LiveTables, rooted
+from ....reference_py.lobes.view_table import KNOTS
+from ....reference_py.material.place import Place
+from ....reference_py.optics.interface import TINT_FLOOR, optical_depth
+from ..inputs import place_input
+from ..working_space import into_working, primaries
+from .node_builder import Builder
+from .table_image import TableImage
+from .view_nodes import View, in_space
+
+assert POWER == 4, "see _powered"
+# Where numbers that all channels share are looked up.
+_SHARED = 3
+
+
+class LiveNodes:
+    """Sockets of the weights and shapes of one part's tables, at the live values of `owners` and the view. The image is made with the first.
+
+    Raises LaminaError for an axis that it does not know.
+    """
+
+    def __init__(self, build: Builder, view: View, tables: LiveTables, owners: Sequence[str]):
+        self._build, self._view, self._tables, self._owners = build, view, tables, owners
+        self._plan = _Plan(tables)
+        self._vectors: dict[tuple[int, int], bpy.types.NodeSocket] = {}
+        self._sockets: dict[tuple, bpy.types.NodeSocket] = {}
+
+    def weight(self, number: int):
+        """A color of the working space: a socket, or four numbers."""
+        table, plan = self._tables.tables[number], self._plan.lobes[number]
+        if table.energy is None:
+            return (*map(float, into_working(np.ones(3))), 1.0)
+        weight = self._build.combined([self._number(part) for part in plan["energy"]])
+        if "through" in plan:
+            color = self._view.base_color
+            back = self._build.combined([self._number(part) for part in plan["back"]])
+            left = self._build.vector("MULTIPLY_ADD", self._build.vector("MULTIPLY", color, back), (-1.0,) * 3, 1.0)
+            once = self._build.vector("DIVIDE", color, left)
+            weight = self._build.vector("MULTIPLY_ADD", once, self._build.combined([self._number(part) for part in plan["through"]]), weight)
+        if "unit" in plan:
+            weight = self._build.vector("DIVIDE", weight, self._build.combined([self._number(plan["unit"][0])] * 3))
+        if not isinstance(weight, bpy.types.NodeSocket):
+            return (*map(float, into_working(weight)), 1.0)
+        return in_space(self._build, weight, primaries())
+
+    def shape(self, number: int) -> list:
+        """Roots of alpha along and across, and the slope: sockets or numbers."""
+        return [self._number(part) for part in self._plan.lobes[number]["shape"]]
+
+    @cached_property
+    def index(self) -> bpy.types.NodeSocket | None:
+        """The index of the top layer, where that is live."""
+        axis = self._tables.index
+        return self._input(axis.live[0]) if axis is not None else None
+
+    def _input(self, place: Place) -> bpy.types.NodeSocket:
+        return self._view.given(place_input(self._tables.stack, place, self._owners))
+
+    def _number(self, part: "_Part"):
+        if part.block is None:
+            return part.constant if part.axis is None else self._build.math("MAXIMUM", self._coordinates[part.axis][_SHARED], MIN_ALPHA**0.5)
+        key = part.where, part.block, part.channel
+        if key not in self._sockets:
+            vector = self._vector(part.where, part.block)
+            if all(self._plan.is_root[part.where, part.block]):
+                vector = self._powered_vector(part.where, part.block)
+            separate = self._build.node("ShaderNodeSeparateXYZ")
+            self._build.link(vector, separate.inputs[0])
+            for channel, socket in enumerate(separate.outputs):
+                self._sockets[part.where, part.block, channel] = socket
+        socket = self._sockets[key]
+        if part.is_root and not all(self._plan.is_root[part.where, part.block]):
+            socket = self._power(key, socket)
+        return socket
+
+    def _power(self, key, socket):
+        if ("power", *key) not in self._sockets:
+            square = self._build.math("MULTIPLY", socket, socket)
+            self._sockets["power", *key] = self._build.math("MULTIPLY", square, square)
+        return self._sockets["power", *key]
+
+    def _powered_vector(self, where: int, block: int) -> bpy.types.NodeSocket:
+        vector = self._vector(where, block)
+        square = self._build.vector("MULTIPLY", vector, vector)
+        return self._build.vector("MULTIPLY", square, square)
+
+    def _vector(self, where: int, block: int) -> bpy.types.NodeSocket:
+        """The three numbers of a block."""
+        if (where, block) not in self._vectors:
+            up = self._up(where, block)
+            first, *second = (self._looked_up(around, up) for around in self._around(where))
+            self._vectors[where, block] = self._mixed(self._tile(where)[1], first, second[0]) if second else first
+        return self._vectors[where, block]
+
+    def _looked_up(self, around: tuple, up) -> bpy.types.NodeSocket:
+        node = self._build.node("ShaderNodeTexEnvironment")
+        node.image, node.interpolation, node.projection = self._image, "Linear", "EQUIRECTANGULAR"
+        self._build.link(self._build.combined([*around, up]), node.inputs["Vector"])
+        return node.outputs["Color"]
+
+    def _mixed(self, share, first, second) -> bpy.types.NodeSocket:
+        node = self._build.node("ShaderNodeMix")
+        node.data_type, node.clamp_factor = "VECTOR", False
+        sockets = {socket.identifier: socket for socket in (*node.inputs, *node.outputs)}
+        for source, name in ((share, "Factor_Float"), (first, "A_Vector"), (second, "B_Vector")):
+            self._build.link(source, sockets[name])
+        return sockets["Result_Vector"]
+
+    @cached_property
+    def _image(self) -> bpy.types.Image:
+        return self._plan.image.make()
+
+    def _up(self, where: int, block: int):
+        """tan t of the row of a block."""
+        image, rows = self._plan.image, self._plan.image.rows
+        scale = math.pi / image.height
+        angle = self._build.math("MULTIPLY_ADD", self._place(0, where), (rows - 1) * scale, (block * rows + 0.5) * scale - 0.5 * math.pi)
+        return self._build.math("TANGENT", angle)
+
+    def _around(self, where: int) -> list[tuple]:
+        """(cos p, sin p) of the view, with two axes once for each of the tiles that the second one is between."""
+        key = "around", self._tile_key(where)
+        if key not in self._sockets:
+            step = -2.0 * math.pi / self._plan.image.width
+            angles = [self._build.math("MULTIPLY_ADD", self._view.root, (KNOTS - 1) * step, math.pi + 0.5 * step)]
+            if len(self._tables.axes) == 2:
+                first = self._build.math("MULTIPLY_ADD", self._tile(where)[0], KNOTS * step, angles[0])
+                angles = [first, self._build.math("ADD", first, KNOTS * step)]
+            self._sockets[key] = [(self._build.math("COSINE", angle), self._build.math("SINE", angle)) for angle in angles]
+        return self._sockets[key]
+
+    def _tile(self, where: int) -> tuple:
+        """The tile below the second coordinate, and the way to the next."""
+        key = "tile", self._tile_key(where)
+        if key not in self._sockets:
+            last = self._plan.image.tiles - 1
+            at = self._build.math("MULTIPLY", self._place(1, where), float(last))
+            cell = self._build.math("MINIMUM", self._build.math("FLOOR", at), last - 1.0)
+            self._sockets[key] = cell, self._build.math("SUBTRACT", at, cell)
+        return self._sockets[key]
+
+    def _tile_key(self, where: int) -> int:
+        """The channels of a number have one tile."""
+        axes = self._tables.axes
+        return where if len(axes) == 2 and axes[1].is_color else _SHARED
+
+    def _place(self, number: int, where: int):
+        """Where in its rows an axis is, 0 to 1."""
+        where = where if self._tables.axes[number].is_color else _SHARED
+        key = "place", number, where
+        if key not in self._sockets:
+            scale = self._tables.scales[number]
+            size = scale.high - scale.low
+            self._sockets[key] = self._build.math("MULTIPLY_ADD", self._coordinates[number][where], 1.0 / size, -scale.low / size)
+            self._sockets[key].node.use_clamp = True
+        return self._sockets[key]
+
+    @cached_property
+    def _coordinates(self) -> list[list]:
+        """Of each axis that of the channels and the shared one."""
+        return [self._coordinate(axis) for axis in self._tables.axes]
+
+    def _coordinate(self, axis: Axis) -> list:
+        build, first = self._build, self._input(axis.live[0])
+        if isinstance(axis, NumberAxis):
+            return [first] * 4
+        if isinstance(axis, IndexAxis):
+            return [build.math("DIVIDE", build.math("SUBTRACT", first, 1.0), build.math("ADD", first, 1.0))] * 4
+        if isinstance(axis, ThicknessAxis):
+            return [build.math("DIVIDE", first, build.math("ADD", first, 1.0))] * 4
+        if isinstance(axis, DepthAxis):
+            channels = [build.math("DIVIDE", depth, build.math("ADD", depth, HALF_DEPTH)) for depth in self._depths(axis)]
+        elif isinstance(axis, ReflectanceAxis):
+            channels = [build.math("LOGARITHM", build.math("ADD", c, REFLECTANCE_OFFSET), math.e) for c in self._channels(first)]
+        elif isinstance(axis, EdgeAxis):
+            channels = [build.math("SUBTRACT", 1.0, build.math("SQRT", build.math("SUBTRACT", 1.0, c))) for c in self._channels(first)]
+        else:
+            raise LaminaError(f"no stock nodes follow the axis {type(axis).__name__}")
+        return [*channels, build.math("MULTIPLY", reduce(lambda a, b: build.math("ADD", a, b), channels), 1.0 / 3.0)]
+
+    def _depths(self, axis: DepthAxis) -> list:
+        build, (tint, thickness) = self._build, (Place(axis.layer, name) for name in ("tint", "thickness"))
+        layer = tint.element(self._tables.stack)
+        long = self._input(thickness) if thickness in axis.live else float(layer["thickness"])
+        if tint not in axis.live:
+            return [build.math("MULTIPLY", long, float(depth)) for depth in optical_depth(layer["tint"], 1.0)]
+        less = build.math("MULTIPLY", long, -1.0)
+        return [build.math("MULTIPLY", build.math("LOGARITHM", build.math("MAXIMUM", c, TINT_FLOOR), math.e), less) for c in self._channels(self._input(tint))]
+
+    def _channels(self, color: bpy.types.NodeSocket) -> list:
+        """Red, green and blue of Rec.709, 0 to 1, of a color of the working space."""
+        separate = self._build.node("ShaderNodeSeparateXYZ")
+        self._build.link(self._view.bounded(color), separate.inputs[0])
+        return list(separate.outputs)
+
+
+class _Part:
+    """Where a number is: a constant, the coordinate of an axis, or in a block of the image."""
+
+    def __init__(self, constant: float = 0.0, axis: int | None = None, where: int = _SHARED, block: int | None = None, channel: int = 0, is_root: bool = False):
+        self.constant, self.axis, self.where, self.block, self.channel, self.is_root = constant, axis, where, block, channel, is_root
+
+
+class _Plan:
+    """Which numbers of tables are where in an image: those of channels with coordinates of their own apart, one block for each, else all together."""
+
+    def __init__(self, tables: LiveTables):
+        self.image = TableImage(*(scale.count for scale in tables.scales), *([1] if len(tables.scales) == 1 else []))
+        self._tables, self._numbers = tables, {where: [] for where in range(_SHARED + 1)}
+        self._parts: dict[int, list[_Part]] = {where: [] for where in range(_SHARED + 1)}
+        self.lobes = [self._lobe(table) for table in tables.tables]
+        self.is_root: dict[tuple[int, int], list[bool]] = {}
+        for where, numbers in self._numbers.items():
+            blocks = self.image.add(numbers)
+            for i, part in enumerate(self._parts[where]):
+                part.block, part.channel = blocks[i // 3], i % 3
+                self.is_root.setdefault((where, part.block), []).append(part.is_root)
+
+    def _lobe(self, table: LiveTable) -> dict[str, list[_Part]]:
+        if table.unit is not None and not self._tables.is_color:
+            table = LiveTable(table.energy / table.unit, table.distribution, table.shape, None, table.fresnel)
+        table, lobe = rooted(table), {}
+        for name in ("energy", "through", "back"):
+            values = getattr(table, name)
+            if values is not None:
+                lobe[name] = [self._part(c if self._tables.is_color else _SHARED, values[..., c], True) for c in range(3)]
+        if table.unit is not None:
+            lobe["unit"] = [self._part(_SHARED, table.unit[..., 0], False)]
+        if table.shape is not None:
+            lobe["shape"] = [self._part(_SHARED, table.shape[..., column], False) for column in range(3)]
+        return lobe
+
+    def _part(self, where: int, values: np.ndarray, is_root: bool) -> _Part:
+        if np.ptp(values) == 0.0:
+            value = float(values.flat[0])
+            return _Part(value**POWER if is_root else value)
+        if not is_root and (axis := self._axis_of(values)) is not None:
+            return _Part(axis=axis)
+        for known, part in zip(self._numbers[where], self._parts[where]):
+            if part.is_root == is_root and np.array_equal(known, values):
+                return part
+        part = _Part(where=where, is_root=is_root)
+        self._numbers[where].append(values)
+        self._parts[where].append(part)
+        return part
+
+    def _axis_of(self, values: np.ndarray) -> int | None:
+        """The axis of numbers of which values are the coordinate."""
+        for number, (axis, scale) in enumerate(zip(self._tables.axes, self._tables.scales)):
+            shape = [-1 if n == number else 1 for n in range(values.ndim)]
+            if isinstance(axis, NumberAxis) and np.allclose(values, np.maximum(scale.knots, MIN_ALPHA**0.5).reshape(shape), rtol=0.0, atol=1e-6):
+                return number
+        return None

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables over the view and rows of live values in one float image of a node group.
+
+A block holds three numbers, in red, green and blue: rows of one axis upwards, and from left to right the view, once for each row of a second axis.
+"""
+
+import bpy
+import numpy as np
+
+from ....reference_py.lobes.view_table import KNOTS
+
+_NUMBERS = 3
+
+
+class TableImage:
+    """Blocks of numbers on a grid of `rows` and `tiles` rows of the two axes, 1 where there is no second."""
+
+    def __init__(self, rows: int, tiles: int):
+        self.rows, self.tiles = rows, tiles
+        self._blocks: list[list[np.ndarray]] = []
+
+    def add(self, numbers: list[np.ndarray]) -> tuple[int, ...]:
+        """Blocks for numbers (rows[, tiles], KNOTS), three in each; their indices."""
+        first = len(self._blocks)
+        self._blocks += [numbers[i : i + _NUMBERS] for i in range(0, len(numbers), _NUMBERS)]
+        return tuple(range(first, len(self._blocks)))
+
+    @property
+    def width(self) -> int:
+        """Texels from left to right."""
+        return self.tiles * KNOTS
+
+    @property
+    def height(self) -> int:
+        """Texels from bottom to top."""
+        return len(self._blocks) * self.rows
+
+    def _pixels(self) -> np.ndarray:
+        pixels = np.zeros((len(self._blocks), self.rows, self.tiles, KNOTS, 4), np.float32)
+        pixels[..., 3] = 1.0
+        for block, numbers in zip(pixels, self._blocks):
+            for channel, table in enumerate(numbers):
+                block[..., channel] = table.reshape(self.rows, self.tiles, KNOTS)
+        return pixels.ravel()
+
+    def make(self) -> bpy.types.Image:
+        """The image in this file. It is packed, as Blender keeps pixels of no file in no save and in no undo."""
+        image = bpy.data.images.new("Lamina Tables", self.width, self.height, float_buffer=True, is_data=True)
+        image.use_half_precision = False
+        image.pixels.foreach_set(self._pixels())
+        image.pack()
+        return image

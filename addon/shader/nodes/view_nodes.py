@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the nodes of all lobes share: the view, the given colors, and Color Ramps.
+
+Cycles samples a ramp at 256 even steps and is linear between; every knot is put exactly on such a place, so a ramp is the
+table itself, up to float32.
+"""
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from types import MappingProxyType
+
+import bpy
+import numpy as np
+
+from ....reference_py.lobes.view_table import AZIMUTH_PLACES, KNOTS
+from ..inputs import BASE, ShaderInput, base_color_input
+from ..working_space import REC709, primaries, working_space
+from .node_builder import Builder
+
+RAMP_PLACES = 256
+# Places of a ramp from one knot to the next, the most that fit.
+STEP = RAMP_PLACES // (KNOTS - 1)
+# Any direction, added to the tangent: without it the tangent would vanish at the very normal, and Cycles divide by 0.
+_SOME_DIRECTION = (5.7e-7, 3.1e-7, 7.6e-7)
+
+
+class View:
+    """What lobes need of the view, made when the first of them asks."""
+
+    def __init__(self, build: Builder, given_tangent: bpy.types.NodeSocket | None = None, sockets: Mapping[str, bpy.types.NodeSocket] = MappingProxyType({})):
+        self._build, self.given_tangent, self._sockets = build, given_tangent, sockets
+        self.base_owner = BASE
+        self._base_colors: dict[str, bpy.types.NodeSocket] = {}
+        self._azimuths: dict[float, list[bpy.types.NodeSocket]] = {}
+
+    @cached_property
+    def normal(self) -> bpy.types.NodeSocket:
+        """The normal as Cycles bends it for a glossy lobe (osl/bent.h), with 0 for the least height, to save nodes.
+
+        EEVEE bends nothing: its lobes keep their normal, and have the energy of this one.
+        """
+        build, shading, true = self._build, self._geometry.outputs["Normal"], self._geometry.outputs["True Normal"]
+        cosine, true_cosine = (build.vector("DOT_PRODUCT", n, self._incoming) for n in (shading, true))
+        below = build.vector("DOT_PRODUCT", build.vector("REFLECT", self._incoming, shading), true)
+        # Cycles bends nothing on strands; a height is at most 1
+        missing = build.math("MAXIMUM", build.math("SUBTRACT", below, build.node("ShaderNodeHairInfo").outputs["Is Strand"]), 0.0)
+        root = build.math("SQRT", build.math("MULTIPLY_ADD", true_cosine, missing, build.math("MULTIPLY", cosine, cosine)))
+        k = build.math("DIVIDE", build.math("SUBTRACT", root, cosine), true_cosine)
+        return build.vector("NORMALIZE", build.vector("MULTIPLY_ADD", true, k, shading))
+
+    @cached_property
+    def _geometry(self) -> bpy.types.Node:
+        return self._build.node("ShaderNodeNewGeometry")
+
+    @property
+    def _incoming(self) -> bpy.types.NodeSocket:
+        return self._geometry.outputs["Incoming"]
+
+    @cached_property
+    def _cosine(self) -> bpy.types.NodeSocket:
+        return self._build.vector("DOT_PRODUCT", self.normal, self._incoming)
+
+    @cached_property
+    def root(self) -> bpy.types.NodeSocket:
+        """The root of the cosine, in which knots are even."""
+        return self._build.math("SQRT", self._cosine)
+
+    @cached_property
+    def place(self) -> bpy.types.NodeSocket:
+        """Where in a ramp the view is."""
+        return self._build.math("MULTIPLY", self.root, STEP * (KNOTS - 1) / RAMP_PLACES)
+
+    @cached_property
+    def side(self) -> bpy.types.NodeSocket:
+        """Along the plane of incidence, as long as the sine of the view."""
+        along_normal = self._build.vector("SCALE", self.normal, scale=self._cosine)
+        return self._build.vector("SUBTRACT", self._incoming, along_normal)
+
+    @property
+    def base_color(self) -> bpy.types.NodeSocket:
+        """The color of the base of `base_owner` in Rec.709, from 0 to 1."""
+        if self.base_owner not in self._base_colors:
+            self._base_colors[self.base_owner] = self.bounded(self.given(base_color_input(self.base_owner)))
+        return self._base_colors[self.base_owner]
+
+    def given(self, live: ShaderInput) -> bpy.types.NodeSocket:
+        """What the group gets for a live value."""
+        return self._sockets[live.osl_name]
+
+    def bounded(self, given: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """A color of the working space in Rec.709, from 0 to 1."""
+        color = in_space(self._build, given, np.linalg.inv(primaries()))
+        return self._build.vector("MINIMUM", self._build.vector("MAXIMUM", color, 0.0), 1.0)
+
+    def azimuth_shares(self, axis: float) -> list[bpy.types.NodeSocket]:
+        """How much of each sheet of a table with this axis a view takes (`reference_py.lobes.view_table`)."""
+        if axis not in self._azimuths:
+            self._azimuths[axis] = self._shares(axis)
+        return self._azimuths[axis]
+
+    def _shares(self, axis: float) -> list[bpy.types.NodeSocket]:
+        build = self._build
+        across = build.vector("NORMALIZE", build.vector("CROSS_PRODUCT", self.normal, self.given_tangent))
+        along = build.vector("CROSS_PRODUCT", across, self.normal)
+        direction = build.vector("ADD", build.vector("SCALE", along, scale=float(np.cos(axis))), build.vector("SCALE", across, scale=float(np.sin(axis))))
+        # along the normal all azimuths have the same weights
+        length = build.math("MAXIMUM", build.vector("LENGTH", self.side), 1e-6)
+        cosine = build.math("ABSOLUTE", build.math("DIVIDE", build.vector("DOT_PRODUCT", self.side, direction), length))
+        place = build.math("MULTIPLY", cosine, AZIMUTH_PLACES[-1] / RAMP_PLACES)
+        return numbers(build, place, AZIMUTH_PLACES, np.eye(len(AZIMUTH_PLACES)))
+
+    @cached_property
+    def tangent(self) -> bpy.types.NodeSocket:
+        return self._build.vector("ADD", self.side, _SOME_DIRECTION)
+
+
+def in_space(build: Builder, color: bpy.types.NodeSocket, rows: np.ndarray) -> bpy.types.NodeSocket:
+    """The color times a matrix (3, 3) between Rec.709 and the working space; itself where that is Rec.709."""
+    if working_space() == REC709:
+        return color
+    return build.combined([build.vector("DOT_PRODUCT", color, tuple(map(float, column))) for column in rows.T])
+
+
+def numbers(build: Builder, place: bpy.types.NodeSocket, places: Sequence[int], table: np.ndarray) -> list:
+    """Columns of numbers (n, m) whose rows are at these places (n,) of a ramp's; constants stay constants, equal ones are one.
+
+    A ramp has two, its grey and its alpha: Blender converts the colors of ramps into other working spaces, where greys are the same.
+    """
+    # colours of a ramp cannot be negative
+    offset = np.minimum(table.min(axis=0), 0.0)
+    keys = [tuple(column) for column in table.T]
+    varying = [i for i, key in enumerate(keys) if len(set(key)) > 1 and keys.index(key) == i]
+    sockets: dict[int, bpy.types.NodeSocket] = {}
+    for first, *second in (varying[i : i + 2] for i in range(0, len(varying), 2)):
+        alpha = table[:, second[0]] - offset[second[0]] if second else np.ones(len(table))
+        node = ramp(build, place, places, np.column_stack([np.repeat((table[:, first] - offset[first])[:, None], 3, axis=1), alpha]))
+        sockets[first] = node.outputs["Color"]  # a number's socket takes the luminance, which of a grey is itself
+        if second:
+            sockets[second[0]] = node.outputs["Alpha"]
+    columns = []
+    for key in keys:
+        i = keys.index(key)
+        if i not in sockets:
+            columns.append(float(key[0]))
+        else:
+            columns.append(build.math("ADD", sockets[i], float(offset[i])) if offset[i] < 0.0 else sockets[i])
+    return columns
+
+
+def ramp(build: Builder, place: bpy.types.NodeSocket, places: Sequence[int], table: np.ndarray) -> bpy.types.Node:
+    """A Color Ramp of colors and alpha (n, 4), none of them negative, at these places (n,) of the ramp's."""
+    node = build.node("ShaderNodeValToRGB")
+    elements = node.color_ramp.elements
+    for _ in range(len(places) - len(elements)):
+        elements.new(1.0)
+    # each color that is set by itself makes Blender look through the whole tree
+    elements.foreach_set("position", np.asarray(places, np.float32) / RAMP_PLACES)
+    elements.foreach_set("color", np.asarray(table, np.float32).ravel())
+    build.link(place, node.inputs[0])
+    return node

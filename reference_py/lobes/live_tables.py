@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lobe sets over one or two axes of live parameters as stock nodes have them: tables over the view and even rows of the axes.
+
+An image holds them, so rows are many and cost nothing. All is linear between rows, but energies by their fourth root, as absorption
+is exponential. On an axis of colors energies are read at each channel's own coordinate, and what channels share at one.
+"""
+
+from dataclasses import dataclass, replace
+from functools import reduce
+
+import numpy as np
+
+from ..material.place import Place
+from ..material.stack import Stack
+from .axes import Axis, IndexAxis, Scale
+from .closure import fresnel_share
+from .live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy
+from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
+from .view_table import BASE_COLOR, KNOTS, MIN_COS_O, interpolate, knot_cosines
+
+# Up to this alpha a folded Fresnel curve moves less than 5 % of a lobe's light, by less than its width.
+NARROWEST_CURVE = 0.01
+# Energies are this power of what is kept.
+POWER = 4
+# Rows of one axis, and of two.
+_ROWS = {1: (64,), 2: (41, 17)}
+# What a Fresnel curve makes of a lobe is smooth in its width and index, and takes long: knots of an axis that changes these, by how many do.
+_FOLDED = {0: 2, 1: 25, 2: 13}
+
+
+@dataclass(frozen=True)
+class LiveTable:
+    """One lobe over rows of the axes, arrays with these first: `energy` (..., KNOTS, 3), or None where the weight is 1.
+
+    A glossy lobe's weight is its energy over `unit` (..., KNOTS, 1), or the energy where that is None; `shape` (..., KNOTS, 3) has the columns of
+    `LiveLobe.shape`. All diffuse light over a base of a live color c is energy + through c / (1 - back c), each (..., KNOTS, 3).
+    """
+
+    energy: np.ndarray | None
+    distribution: str | None = None
+    shape: np.ndarray | None = None
+    unit: np.ndarray | None = None
+    fresnel: DielectricCurve | None = None
+    through: np.ndarray | None = None
+    back: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class LiveTables:
+    """A stack's lobes for all values of its axes, whose rows are at the knots of `scales`; `lobes` are those of the stack's own values."""
+
+    stack: Stack
+    axes: tuple[Axis, ...]
+    scales: tuple[Scale, ...]
+    tables: tuple[LiveTable, ...]
+
+    name = "baked"
+
+    @property
+    def followed(self) -> tuple[Place, ...]:
+        """The live values that the tables follow."""
+        over_color = any(table.through is not None for table in self.tables)
+        return (*(place for axis in self.axes for place in axis.live), *([BASE_COLOR] if over_color else []))
+
+    @property
+    def is_color(self) -> bool:
+        """Whether channels have coordinates of their own."""
+        return any(axis.is_color for axis in self.axes)
+
+    @property
+    def index(self) -> IndexAxis | None:
+        """The axis of the top layer's index, which its Fresnel curve follows, if there is one."""
+        return next((axis for axis in self.axes if isinstance(axis, IndexAxis)), None)
+
+    def with_values_of(self, stack: Stack) -> "LiveTables":
+        """The same for a stack's own live values."""
+        return replace(self, stack=stack)
+
+    @property
+    def lobe_count(self) -> int:
+        """How many closures they are."""
+        return len(self.tables)
+
+    def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
+        """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
+        cos_o = np.clip(np.asarray(cos_theta_o, float), MIN_COS_O, 1.0)
+        at = [axis.coordinate(self.stack) for axis in self.axes]
+        one = [axis.shared(coordinate) for axis, coordinate in zip(self.axes, at)]
+        own = [[float(np.broadcast_to(coordinate, 3)[c]) for coordinate in at] for c in range(3)]
+
+        def energy(table):
+            return np.stack([interpolate(self._at(table, place)[:, c : c + 1], cos_o)[..., 0] for c, place in enumerate(own)], axis=-1) ** POWER
+
+        def shared(table):
+            return interpolate(self._at(table, one), cos_o)
+
+        result: list[GlossyLobe | DiffuseLobe] = []
+        for table in map(rooted, self.tables):
+            weight = np.ones((*cos_o.shape, 3)) if table.energy is None else energy(table.energy)
+            if table.through is not None:
+                color = np.clip(self.stack.base["color"], 0.0, 1.0)
+                weight = weight + energy(table.through) * color / (1.0 - energy(table.back) * color)
+            if table.distribution is None:
+                result.append(DiffuseLobe(weight))
+                continue
+            if table.unit is not None:
+                weight = weight / shared(table.unit)
+            root_x, root_y, slope = np.moveaxis(shared(table.shape), -1, 0)
+            tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_o), 0.0)))
+            fresnel = table.fresnel
+            if fresnel is not None and self.index is not None:
+                fresnel = DielectricCurve(self.index.live[0].value(self.stack))
+            result.append(GlossyLobe(table.distribution, weight, root_x**2, root_y**2, tilt, fresnel))
+        return result
+
+    def _at(self, table: np.ndarray, coordinates: list[float]) -> np.ndarray:
+        return reduce(lambda part, place: np.tensordot(_hats(*place)[0], part, 1), zip(self.scales, coordinates), table)
+
+
+def rooted(table: LiveTable) -> LiveTable:
+    """The table with the roots of its energies, of which all is linear."""
+    roots = {name: getattr(table, name) ** (1.0 / POWER) for name in ("energy", "through", "back") if getattr(table, name) is not None}
+    return replace(table, **roots)
+
+
+def live_tables(lobe_set: LiveLobes, keep_dielectrics: bool = False) -> LiveTables:
+    """A grid of lobes in tables; `keep_dielectrics` leaves the top lobe its Fresnel curve, which else is folded into its energy."""
+    axes = tuple(sorted(lobe_set.axes, key=lambda axis: not axis.is_color))  # the same row for all channels, where there are two
+    scales = tuple(Scale(_lowest(axis), axis.knots.high, rows) for axis, rows in zip(axes, _ROWS[len(axes)]))
+    grid = _Grid(lobe_set, axes, scales)
+    total = grid.exponential(lobe_set.log_sum)
+    return LiveTables(lobe_set.stack, axes, scales, tuple(_table(grid, lobe_set, lobe, total, keep_dielectrics) for lobe in lobe_set.grid))
+
+
+def _table(grid: "_Grid", lobe_set: LiveLobes, lobe: LiveLobe, total: np.ndarray, keep_dielectrics: bool) -> LiveTable:
+    if isinstance(lobe.energy, LogEnergy):
+        energy = grid.exponential(lobe.energy)
+        return LiveTable(energy, lobe.distribution, np.zeros_like(energy))
+    energy = None if lobe.energy is None else total * grid.values(lobe.energy)
+    if lobe.is_diffuse:
+        if lobe_set.base is None:
+            return LiveTable(energy)
+        return LiveTable(energy, through=grid.exponential(lobe_set.base.log_through), back=grid.exponential(lobe_set.base.log_back))
+    shape = grid.values(lobe.shape)
+    shape[..., :2] = np.clip(shape[..., :2], MIN_ALPHA**0.5, 1.0)
+    if lobe.fresnel is None:
+        return LiveTable(energy, lobe.distribution, shape, grid.values(lobe.unit))
+    if keep_dielectrics and np.max(shape[..., 0]) ** 2 > NARROWEST_CURVE:
+        return LiveTable(None, lobe.distribution, shape, fresnel=lobe.fresnel)
+    return LiveTable(_folded(lobe_set.stack, grid.axes, grid.scales, lobe, shape[..., 0, 0]), lobe.distribution, shape)
+
+
+def _folded(stack: Stack, axes: tuple[Axis, ...], scales: tuple[Scale, ...], lobe: LiveLobe, roots: np.ndarray) -> np.ndarray:
+    """The share (..., KNOTS, 3) that a Fresnel curve leaves of a lobe of these roots of alpha (...), which are the same at all views."""
+    changes = [isinstance(axis, IndexAxis) or bool(np.any(np.diff(roots, axis=number))) for number, axis in enumerate(axes)]
+    knots = [Scale(scale.low, scale.high, _FOLDED[sum(changes)] if changed else 2) for scale, changed in zip(scales, changes)]
+    at_knots = reduce(lambda part, n: _resampled(part, n, scales[n], knots[n].knots), range(len(axes)), roots)
+    known: dict[tuple[float, float], np.ndarray] = {}
+
+    def share(place: tuple[int, ...]) -> np.ndarray:
+        alpha, eta = float(at_knots[place]) ** 2, lobe.fresnel.eta
+        for axis, scale, i in zip(axes, knots, place):
+            if isinstance(axis, IndexAxis):
+                eta = float(axis.live[0].value(axis.at(stack, scale.knots[i])))
+        if (alpha, eta) not in known:
+            alphas = np.full(KNOTS, alpha)
+            known[alpha, eta] = fresnel_share(GlossyLobe(lobe.distribution, np.ones(3), alphas, alphas, fresnel=DielectricCurve(eta)), knot_cosines())
+        return known[alpha, eta]
+
+    # amplitudes, which change evenly with an index
+    table = np.sqrt(np.stack([share(place) for place in np.ndindex(at_knots.shape)])).reshape(*at_knots.shape, KNOTS, 3)
+    return np.square(reduce(lambda part, n: _resampled(part, n, knots[n], scales[n].knots), range(len(axes)), table))
+
+
+def _lowest(axis: Axis) -> float:
+    """The least coordinate of a value: knots before the first that is fitted may lie below."""
+    return max(axis.knots.low, 0.0) if axis.before else axis.knots.low
+
+
+class _Grid:
+    """What a grid of lobes holds at the rows of tables, with equal coordinates in all channels; axes are turned to the tables' order."""
+
+    def __init__(self, lobe_set: LiveLobes, axes: tuple[Axis, ...], scales: tuple[Scale, ...]):
+        self.axes, self.scales = axes, scales
+        self._order = [lobe_set.axes.index(axis) for axis in axes]
+
+    def values(self, table: np.ndarray, which: str = "knots") -> np.ndarray:
+        """Rows of a table (..., KNOTS, c) over these knots of the axes."""
+        table = np.moveaxis(table, self._order, range(len(self._order)))
+        for number, (axis, scale) in enumerate(zip(self.axes, self.scales)):
+            table = _resampled(table, number, getattr(axis, which), scale.knots)
+        return table
+
+    def exponential(self, log: LogEnergy) -> np.ndarray:
+        """Rows of an energy."""
+        along = [_resampled(log.along[i], 0, axis.fine, scale.knots) for i, axis, scale in zip(self._order, self.axes, self.scales)]
+        return np.exp(along[0] if log.rest is None else along[0][:, None] + along[1][None] + self.values(log.rest, "cross"))
+
+
+def _resampled(table: np.ndarray, number: int, scale: Scale, coordinates: np.ndarray) -> np.ndarray:
+    """A table at other coordinates of one of its axes."""
+    return np.moveaxis(np.tensordot(_hats(scale, coordinates), table, (1, number)), 0, number)
+
+
+def _hats(scale: Scale, coordinates) -> np.ndarray:
+    """What of each knot is in coordinates (n,): (n, knots)."""
+    cell, along = scale.place(np.atleast_1d(coordinates))
+    knots = np.arange(scale.count)
+    return np.where(knots == cell[:, None], 1.0 - along[:, None], 0.0) + np.where(knots == cell[:, None] + 1, along[:, None], 0.0)
