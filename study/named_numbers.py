@@ -219,6 +219,11 @@ def within(noise: str, of: str, most: float) -> str:
     return str(np.sum(column(recovered(noise), of) <= most))
 
 
+def glaze_error(name: str, glaze: str, thickness: str) -> str:
+    """Over white."""
+    return percent(cell("tint_spectrum", name, glaze=glaze, base="white", thickness=thickness))
+
+
 def blue_paint(one: str, other: str, suffix: str = "") -> str:
     """How many times closer the other one is."""
     ours, theirs = (cell("fit_blue_paint", "rms_log", model=model + suffix) for model in (other, one))
@@ -341,5 +346,9 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "blue paint sum to 65": partial(blue_paint, GGX, SUM, TO_65),
     "blue paint ggx": lambda: plain(cell("fit_blue_paint", "rms_log", model=GGX), 4),
     "blue paint sum error": lambda: plain(cell("fit_blue_paint", "rms_log", model=SUM), 4),
+    "glaze in rgb, red": partial(glaze_error, "rgb_red", "amber", "5"),
+    "glaze in rgb, blue": partial(glaze_error, "rgb_blue", "amber", "5"),
+    "narrow glaze in rgb, blue": partial(glaze_error, "rgb_blue", "narrow yellow", "2"),
+    "glaze as spectrum": partial(glaze_error, "spectrum_blue", "amber", "5"),
     "blue paint asked": lambda: plain(cell("fit_blue_paint", "rms_log", model=GGX) / 1.5, 4),
 })  # fmt: skip

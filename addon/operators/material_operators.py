@@ -2,6 +2,7 @@
 """What the panel's buttons do. Each operator is one undo step; an error is reported and leaves nothing half-made."""
 
 import re
+from functools import cache
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
@@ -94,9 +95,14 @@ class LayeredOperator(LaminaOperator):
         return True
 
 
+@cache
 def _names_of_presets() -> set[str]:
-    """What presets call their stacks, which becomes the name of a new material."""
-    return {presets.load(name).name for name in presets.names()} | {presets.label(name) for name in user_presets.names()}
+    """What Lamina's presets call their stacks, which becomes the name of a new material."""
+    return {presets.load(name).name for name in presets.names()}
+
+
+def _is_name_of_preset(name: str) -> bool:
+    return name in _names_of_presets() or name in map(presets.label, user_presets.names())
 
 
 class StackOperator(LaminaOperator):
@@ -133,7 +139,7 @@ class StackOperator(LaminaOperator):
             self.report({"INFO"}, f"Lamina: {gave_way}")
         if made:
             context.object.active_material = material
-        elif former in _names_of_presets() and re.fullmatch(rf"{re.escape(former)}(\.\d+)?", material.name):
+        elif re.fullmatch(rf"{re.escape(former)}(\.\d+)?", material.name) and _is_name_of_preset(former):
             material.name = stack.name or _UNNAMED  # it had the former preset's name, not one that a user gave it
         for message in stack.unknown_keys():
             self.report({"WARNING"}, f"Lamina: {message}")

@@ -24,6 +24,8 @@ from .view_table import AZIMUTHS, KNOTS, DiffuseTable, GlossyTable, OrenNayarTab
 # Points along each side of the unit square that an albedo is the mean over.
 _POINTS = 32
 _LEAST = 1e-3
+# Of Cycles' energies here: median error 5e-4, at most 1.4 % where a lobe is tilted at the horizon, in a third of the time that ENERGY_RULE takes.
+_RULE = (64, 24)
 # Of what is interpolated over live values, from one root of alpha or cosine to the next.
 _CELLS = 24
 _SCALE = Scale(0.0, 1.0, _CELLS + 1)
@@ -114,10 +116,10 @@ def _table(table):
     sines = np.sqrt(1.0 - np.square(cosines))
     lobe = GlossyLobe(table.distribution, np.ones(3), alpha_x, alpha_y, np.arctan(slope * sines), None, table.frame)
     if table.axis is None and table.frame is None:
-        energy = unit_energy(lobe, cosines)
+        energy = unit_energy(lobe, cosines, rule=_RULE)
         axis = None
     else:
         axis = table.axis if table.axis is not None else table.frame
-        energy = np.stack([unit_energy(lobe, cosines, axis + phi) for phi in np.arccos(AZIMUTHS)])
+        energy = np.stack([unit_energy(lobe, cosines, axis + phi, _RULE) for phi in np.arccos(AZIMUTHS)])
     weight = table.weight * energy / np.maximum(eevee_albedo(alpha, _tilted(slope)), _LEAST)[:, None]
     return replace(table, distribution="ggx", weight=weight, shape=np.stack([alpha, alpha, slope], axis=-1), frame=None, axis=axis)

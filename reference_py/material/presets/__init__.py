@@ -37,7 +37,7 @@ def label(name: str) -> str:
 def load(name_or_path: str | os.PathLike) -> Stack:
     """The stack of a preset's name or of a JSON file. Raises LaminaError; a name that is no preset lists them."""
     text = os.fspath(name_or_path)
-    if text in names():
+    if text.isidentifier() and (FOLDER / f"{text}.json").is_file():
         return Stack.load(FOLDER / f"{text}.json")
     path = Path(text)
     if path.suffix == ".json" or path.parent != Path(".") or path.exists():
