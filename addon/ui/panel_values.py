@@ -6,7 +6,7 @@ import textwrap
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.schema import COVERAGE, Parameter
 from ..blender import environment
-from ..material import elements, mask_links, seen_color
+from ..material import elements, seen_color
 from ..material.backend import OSL
 from ..operators import mask_link_operators as mask_ops
 from ..operators.note_operator import LAMINA_OT_note
@@ -43,21 +43,18 @@ def draw_element(layout, element) -> None:
             continue
         if feature.alternatives:
             draw_choice(column, element, elements.given_of(feature))
+        if feature is COVERAGE:
+            _draw_mask(column)
         for parameter in elements.feature_parameters(element, feature):
             _draw_socket(column, element, node, parameter)
-        if feature is COVERAGE:
-            _draw_mask(column, element)
 
 
-def _draw_mask(layout, layer) -> None:
-    """The ways to make a layer's mask, and its ramp, if it has one."""
+def _draw_mask(layout) -> None:
+    """The ways to make a layer's mask; above its value, which Blender draws with all nodes that an artist unfolds, a ramp too."""
     row = layout.row(align=True)
     row.use_property_split = False
     row.menu(mask_ops.LAMINA_MT_mask.__name__, text="Mask", icon="MOD_MASK")
     row.operator(mask_ops.LAMINA_OT_mask_paint.bl_idname, text="", icon="BRUSH_DATA")
-    ramp = mask_links.ramp_of(layer)
-    if ramp is not None:
-        layout.template_color_ramp(ramp, "color_ramp")
 
 
 def _draw_socket(layout, element, node, parameter: Parameter) -> None:

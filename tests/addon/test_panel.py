@@ -284,3 +284,13 @@ def test_layers_of_presets_have_names_of_their_own(name):
     labels = {kind.label for kind in SCHEMA.layers.values()}
     names = [layer.unknown.get("name") for layer in presets.load(name).layers]
     assert all(names) and not labels & set(names) and len(set(names)) == len(names)
+
+
+def test_the_buttons_of_a_mask_stand_above_what_it_unfolds(material):
+    """Blender draws the nodes that feed a value below it, as many lines as they take."""
+    material.lamina.layers[0].use_coverage = True
+    bpy.ops.lamina.mask_image(size="512")
+    bpy.ops.lamina.mask_ramp()
+    words = drawn().words
+    assert words.index(("menu", "LAMINA_MT_mask")) + 2 == words.index(("socket", "Coverage"))
+    assert words[words.index(("socket", "Coverage")) - 1] == ("operator", "lamina.mask_paint")

@@ -76,9 +76,6 @@ class Recorder:
     def popover(self, name, text="", **_options):
         self._note("popover", name, texts=lambda: [text])
 
-    def template_color_ramp(self, _node, name):
-        self._note("ramp", name, 5)
-
     def operator_menu_enum(self, name, _prop, text="", **_options):
         self._note("operator_menu_enum", name, texts=lambda: [text])
 
