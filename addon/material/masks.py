@@ -80,7 +80,7 @@ def _values(node) -> Mapping[str, float]:
     return {p.name: float(f"{min(max(value, p.minimum), p.maximum):.7g}") for p, value in held}
 
 
-def masks_in(material: bpy.types.Material) -> list[tuple[object, bpy.types.NodeSocket, bpy.types.Node]]:
+def masks_in(material: bpy.types.Material) -> list[tuple[bpy.types.PropertyGroup, bpy.types.NodeSocket, bpy.types.Node]]:
     """(element, value's socket, generator's node) of all masks of a material's layers and base."""
     lamina = material.lamina
     sockets = [(e, s) for e in (*lamina.layers, lamina.base) for s in node_of(e).inputs]
