@@ -143,7 +143,9 @@ def build_parser() -> argparse.ArgumentParser:
     principled.add_argument("-o", "--output", metavar="OUT.blend")
     principled.add_argument("--presets", action="store_true", help="list the error of every preset instead")
     fit = _command(commands, "fit", "fit", "fit a layer stack to measured reflectance")
-    fit.add_argument("file", metavar="FILE", help="MERL .binary, RGL or Zemax .bsdf, Speos .brdf, or a table .csv; with --sample a stack")
+    fit.add_argument(
+        "file", metavar="FILE", help="MERL .binary, RGL or Zemax .bsdf, Speos .brdf, ASTM .astm, ALTA .dat, or a table .csv; with --sample a stack"
+    )
     fit.add_argument("-o", "--output", metavar="STACK.json", help="stack file to write")
     fit.add_argument("--layers", type=_layers, default="auto", metavar="auto|N", help="count of layers (default: the fewest that the data support)")
     fit.add_argument("--base", default="auto", metavar="KIND", help="auto, lambert, oren_nayar or conductor (default: %(default)s)")

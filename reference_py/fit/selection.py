@@ -112,13 +112,13 @@ def select(
     # few layers that were not asked for are fitted as well: more are found from them
     tried: list[Fit] = []
     for count in range(last + 1):
-        found = search.look(count, bases)
+        found = search.look(count, bases, layers != AUTO)
         bases = search.promising(count, found, bases)
         best = preferred(found.values(), tried[-1] if tried else None)
-        tried.append(search.closer(best) if layers in (AUTO, count) else best)
+        tried.append(_containing(search.closer(best) if layers in (AUTO, count) else best, tried[-1] if tried else None))
         if layers == AUTO and count and not _is_clear(*tried[-2:]):
             tried[-2:] = [search.at_own_settings(fit) for fit in tried[-2:]]
-            tried[-1] = search.no_worse(*tried[:-3:-1])
+            tried[-1] = _containing(*tried[:-3:-1])
         begun = (count + 1) / (last + 2)
         done(begun)
         say(f"{tried[-1].structure.name}: error {percent(tried[-1].error)}")
@@ -133,11 +133,15 @@ def select(
     return Selection(best, tuple(tried), _reason(best, tried, layers))
 
 
-def _containing(more: Fit, best: Fit) -> Fit:
-    """A fit of one layer more than the best one has, which is at least as good: that layer may do nothing."""
-    if more.structure.layers != best.structure.layers + 1 or more.structure.base != best.structure.base or more.error <= best.error:
+def _containing(more: Fit, less: Fit | None) -> Fit:
+    """A fit or, where one of a layer less came closer, that one with a layer more that does nothing, as a place to begin."""
+    if less is None or less.structure.layers != more.structure.layers - 1 or less.structure.base != more.structure.base:
         return more
-    return replace(more, x=more.parameters.without_effect(best.parameters, best.x), residual=best.residual)
+    if more.error <= less.error:
+        return more
+    structure = Structure(more.structure.layers, more.structure.base, (more.structure.distributions[0], *less.structure.distributions))
+    parameters = Parameters(structure, less.parameters.channels)
+    return replace(more, parameters=parameters, x=parameters.without_effect(less.parameters, less.x), residual=less.residual)
 
 
 def _is_clear(fewer: Fit, more: Fit) -> bool:
@@ -157,8 +161,8 @@ class _Search:
     def __post_init__(self):
         self._by_base: dict[str, Fit] = {}
 
-    def look(self, count: int, bases: tuple[str, ...]) -> dict[str, Fit]:
-        """Quick fits by base, under `count` layers, of those that the stand-in brings near the data."""
+    def look(self, count: int, bases: tuple[str, ...], contained: bool) -> dict[str, Fit]:
+        """Quick fits by base, under `count` layers, of those that the stand-in brings near the data; `contained`: none worse than with a layer less."""
         before, rough = self._by_base, {}
         for base in bases:
             known = []
@@ -176,19 +180,9 @@ class _Search:
             rough[base] = min(options, key=lambda option: option[0])
         least = min(cost for cost, _, _ in rough.values())
         self._by_base = {base: self._quick(structure, x, _LOOK_STEPS) for base, (cost, structure, x) in rough.items() if cost <= _FAR * least}
-        self._by_base = {base: self.no_worse(fit, before.get(base)) for base, fit in self._by_base.items()}
+        if contained:
+            self._by_base = {base: _containing(fit, before.get(base)) for base, fit in self._by_base.items()}
         return self._by_base
-
-    def no_worse(self, fit: Fit, less: Fit | None) -> Fit:
-        """A fit, or, where one of a layer less came closer at the same settings, that one with a layer more that does nothing at first."""
-        if less is None or less.structure.layers != fit.structure.layers - 1 or less.structure.base != fit.structure.base:
-            return fit
-        if fit.error <= less.error or fit.options != less.options:
-            return fit
-        structure = Structure(fit.structure.layers, fit.structure.base, (fit.structure.distributions[0], *less.structure.distributions))
-        x = Parameters(structure, less.parameters.channels).without_effect(less.parameters, less.x)
-        begun = corrected(self.metric, structure, self.model, x, _COMPARED_STEPS, options=fit.options)
-        return min(fit, begun, key=lambda f: f.error)
 
     def _quick(self, structure: Structure, x: np.ndarray, steps: int) -> Fit:
         return corrected(self.metric, structure, self.model, x, steps, options=QUICK.get(self.model, {}))

@@ -266,6 +266,47 @@ def test_speos_tables_have_the_scale_of_their_reflectance(tmp_path):
         refused(path, words)
 
 
+def test_astm_and_alta_tables_give_back_f(tmp_path):
+    wi, wo = spread_pairs(40, np.random.default_rng(5))
+    f = 0.1 + 0.3 * wo[:, 2] + 0.2 * wi[:, 2]
+    angles = [a for w in (wi, wo) for a in (np.arccos(w[:, 2]), np.arctan2(w[:, 1], w[:, 0]))]
+    rows = np.stack([*angles, f, 2.0 * f, 3.0 * f], axis=1)
+    text = "SAMPLE_NAME made for a test\nNUM_POINTS 40\nVARS theta_i,phi_i,theta_s,phi_s,{}\n"
+    text += "\n".join(",".join(f"{v:.9g}" for v in row) for row in rows) + "\n"
+    path = tmp_path / "paint.astm"
+    for names, channels in (("R,G,B", 3), ("450nm,550nm,650nm", 3), ("X,Y,Z", 3)):
+        path.write_text(text.format(names))
+        m = read(path)
+        assert m.wi == pytest.approx(wi, abs=1e-7) and m.wo == pytest.approx(wo, abs=1e-7) and m.channels == channels
+    path.write_text(text.format("R,G,B"))
+    assert read(path).f == pytest.approx(rows[:, 4:])
+    for broken, words in ((text.format("R,G,B").replace("VARS", "NAMES"), "no line VARS"), (text.format("R,G,B")[:-60], "named; truncated|announces 40 rows"),
+                          (text.format("R,G"), "7 numbers where 6 are named"), (text.format("a,b,c").replace(",a,b,c", ",a,b").replace("0.", "x", 1), "named|not a number")):  # fmt: skip
+        path.write_text(broken)
+        with pytest.raises(LaminaError, match=words):
+            read(path)
+    path = tmp_path / "paint.dat"
+    theta_h, theta_d, phi_d = half_angles(wi, wo)
+    half = np.stack([theta_h, theta_d, phi_d, f], axis=1)
+    written = "# made for a test\n#DIM 3 1\n#PARAM_IN RUSIN_TH_TD_PD\n#PARAM_OUT INV_STERADIAN\n#VS 0\n"
+    path.write_text(written + "\n".join(" ".join(f"{v:.9g}" for v in row) for row in half))
+    m = read(path)
+    assert np.stack(half_angles(m.wi, m.wo), axis=1) == pytest.approx(half[:, :3], abs=1e-6) and m.f[:, 0] == pytest.approx(f)
+    flat = np.stack([angles[2], angles[0], angles[3] - angles[1], f * wo[:, 2]], axis=1)
+    other = "#DIM 3 1\n#PARAM_IN ISOTROPIC_TV_TL_DPHI\n#PARAM_OUT INV_STERADIAN_COSINE_FACTOR\n"
+    table = "\n".join(" ".join(f"{v:.9g}" for v in row) for row in flat)
+    path.write_text(other + table)
+    m = read(path)
+    assert m.f[:, 0] == pytest.approx(f) and np.sum(m.wi * m.wo, axis=1) == pytest.approx(np.sum(wi * wo, axis=1), abs=1e-7)
+    for broken, words in ((table, "no line #DIM"), (other.replace("ISOTROPIC_TV_TL_DPHI", "CARTESIAN") + table, "PARAM_IN is CARTESIAN"),
+                          (other, "no rows"), (other.replace("INV_STERADIAN_COSINE_FACTOR", "XYZ_COLOR") + table, "PARAM_OUT is XYZ_COLOR"),
+                          (other + "#FORMAT binary\n" + table, "binary")):  # fmt: skip
+        path.write_text(broken)
+        refused(path, words)
+    (tmp_path / "paint.axf").write_text("")
+    refused(tmp_path / "paint.axf", "no public description")
+
+
 def test_what_has_no_color_has_one_channel(tmp_path):
     wi, wo = spread_pairs(60, np.random.default_rng(3))
     f = measured.paint(wi, wo)[:, :1]

@@ -113,7 +113,7 @@ class Window:
         """Where the button of an operator is in the column beside the list: Ctrl+C over a button copies its command."""
         panel = self.state()["panel"]
         x = panel["right"] - 4
-        for y in range(panel["top"] + 11 * ROW, panel["top"] + 26 * ROW, ROW // 2):
+        for y in range(panel["top"] + 6 * ROW, panel["top"] + 26 * ROW, ROW // 2):
             count = self.state()["tick"]
             self.mouse("mousemove", x, y)
             time.sleep(0.12)

@@ -8,10 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import LaminaError
-from . import SUFFIXES, merl, rgl, speos, text_table, zemax
+from . import SUFFIXES, keyed, merl, rgl, speos, text_table, zemax
 from .measurement import Measurement, without_shadows
 from .tensor_file import MAGIC
 
+_CHOICES = ".binary (MERL), .bsdf (RGL, Zemax), .brdf (Speos), .astm (ASTM E1392), .dat (ALTA), .csv or .txt (a text_table)"
+# Formats whose makers publish no description.
+_CLOSED = {".axf": "X-Rite's AxF has no public description", ".sdf": "it has no public description"}
 Reader = Callable[[Path, float | None, float | None], Measurement]
 
 
@@ -26,22 +29,24 @@ def _bsdf(path: Path, wavelength_nm: float | None, steepest_deg: float | None) -
     return rgl.read(path, wavelength_nm, steepest_deg)
 
 
-_BY_SUFFIX: dict[str, Reader] = dict(zip(SUFFIXES, (merl.read, _bsdf, speos.read, text_table.read, text_table.read), strict=True))
+_BY_SUFFIX: dict[str, Reader] = dict(
+    zip(SUFFIXES, (merl.read, _bsdf, speos.read, text_table.read, text_table.read, keyed.read_astm, keyed.read_alta), strict=True)
+)
 
 
 def read(path: str | os.PathLike, wavelength_nm: float | None = None, steepest_deg: float | None = None) -> Measurement:
-    """Read a measurement, by its suffix: .binary (MERL), .bsdf (RGL, Zemax), .brdf (Speos), .csv or .txt (a text_table).
+    """Read a measurement, by its suffix: those of `_CHOICES`.
 
     With `wavelength_nm` it has one channel; `steepest_deg` is the largest angle that is used, 85 unless given. Raises LaminaError.
     """
     path = Path(path)
-    if path.suffix.lower() not in _BY_SUFFIX:
-        raise LaminaError(
-            f"{path}: unknown kind of measurement {path.suffix!r}; choose .binary (MERL), .bsdf (RGL, Zemax), .brdf (Speos), .csv or .txt (text_table)"
-        )
+    suffix = path.suffix.lower()
+    if suffix not in _BY_SUFFIX:
+        why = f"cannot be read, as {_CLOSED[suffix]}; export a table" if suffix in _CLOSED else f"unknown kind of measurement {path.suffix!r}"
+        raise LaminaError(f"{path}: {why}; choose {_CHOICES}")
     try:
         # a broken file holds any numbers; `checked` counts those that are none
         with np.errstate(all="ignore"):
-            return without_shadows(_BY_SUFFIX[path.suffix.lower()](path, wavelength_nm, steepest_deg))
+            return without_shadows(_BY_SUFFIX[suffix](path, wavelength_nm, steepest_deg))
     except OSError as error:
         raise LaminaError(f"{path}: cannot read the measurement: {error.strerror or error}") from None

@@ -14,12 +14,14 @@ method | auto    | how Cycles is told about the stack: weidlich_wilkie, analytic
 [0.07, 0.131, 0.193]
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
-from ...optics.directions import components, vectors
-from ...optics.frame import DOWN, azimuth, color_axis, dot, half_vector, no_axis, normalize, per_direction, reflect, sampled
+from ...optics.directions import components, take, vectors
+from ...optics.frame import DOWN, azimuth, color_axis, dot, half_vector, no_axis, per_direction, sampled
 from ...optics.microfacet import anisotropic_distribution
 from ...optics.optical_stack import supports
 from ...optics.quadrature import cosine_directions, directional_albedo
@@ -71,29 +73,31 @@ class ClosureModel:
         Mirror-like lobes are never picked; where there are no others, wi points straight down.
         """
         lobes, shares = self._finite_lobes(wo)
-        bounds = np.cumsum(shares, axis=-1)[:, :-1]
-        chosen = np.sum(rng.random(len(wo))[:, None] >= bounds, axis=-1)
-        wi = np.broadcast_to(DOWN, wo.shape)
+        picked = rng.random(len(wo))
+        chosen = sum((picked >= bound for bound in np.cumsum(shares, axis=0)[:-1]), np.zeros(len(wo), int))
+        wi = vectors(*(np.full(len(wo), part) for part in DOWN))
         for i, lobe in enumerate(lobes):
-            wi = np.where((chosen == i)[:, None], _sample_lobe(lobe, wo, rng), wi)
+            rows = np.flatnonzero(chosen == i)
+            if len(rows):
+                wi.T[:, rows] = _sample_lobe(_at(lobe, rows, len(wo)), take(wo, rows), rng)
         return wi, (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
 
     @per_direction(no_axis)
     def pdf(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """Density (...) in 1/sr of `sample` for wi on the whole sphere; 0 for viewers below the horizon."""
         lobes, shares = self._finite_lobes(wo)
-        total = sum((shares[:, i] * _lobe_density(lobe, wo, wi) for i, lobe in enumerate(lobes)), np.zeros(len(wo)))
+        total = sum((shares[i] * _lobe_density(lobe, wo, wi) for i, lobe in enumerate(lobes)), np.zeros(len(wo)))
         return np.where(wo[:, 2] > 0.0, total, 0.0)
 
     def _finite_lobes(self, wo):
-        """The lobes with a finite f and the probabilities (n, lobes) of picking them for wo (n, 3)."""
+        """The lobes with a finite f and the probabilities (lobes, n) of picking them for wo (n, 3)."""
         cos_o = np.where(wo[:, 2] > 0.0, wo[:, 2], 1.0)
         lobes = [lobe for lobe in self.lobe_set.lobes(cos_o, azimuth(wo)) if not (isinstance(lobe, GlossyLobe) and is_specular_lobe(lobe))]
-        shares = np.ones((len(wo), len(lobes)))
-        for i, lobe in enumerate(lobes):
-            shares[:, i] = np.mean(lobe.weight * _reflectance(lobe, cos_o), axis=-1)
-        shares = np.where(np.sum(shares, axis=-1, keepdims=True) > 0.0, shares, 1.0)
-        return lobes, shares / np.sum(shares, axis=-1, keepdims=True)
+        shares = np.ones((len(lobes), len(wo)))
+        for share, lobe in zip(shares, lobes):
+            share[:] = (lobe.weight * _reflectance(lobe, cos_o)) @ np.full(3, 1.0 / 3.0)
+        shares = np.where(np.sum(shares, axis=0) > 0.0, shares, 1.0)
+        return lobes, shares / np.sum(shares, axis=0)
 
 
 def _reflectance(lobe, cos_o):
@@ -103,16 +107,38 @@ def _reflectance(lobe, cos_o):
     return np.maximum(fresnel(lobe, cos_o), _LEAST_SHARE)
 
 
-def _sample_lobe(lobe, wo, rng) -> np.ndarray:
-    """wi (n, 3) of one lobe; below the surface where its facets send it there."""
+def _at(lobe, rows: np.ndarray, count: int):
+    """What `_sample_lobe` needs of a lobe at some of its `count` views."""
     if isinstance(lobe, DiffuseLobe):
-        return cosine_directions(rng.random(len(wo)), rng.random(len(wo)))
-    axes = _lobe_frame(wo, lobe)
-    stretched, _ = _stretched(lobe, wo, axes)
+        return lobe
+    widths = {name: value[rows] if np.shape(value) == (count,) else value for name in ("alpha_x", "alpha_y", "tilt") for value in (getattr(lobe, name),)}
+    return replace(lobe, **widths)
+
+
+def _sample_lobe(lobe, wo, rng) -> np.ndarray:
+    """The three columns (3, n) of wi of one lobe; below the surface where its facets send it there. Column by column, which is fastest."""
+    if isinstance(lobe, DiffuseLobe):
+        return cosine_directions(rng.random(len(wo)), rng.random(len(wo))).T
+    x, y, z = components(wo)
+    sin_o = np.hypot(x, y)
+    if lobe.frame is None:
+        safe, cos_t, sin_t = np.maximum(sin_o, 1e-12), np.cos(lobe.tilt), np.sin(lobe.tilt)
+        has_plane = sin_o > 1e-12
+        c, s = np.where(has_plane, x / safe, 1.0), np.where(has_plane, y / safe, 0.0)
+        own = cos_t * sin_o - sin_t * z, np.zeros(len(wo)), cos_t * z + sin_t * sin_o
+    else:
+        c, s, cos_t, sin_t = np.cos(lobe.frame), np.sin(lobe.frame), 1.0, 0.0
+        own = c * x + s * y, c * y - s * x, z
     # a surface of alphas (x, y) is one of alpha 1, compressed: so are its visible normals (Heitz14)
+    across = lobe.alpha_x * own[0], lobe.alpha_y * own[1]
+    length = 1.0 / np.sqrt(across[0] ** 2 + across[1] ** 2 + own[2] ** 2)
+    stretched = vectors(across[0] * length, across[1] * length, own[2] * length)
     mx, my, mz = components(sample_visible_normals(stretched, 1.0, lobe.distribution, rng))
-    wm = sum(part[:, None] * axis for part, axis in zip((lobe.alpha_x * mx, lobe.alpha_y * my, mz), axes))
-    return reflect(wo, normalize(wm))
+    mx, my = lobe.alpha_x * mx, lobe.alpha_y * my
+    along = 2.0 * (own[0] * mx + own[1] * my + own[2] * mz) / (mx * mx + my * my + mz * mz)
+    x, y, z = (along * m - w for m, w in zip((mx, my, mz), own))
+    x, z = cos_t * x + sin_t * z, cos_t * z - sin_t * x
+    return np.stack([c * x - s * y, s * x + c * y, z])
 
 
 def _lobe_density(lobe, wo, wi) -> np.ndarray:

@@ -23,6 +23,8 @@ from .facets import MULTIPLE, smith_lambda, visible_facets
 
 # Quadrature over heights along a ray.
 _STEPS = 12
+# Exponent of the damping of the last azimuthal mode and polar moment.
+_DAMPED = 4.0
 # A leftover below this is rounding.
 _NOTHING = 1e-12
 # What the collocation of a conductor is good to, as a part of the light; a leftover below it has no shape that is known.
@@ -40,22 +42,28 @@ class Detail:
     along: int
     directions: int = 20
     heights: int = 10
+    is_rest: bool = False
+    """Whether moments are those of what `two_events` does not know, damped to those of light that is spread by about 2.8 / azimuths."""
+
+    @property
+    def damping(self) -> np.ndarray:
+        """(azimuths, 1, moments) factors: light that is spread stays positive, where a cut series puts as much light far from a lobe as in it."""
+        if not self.is_rest:
+            return np.ones((1, 1, 1))
+        by_azimuth, by_moment = (np.exp(-_DAMPED * np.square(np.arange(count) / count)) for count in (self.azimuths, self.moments))
+        return by_azimuth[:, None, None] * by_moment
 
 
 ENERGY = Detail(azimuths=1, moments=8, across=16, along=28)
-# Two events on a narrow surface leave a lobe about as narrow as one does: fewer modes or moments put light far from it.
-_NARROW, NARROW_ALPHA = Detail(azimuths=48, moments=24, across=24, along=42), 0.25
-_WIDE = Detail(azimuths=24, moments=16, across=24, along=42)
-# What a draft saves.
-_DRAFT = {"across": 16, "along": 28, "directions": 14, "heights": 7}
+# Of f, what `two_events` does not know: little, or smooth.
+_REST = Detail(azimuths=24, moments=16, across=16, along=28, heights=6, is_rest=True)
+# A surface narrower than this reflects what meets more facets about where two send it.
+NARROW_ALPHA = 0.25
 
 
-def detail_of(alpha: float, modes: int, draft: bool) -> Detail:
+def detail_of(modes: int) -> Detail:
     """What is told of a surface when operators have so many azimuthal modes."""
-    if modes == 1:
-        return ENERGY
-    shape = _NARROW if alpha < NARROW_ALPHA else _WIDE
-    return replace(shape, azimuths=min(modes, shape.azimuths), **(_DRAFT if draft else {}))
+    return ENERGY if modes == 1 else replace(_REST, azimuths=min(modes, _REST.azimuths))
 
 
 @dataclass(frozen=True)
@@ -67,8 +75,9 @@ class Microsurface:
     etas: tuple[float, ...] = ()
     index: tuple[float, float] = (0.0, 0.0)
 
-    def shares(self, cos_theta: np.ndarray, detail: Detail) -> np.ndarray:
-        """How the leftover of light at cosines (I,) on side 0 is shared: (side, azimuths, I, moments).
+    def shares(self, cos_theta: np.ndarray, detail: Detail) -> tuple[np.ndarray, np.ndarray]:
+        """How the leftover of light at cosines (I,) on side 0 is shared: (side, azimuths, I, moments), and the part of it that is two
+        reflections, (azimuths, I, moments).
 
         Mean of P_k(1 - 2 cos^2) cos(m turn) per unit of leftover; [:, 0, :, 0] sums to 1 over the sides of a dielectric.
         """
@@ -79,10 +88,13 @@ class Microsurface:
         scatter = _Scatter(surface, side, cos_theta, detail)
         # from above the surface, where c = 1, every ray comes down to some height
         descent = _descent(np.ones(1), cos_theta, self, detail.heights)[:, 0]
-        again = np.einsum("ih,mihr->mir", descent, scatter.apply(_solution(surface, detail)))
+        solution, source = _solution(surface, detail)
+        again = np.einsum("ih,mihr->mir", descent, scatter.apply(solution))
         left = np.einsum("ih,ih->i", descent, scatter.leftover())
         again = np.moveaxis(again.reshape(detail.azimuths, len(cos_theta), -1, detail.moments), 2, 0)
         again = again[::-1] if side else again
+        own = source[:, side, ..., side * detail.moments :][..., : detail.moments]
+        twice = np.einsum("ih,mihr->mir", descent, _through(scatter.reflect, own))
         # No moment exceeds the energy, which is positive and at most the leftover: where there is hardly any, as on
         # narrow Beckmann surfaces, the collocation's error says otherwise.
         energy = np.maximum(again[:, 0, :, 0], 0.0)
@@ -93,12 +105,17 @@ class Microsurface:
         shape = np.clip(again / np.maximum(energy, least)[:, None, :, None], -1.0, 1.0)
         shape[:, 0, :, 0] = 1.0
         share = np.where(left > _NOTHING, np.minimum(energy / np.maximum(left, _NOTHING), 1.0), 0.0)
-        return shape * share[:, None, :, None]
+        again = shape * share[:, None, :, None] * detail.damping
+        energy = np.maximum(twice[0, :, 0], 0.0)
+        shape = np.clip(twice / np.maximum(energy, least)[:, None], -1.0, 1.0)
+        shape[0, :, 0] = 1.0
+        share_of_two = np.where(left > _NOTHING, np.minimum(energy / np.maximum(left, _NOTHING), share[0]), 0.0)
+        return again, shape * share_of_two[:, None] * detail.damping
 
 
 @lru_cache(maxsize=64)
-def _solution(surface: Microsurface, detail: Detail) -> np.ndarray:
-    """(azimuths, side, directions, heights, sides * moments) of the unknown at the nodes."""
+def _solution(surface: Microsurface, detail: Detail) -> tuple[np.ndarray, np.ndarray]:
+    """(azimuths, side, directions, heights, sides * moments) of the unknown at the nodes, and of its part that meets one facet more."""
     sides = max(len(surface.etas), 1)
     directions, heights = detail.directions, detail.heights
     cosines = _node_cosines(surface.alpha, directions)
@@ -116,7 +133,7 @@ def _solution(surface: Microsurface, detail: Detail) -> np.ndarray:
                 kernel[side, :, :, 1 - side] += np.einsum("jhk,jl->jhlk", walk, s.refract[m])[..., ::-1]
         right = source[m].reshape(size, -1)
         result.append(np.linalg.solve(np.eye(size) - kernel.reshape(size, size), right))
-    return np.stack(result).reshape(detail.azimuths, sides, directions, heights, -1)
+    return np.stack(result).reshape(source.shape), source
 
 
 class _Scatter:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The part of f in closed form: one event on the topmost rough surface, or in a medium above that, seen through smooth interfaces.
+"""The part of f in closed form: one or two reflections on the topmost rough surface, or one event in a medium above that, seen through smooth
+interfaces.
 
 A smooth interface keeps s = n sin(theta), so both directions refract about the surface normal, light that bounces
 between smooth interfaces is a geometric series per direction, and f / n^2 is what is carried through.
@@ -17,14 +18,18 @@ from ...optics.slab import henyey_greenstein, peak, single_scattering, without_p
 from .direction_grid import Grid
 from .effective_stack import EffectiveStack
 from .facets import reflection_lobe
-from .operators import phase_terms
+from .operators import Resolution, knows_two_events, phase_terms
+from .two_events import two_reflections
+
+# Fresnel curves that one table of two reflections holds.
+_AT_ONCE = 3
 
 
-def direct_f(effective: EffectiveStack, surface: str, wo: np.ndarray, wi: np.ndarray, grid: Grid) -> np.ndarray:
-    """f (P, 3) in 1/sr of this part, for directions (P, 3) above the surface; the rest comes from `grid`."""
+def direct_f(effective: EffectiveStack, surface: str, wo: np.ndarray, wi: np.ndarray, grid: Grid, resolution: Resolution) -> np.ndarray:
+    """f (P, 3) in 1/sr of this part, for directions (P, 3) above the surface; the rest comes from `grid` at this resolution."""
     run_o, run_i = _SmoothRun(effective, wo[:, 2]), _SmoothRun(effective, wi[:, 2])
     n = effective.interfaces[run_o.depth - 1].n_below if run_o.depth else 1.0
-    event = _event(effective, run_o.depth, surface, _inside(wo, n), _inside(wi, n))
+    event = _event(effective, run_o.depth, surface, _inside(wo, n), _inside(wi, n), resolution)
     f = run_o.through * run_i.through * event / (n * n)
     for k, interface in enumerate(effective.interfaces[: run_o.depth]):
         if interface.scattering is not None:
@@ -88,19 +93,33 @@ def _scattered_once(interface: Interface, light_o, light_i, wo, wi, grid: Grid) 
     return albedo * f / interface.n_below**2
 
 
-def _event(effective: EffectiveStack, k: int, surface: str, wo, wi) -> np.ndarray:
-    """f (P, 3) of one event on interface k or the base, for directions in the medium above it."""
+def _event(effective: EffectiveStack, k: int, surface: str, wo, wi, resolution: Resolution) -> np.ndarray:
+    """f (P, 3) of one or two events on interface k or the base, for directions in the medium above it."""
     wh = half_vector(wi, wo)
     cos_h = np.clip(dot(wi, wh), 0.0, 1.0)
+    base = effective.base
     if k < len(effective.interfaces):
         interface = effective.interfaces[k]
-        fresnel = fresnel_dielectric(cos_h, interface.eta)[:, None]
-        lobe = reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], interface.alpha, interface.distribution, surface)
-        return fresnel * lobe[:, None]
-    base = effective.base
-    if base.facets is None:
+        facets, fresnel = interface.facets, fresnel_dielectric(cos_h, interface.eta)[:, None]
+        indices = ((interface.eta,),)
+    elif base.facets is None:
         return base.f(wi, wo)
-    if base.is_specular:
+    elif base.is_specular:
         return np.zeros((len(wo), base.channels))
-    lobe = reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], base.facets.alpha, base.facets.distribution, surface)
-    return base.reflectance(cos_h) * lobe[:, None]
+    else:
+        facets, fresnel, indices = base.facets, base.reflectance(cos_h), tuple(zip(*base.relative_index))
+    lobe = (facets.alpha, facets.distribution)
+    f = fresnel * reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], *lobe, surface)[:, None]
+    if knows_two_events(surface, facets.alpha, resolution):
+        f = f + _two_events(wo, wi, *lobe, indices)
+    return f
+
+
+def _two_events(wo, wi, alpha: float, distribution: str, indices: tuple) -> np.ndarray:
+    """f (P, len(indices)) of two reflections on facets of these indices."""
+    distinct = tuple(dict.fromkeys(indices))
+    sines = np.maximum(np.hypot(wo[:, 0], wo[:, 1]) * np.hypot(wi[:, 0], wi[:, 1]), 1e-12)
+    turn = (wo[:, 2], wi[:, 2], -(wo[:, 0] * wi[:, 0] + wo[:, 1] * wi[:, 1]) / sines)
+    # of many channels a few at a time, which bounds memory
+    tables = (two_reflections(alpha, distribution, distinct[i : i + _AT_ONCE]) for i in range(0, len(distinct), _AT_ONCE))
+    return np.concatenate([table(*turn) for table in tables], axis=1)[:, [distinct.index(index) for index in indices]]

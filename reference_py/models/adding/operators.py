@@ -18,7 +18,7 @@ from ...optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
 from ...optics.microfacet import is_specular
 from ...optics.slab import slab
 from .assembly import Layers, ScatteringMedium
-from .bounces import ENERGY, Microsurface, detail_of
+from .bounces import NARROW_ALPHA, Microsurface, detail_of
 from .direction_grid import Grid, gauss_legendre, legendre
 from .facets import MULTIPLE, dielectric_events, reflection_lobe, visible_facets
 
@@ -34,12 +34,11 @@ _CHUNK = 64
 
 @dataclass(frozen=True)
 class Resolution:
-    """Azimuthal modes, facets across and along the plane of incidence per direction, and whether multiple scattering is a draft."""
+    """Azimuthal modes, and facets across and along the plane of incidence per direction."""
 
     modes: int
     across: int
     along: int
-    draft: bool = False
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ def _specular_operators(n_above, n_below, grid, modes) -> InterfaceOperators:
 
 
 def dielectric_rows(n_own, n_other, cos_theta, alpha, distribution, surface, grid: Grid, resolution: Resolution):
-    """Rows for walkers that arrive at cosines (I,) in n_own: (reflected once, reflected otherwise, transmitted).
+    """Rows for walkers that arrive at cosines (I,) in n_own: (reflected as `direct_f` knows, reflected otherwise, transmitted).
 
     A mirror reflects "otherwise": its part has no finite f.
     """
@@ -100,10 +99,14 @@ def _dielectric_chunk(n_own, n_other, cos_theta, alpha, distribution, surface, g
     transmitted = grid.project(n_other, wt, modes)(w_refracted)
     if _scatters_more_than_once(surface, alpha, modes):
         left = 1.0 - single[0].sum(axis=1) - transmitted[0].sum(axis=1)
-        detail = detail_of(alpha, modes, resolution.draft)
-        moments = Microsurface(alpha, distribution, etas=(eta, n_own / n_other)).shares(cos_theta, detail) * left[:, None]
+        detail = detail_of(modes)
+        moments, twice = (shares * left[:, None] for shares in Microsurface(alpha, distribution, etas=(eta, n_own / n_other)).shares(cos_theta, detail))
         multi[: moments.shape[1]] = _spread(moments[0], grid, n_own)
         transmitted[: moments.shape[1]] += _spread(moments[1], grid, n_other)
+        if knows_two_events(surface, alpha, resolution):
+            known = _spread(moments[0] if alpha < NARROW_ALPHA else twice, grid, n_own)
+            single[: len(known)] += known
+            multi[: len(known)] -= known
     return single, multi, transmitted
 
 
@@ -112,6 +115,11 @@ def _scatters_more_than_once(surface: str, alpha: float, modes: int) -> bool:
     spike at grazing directions, of less than 1e-3 of the energy below 85 degrees, which interpolation would spread.
     """
     return surface == MULTIPLE and (modes == 1 or alpha >= _SPIKE)
+
+
+def knows_two_events(surface: str, alpha: float, resolution: Resolution) -> bool:
+    """Whether f holds what is reflected twice as a formula (`two_events`), beside what is once; of narrow surfaces all that is reflected."""
+    return resolution.modes > 1 and _scatters_more_than_once(surface, alpha, resolution.modes)
 
 
 def _spread(moments, grid: Grid, n: float) -> np.ndarray:
@@ -191,21 +199,14 @@ def _conductor_chunk(index, n, cos_theta, alpha, distribution, surface, grid, re
     multi = [np.zeros_like(rows) for rows in single]
     if _scatters_more_than_once(surface, alpha, modes):
         left = np.maximum(1.0 - white, 0.0)[:, None]
-        for rows, moments in zip(multi, _conductor_shares(index, alpha, distribution, cos_theta, resolution)):
+        for once, rows, pair in zip(single, multi, index):
+            (moments,), twice = Microsurface(alpha, distribution, index=pair).shares(cos_theta, detail_of(modes))
             rows[: len(moments)] = _spread(moments * left, grid, n)
+            if knows_two_events(surface, alpha, resolution):
+                known = _spread((moments if alpha < NARROW_ALPHA else twice) * left, grid, n)
+                once[: len(known)] += known
+                rows[: len(known)] -= known
     return list(zip(single, multi))
-
-
-def _conductor_shares(index, alpha, distribution, cos_theta, resolution) -> list[np.ndarray]:
-    """(azimuths, I, moments) of each channel's leftover. A draft has each channel's energy, and the shape of the middle one."""
-    detail = detail_of(alpha, resolution.modes, resolution.draft)
-    if not resolution.draft or detail is ENERGY:
-        return [Microsurface(alpha, distribution, index=pair).shares(cos_theta, detail)[0] for pair in index]
-    energies = [Microsurface(alpha, distribution, index=pair).shares(cos_theta, ENERGY)[0, 0, :, 0] for pair in index]
-    middle = int(np.argsort([energy.sum() for energy in energies])[len(index) // 2])
-    shape = Microsurface(alpha, distribution, index=index[middle]).shares(cos_theta, detail)[0]
-    shape = shape / np.maximum(shape[:1, :, :1], 1e-12)
-    return [shape * energy[:, None] for energy in energies]
 
 
 def _is_resolved(alpha: float, grid: Grid) -> bool:

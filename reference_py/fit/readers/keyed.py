@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables below a header of keys: ASTM E1392 as Cornell's files have it, and ALTA's text files.
+
+ASTM: lines of a key and a word, then VARS with the names of the columns, two polar and two azimuth angles in radians, then
+rows with commas; a name that ends in nm is a wavelength. ALTA: #DIM inputs outputs, #PARAM_IN, #PARAM_OUT, #VS, then rows of
+angles in radians and f; PARAM_OUT with COS holds f times the cosine of the view.
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import LaminaError
+from ...optics.colour import xyz_to_rgb
+from ...optics.frame import spherical
+from .measurement import Measurement, checked, directions_of
+
+_MOST_BYTES = 500_000_000
+_WAVELENGTH = re.compile(r"(\d+(?:\.\d+)?)\s*nm", re.I)
+# Columns of ALTA's parametrizations that are read: Rusinkiewicz' angles, and those of light and view.
+_RUSINKIEWICZ = {"RUSIN_TH_TD_PD": ("th", "td", "pd"), "RUSIN_TH_PH_TD_PD": ("th", "ph", "td", "pd")}
+_PLAIN = {
+    "SPHERICAL_TL_PL_TV_PV": ("ti", "pi", "to", "po"), "ISOTROPIC_TV_TL_DPHI": ("to", "ti", "po"), "ISOTROPIC_TL_TV_DPHI": ("ti", "to", "po"),
+}  # fmt: skip
+_RADIANCE = ("RGB_COLOR", "INV_STERADIAN", "ENERGY", "UNKNOWN_OUTPUT", "UNKNOWN")
+
+
+def read_astm(path: Path, wavelength_nm: float | None = None, steepest_deg: float | None = None) -> Measurement:
+    """The measurement of a file. Raises LaminaError where VARS is missing or a row is not as it says."""
+    lines = _lines(path)
+    at = next((i for i, line in enumerate(lines) if line.split(None, 1)[0].upper() == "VARS"), None)
+    if at is None:
+        raise LaminaError(f"{path}: no ASTM E1392 table: it has no line VARS with the names of its columns")
+    names = [name.strip() for name in lines[at].split(None, 1)[-1].split(",")]
+    if len(names) < 5:
+        raise LaminaError(f"{path}: VARS has {len(names)} columns; choose theta_i,phi_i,theta_s,phi_s, then values")
+    numbers = _numbers(path, lines[at + 1 :], len(names), ",")
+    announced = next((line.split()[-1] for line in lines[:at] if line.upper().startswith("NUM_POINTS")), None)
+    if announced is not None and announced.isdigit() and int(announced) != len(numbers):
+        raise LaminaError(f"{path}: NUM_POINTS announces {announced} rows, and {len(numbers)} follow; truncated?")
+    theta_i, phi_i, theta_o, phi_o = numbers[:, :4].T
+    f, nm, notes = numbers[:, 4:], None, ()
+    matches = [_WAVELENGTH.search(name) for name in names[4:]]
+    if all(matches):
+        nm = np.array([float(match[1]) for match in matches if match])
+    elif [name[0].upper() for name in names[4:]] == ["X", "Y", "Z"]:
+        f, notes = xyz_to_rgb(f), ("XYZ made linear RGB",)
+    elif f.shape[1] not in (1, 3):
+        raise LaminaError(f"{path}: VARS names {', '.join(names[4:])[:80]}; choose one value, RGB, XYZ, or names that end in nm")
+    found = (f"ASTM E1392 table of {len(numbers)} rows, angles in radians: {', '.join(names[4:])[:80]}", *notes)
+    return checked(spherical(theta_i, phi_i), spherical(theta_o, phi_o), f, str(path), found, nm, wavelength_nm, steepest_deg)
+
+
+def read_alta(path: Path, wavelength_nm: float | None = None, steepest_deg: float | None = None) -> Measurement:
+    """The measurement of a text file. Raises LaminaError for a binary one, or a parametrization that is not known."""
+    lines = _lines(path)
+    keys = {words[0][1:].upper(): words[1:] for line in lines if re.match(r"#[A-Za-z]", line) and (words := line.split())}
+    if "DIM" not in keys or len(keys["DIM"]) != 2 or not all(word.isdigit() for word in keys["DIM"]):
+        raise LaminaError(f"{path}: no data file of ALTA: it has no line #DIM with the counts of inputs and outputs")
+    if "FORMAT" in keys and "binary" in keys["FORMAT"]:
+        raise LaminaError(f"{path}: is ALTA's binary format; write it as text")
+    inputs, outputs = map(int, keys["DIM"])
+    given, kind = (keys.get(key, ["UNKNOWN"])[0].upper() for key in ("PARAM_IN", "PARAM_OUT"))
+    columns = _RUSINKIEWICZ.get(given) or _PLAIN.get(given)
+    if columns is None or len(columns) != inputs:
+        raise LaminaError(f"{path}: PARAM_IN is {given} of {inputs} inputs; choose {', '.join([*_RUSINKIEWICZ, *_PLAIN])}")
+    has_cosine = "COS" in kind
+    if not has_cosine and kind not in _RADIANCE:
+        raise LaminaError(f"{path}: PARAM_OUT is {kind}; choose {', '.join(_RADIANCE)}, or one with COS for f times the cosine")
+    if outputs not in (1, 3):
+        raise LaminaError(f"{path}: {outputs} outputs; choose 1 or 3, RGB")
+    rows = [line for line in lines if not line.startswith("#")]
+    numbers = _numbers(path, rows, len(rows[0].split()) if rows else 0, None)
+    if numbers.shape[1] < inputs + outputs:
+        raise LaminaError(f"{path}: rows have {numbers.shape[1]} numbers where {inputs} + {outputs} are announced")
+    values, zero = dict(zip(columns, numbers.T)), np.zeros(len(numbers))
+    if given in _RUSINKIEWICZ:
+        wi, wo = directions_of(values["th"], values["td"], values["pd"])
+        if "ph" in values:
+            wi, wo = (_turned(w, values["ph"]) for w in (wi, wo))
+    else:
+        wi, wo = spherical(values["ti"], values.get("pi", zero)), spherical(values["to"], values["po"])
+    f = numbers[:, inputs : inputs + outputs]
+    if has_cosine:
+        f = f / np.maximum(wo[:, 2:], 1e-6)
+    found = (f"ALTA data of {len(numbers)} rows, {given}{', divided by the cosine' if has_cosine else ''}",)
+    return checked(wi, wo, f, str(path), found, only_nm=wavelength_nm, steepest_deg=steepest_deg)
+
+
+def _lines(path: Path) -> list[str]:
+    if path.stat().st_size > _MOST_BYTES:
+        raise LaminaError(f"{path}: {path.stat().st_size} bytes are too large for a table; at most {_MOST_BYTES}")
+    return [line.strip() for line in path.read_text(encoding="latin-1").splitlines() if line.strip()]
+
+
+def _numbers(path: Path, lines: list[str], count: int, delimiter: str | None) -> np.ndarray:
+    if not lines:
+        raise LaminaError(f"{path}: has no rows below its header; truncated?")
+    rows = [line.split(delimiter) for line in lines]
+    for row in rows:
+        if len(row) != count:
+            raise LaminaError(f"{path}: the row {' '.join(row)[:40]!r} has {len(row)} numbers where {count} are named; truncated?")
+    try:
+        return np.array(rows, float)
+    except ValueError:
+        raise LaminaError(f"{path}: a row holds what is not a number") from None
+
+
+def _turned(w: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([c * w[:, 0] - s * w[:, 1], s * w[:, 0] + c * w[:, 1], w[:, 2]], axis=-1)

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Is f of `adding` right where view and light both graze the surface? By direction, with the walks of `position_free` as judge.
+
+Errors are relative to f itself: beside the peak of such a view, a hundred times as bright, they would not show.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..reference_py.material import presets
+from ..reference_py.material.stack import Stack
+from ..reference_py.optics.frame import spherical
+from ..reference_py.registry import make_model
+
+THETA_O_DEG, THETA_I_DEG, AZIMUTHS_DEG = (76.0, 83.0, 86.0), (75.0, 79.0, 85.0), (60.0, 150.0, 177.0)
+WALKS = 1 << 15
+SEEN = 1e-3
+"""A direction counts if its f cos is above this share of the mean over the hemisphere."""
+STATED, SIGMAS = 0.035, 4.0
+
+
+def _layer(roughness: float, **values) -> dict:
+    return {"kind": "dielectric", "ior": 1.5, "roughness": roughness, **values}
+
+
+_SILVER, _BLACK = {"kind": "conductor", "metal": "silver", "roughness": 0.3}, {"kind": "lambert", "color": [0.0] * 3}
+STACKS = {
+    "silver": Stack.from_dict({"layers": [], "base": _SILVER}),
+    "coated_silver": Stack.from_dict({"layers": [_layer(0.3)], "base": _SILVER}),
+    "silver_under_a_smooth_coat": Stack.from_dict({"layers": [_layer(0.0)], "base": _SILVER}),
+    "black_plastic": Stack.from_dict({"layers": [_layer(0.3)], "base": _BLACK}),
+    "rough_black_plastic": Stack.from_dict({"layers": [_layer(0.6)], "base": _BLACK}),
+    "clean_copper": presets.load("clean_copper"),
+    "frosted_paint": presets.load("frosted_paint"),
+}
+
+
+@dataclass(frozen=True)
+class Direction:
+    """f (3,) by both truths in one direction, and whether anybody sees it."""
+
+    stack: str
+    degrees: tuple[float, float, float]
+    adding: np.ndarray
+    walked: np.ndarray
+    stderr: np.ndarray
+    is_seen: bool
+
+    def error(self, f: np.ndarray) -> float:
+        """The largest error of f (3,), relative and signed."""
+        errors = f / np.maximum(self.walked, 1e-12) - 1.0
+        return float(errors[np.argmax(np.abs(errors))])
+
+    @property
+    def noise(self) -> float:
+        """Relative standard error of the walks, worst channel."""
+        return float(np.max(self.stderr / np.maximum(self.walked, 1e-12)))
+
+
+def directions() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Degrees (P, 3) of view, light and azimuth, and (wo, wi), each (P, 3)."""
+    degrees = np.stack(np.meshgrid(THETA_O_DEG, THETA_I_DEG, AZIMUTHS_DEG, indexing="ij"), axis=-1).reshape(-1, 3)
+    theta_o, theta_i, azimuth = np.radians(degrees).T
+    return degrees, spherical(theta_o, 0.0), spherical(theta_i, azimuth)
+
+
+def measured(name: str, walks: int = WALKS, seed: int = 1) -> Iterator[Direction]:
+    """Every direction of a stack of `STACKS`."""
+    degrees, wo, wi = directions()
+    adding = make_model("adding", STACKS[name])
+    f, mean = adding.f(wo, wi), adding.albedo(wo) / (2.0 * np.pi)
+    walked, stderr = make_model("position_free", STACKS[name], walks=walks, seed=seed).f_stderr(wo, wi)
+    seen = np.all(walked * wi[:, 2:] > SEEN * mean, axis=1)
+    for row in zip(degrees.tolist(), f, walked, stderr, seen.tolist()):
+        yield Direction(name, tuple(row[0]), *row[1:])
