@@ -26,7 +26,7 @@ _EDGE = (0.004, 0.12)
 
 def mask_group(generator: Generator) -> bpy.types.NodeTree:
     """This file's group of a generator, made where there is none."""
-    own = (g for g in bpy.data.node_groups if g.get(MASK_KEY) == generator.name and g.library is None)
+    own = (g for g in bpy.data.node_groups if g.get(MASK_KEY) == generator.name and g.is_editable)
     tree = next((g for g in own if _declares(g, generator)), None)
     if tree is not None:
         return tree

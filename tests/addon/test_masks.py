@@ -7,9 +7,9 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from lamina.addon.exchange import mask_bake
-from lamina.addon.library import preset_assets
 from lamina.addon.material import layers, masks, material
 from lamina.addon.material.elements import node_of
+from lamina.addon.material.node_copy import copy_sources
 from lamina.addon.material.reading import measured_stack, stack_of
 from lamina.addon.material.state import is_stale
 from lamina.reference_py.errors import LaminaError
@@ -137,7 +137,7 @@ def test_links_of_the_user_stay(blender):
         layers.add_mask(new, 0, "coverage", "edges")
     dressed = bpy.data.materials.new("Dressed")
     worn = Stack.from_dict({"layers": [{**DUST, "masks": {"coverage": {"generator": "edges"}}}], "base": BASE})
-    material.apply_stack(dressed, worn, "weidlich_wilkie", "nodes", lambda target: preset_assets.dress(new, target))
+    material.apply_stack(dressed, worn, "weidlich_wilkie", "nodes", lambda target: copy_sources(*(node_of(m.lamina.layers[0]) for m in (new, target))))
     source = node_of(dressed.lamina.layers[0]).inputs["Coverage"].links[0].from_node
     assert source.bl_idname == "ShaderNodeTexNoise" and not any(masks.is_mask(node) for node in dressed.node_tree.nodes)
     assert own.name in new.node_tree.nodes
