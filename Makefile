@@ -16,7 +16,7 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 FIRST_HALF := $(shell cat tests/first_half.txt)
 QUICK := -q -m "not blender and not slow"
 
-.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes start felt branches surroundings numbers fuzz faults calibration mitsuba-slabs docs sliders matrix licences clean
+.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes start felt branches surroundings numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -57,6 +57,7 @@ help:
 	@echo "make faults    put deliberate faults into a copy, one at a time, and say which the tests catch (three minutes)"
 	@echo "make docs      build the manual as a site, manual/index.html, which the extension ships"
 	@echo "make sliders   render the manual's strips, one for each parameter (ten minutes)"
+	@echo "make manual-pictures  take the pictures of the manual's first hour in a real window (LAMINA_BLENDER names a Blender that has one, as tools/window_blender.sh sets up)"
 	@echo "make matrix    run the tests on every supported Blender whose Python is here, and print a table"
 	@echo "make licences  print the licence of every pinned package"
 	@echo "make clean     remove what was built (not $(VENV))"
@@ -219,6 +220,9 @@ $(DOCS)/ready: requirements/docs.txt
 	$(or $(PYTHON),python3) -m venv $(DOCS)
 	$(DOCS)/bin/python -m pip --disable-pip-version-check install --quiet --require-hashes --only-binary :all: -r requirements/docs.txt
 	@touch $@
+
+manual-pictures: zip
+	$(RUN) tests/window/manual.py dist/lamina-*.zip docs/pictures
 
 sliders: $(READY)
 	$(VENV)/bin/lamina chart sliders -o docs/pictures

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The manual: every page is listed, every link leads somewhere, and README stays short."""
+"""The manual: every page is listed, every link leads somewhere, every parameter has its strip, and README stays short."""
 
 import re
 from pathlib import Path
@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 import lamina
+from lamina.reference_py.material.schema import SCHEMA
+from lamina.study.charts.sliders import OF_THE_BASE, STRIPS, stack_of, words
 
 ROOT = Path(lamina.__file__).resolve().parent
 DOCS = ROOT / "docs"
@@ -57,3 +59,30 @@ def test_readme_is_short_and_names_every_page():
     assert len(text.splitlines()) <= 120
     missing = [path.name for path in PAGES[1:] if path.name != "index.md" and f"docs/{path.name}" not in text]
     assert missing == []
+
+
+def kinds():
+    return (*SCHEMA.layers.values(), *SCHEMA.bases.values())
+
+
+def parameters():
+    return {p.name: p for kind in kinds() for group in (kind, *kind.features) for p in group.parameters}
+
+
+def test_every_parameter_has_a_strip_and_its_words():
+    page = (DOCS / "sliders.md").read_text(encoding="utf-8")
+    headings = _HEADING.findall(page)
+    for name, parameter in parameters().items():
+        assert parameter.label in headings, name
+        if name != "normal":  # to be linked; it has no value to drag
+            assert f"pictures/slider_{name}.png" in page and len(STRIPS[name][2]) in (2, 5), name
+    assert set(STRIPS) == set(parameters()) - {"normal"}
+
+
+@pytest.mark.parametrize("name", STRIPS)
+def test_a_strip_changes_its_parameter_alone(name):
+    stacks = [stack_of(name, value).to_dict() for value in STRIPS[name][2]]
+    where = [stack["base"] if name in OF_THE_BASE else stack["layers"][0] for stack in stacks]
+    assert len({words(place[name]) for place in where}) == len(stacks)
+    rest = [{**place, name: None} for place in where]
+    assert all(other == rest[0] for other in rest)

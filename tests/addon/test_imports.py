@@ -18,7 +18,7 @@ pytestmark = pytest.mark.blender
 
 ROOT = Path(lamina.__file__).parent
 # Extras, what some Blenders or systems lack, and a package that a test makes; everything else must be there.
-OPTIONAL = {"matplotlib", "scipy", "OpenImageIO", "resource", "fcntl", "msvcrt", "repository", "mitsuba", "deadline"}
+OPTIONAL = {"matplotlib", "scipy", "OpenImageIO", "resource", "fcntl", "msvcrt", "repository", "mitsuba", "deadline", "mkdocs"}
 FILES = sorted(
     path for path in ROOT.rglob("*.py")
     if not any(part.startswith(".") or part in ("build", "dist", "node_modules") for part in path.relative_to(ROOT).parts)

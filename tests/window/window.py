@@ -43,35 +43,34 @@ def needed() -> str:
 class Window:
     """A Blender with a window on a screen of its own."""
 
-    def __init__(self, blender: str, archive: Path, folder: Path):
+    def __init__(self, blender: str, archive: Path, folder: Path, inside: str = "inside.py", size: tuple[int, int] = SIZE):
         self.folder, self._started = folder, []
         self._work = Path(tempfile.mkdtemp(prefix="lamina-window-"))
         self.state_file = self._work / "state.json"
-        self._environment = os.environ | {
+        self.environment = os.environ | {
             "BLENDER_USER_RESOURCES": str(self._work / "user"), "LAMINA_STATE": str(self.state_file),
             "LAMINA_CACHE": str(self._work / "bakes"), "LIBGL_ALWAYS_SOFTWARE": "1", "SDL_AUDIODRIVER": "dummy",
         }  # fmt: skip
-        self._environment.pop("WAYLAND_DISPLAY", None)
+        self.environment.pop("WAYLAND_DISPLAY", None)
         (self._work / "user").mkdir()
         install = [blender, "--command", "extension", "install-file", "-r", "user_default", "-e", str(archive)]
-        done = subprocess.run(install, env=self._environment, capture_output=True, text=True, timeout=120, stdin=subprocess.DEVNULL)
+        done = subprocess.run(install, env=self.environment, capture_output=True, text=True, timeout=120, stdin=subprocess.DEVNULL)
         if "Installed" not in done.stdout and "Reinstalled" not in done.stdout:
             raise AssertionError(f"not installed: {done.stdout}{done.stderr}")
-        self._open_screen()
+        self._open_screen(size)
         self.log = (folder / "blender.log").open("w", encoding="utf-8")
-        size = [str(n) for n in SIZE]
-        self._start([blender, "--no-window-frame", "-p", "0", "0", *size, "--python", str(Path(__file__).with_name("inside.py"))])
+        self._start([blender, "--no-window-frame", "-p", "0", "0", *map(str, size), "--python", str(Path(__file__).with_name(inside))])
 
-    def _open_screen(self) -> None:
+    def _open_screen(self, size: tuple[int, int]) -> None:
         reader, writer = os.pipe()
-        screen = ["Xvfb", "-displayfd", str(writer), "-screen", "0", f"{SIZE[0]}x{SIZE[1]}x24", "-nolisten", "tcp"]
+        screen = ["Xvfb", "-displayfd", str(writer), "-screen", "0", f"{size[0]}x{size[1]}x24", "-nolisten", "tcp"]
         self._started.append(subprocess.Popen(screen, pass_fds=[writer], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
         os.close(writer)
         with os.fdopen(reader) as pipe:
-            self._environment["DISPLAY"] = f":{pipe.readline().strip()}"
+            self.environment["DISPLAY"] = f":{pipe.readline().strip()}"
 
     def _start(self, command: list[str]) -> None:
-        self._started.append(subprocess.Popen(command, env=self._environment, stdout=self.log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL))
+        self._started.append(subprocess.Popen(command, env=self.environment, stdout=self.log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL))
 
     def close(self) -> None:
         for process in reversed(self._started):
@@ -99,7 +98,7 @@ class Window:
         raise AssertionError(f"waited in vain for: {what}; the last state: {self.state()}")
 
     def mouse(self, *words) -> None:
-        subprocess.run(["xdotool", *map(str, words)], env=self._environment, check=True, timeout=20)
+        subprocess.run(["xdotool", *map(str, words)], env=self.environment, check=True, timeout=20)
 
     def click(self, x: float, y: float) -> None:
         self.mouse("mousemove", int(x), int(y))
@@ -127,7 +126,7 @@ class Window:
     def picture(self, name: str) -> None:
         if shutil.which("import"):
             time.sleep(4.0)  # a window without a graphics card takes its time
-            subprocess.run(["import", "-window", "root", str(self.folder / f"{name}.png")], env=self._environment, timeout=60)
+            subprocess.run(["import", "-window", "root", str(self.folder / f"{name}.png")], env=self.environment, timeout=60)
 
 
 def use(window: Window) -> None:
