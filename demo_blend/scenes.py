@@ -17,10 +17,12 @@ from ..addon.rendering.settings import render_to
 from ..addon.session import blender, say
 from ..reference_py.atomic import output_folder, replacing
 
-NAMES = ("still_life", "crayons_and_mugs", "tree_ornaments", "copper_vases", "thickness_series", "car_paint_turntable", "white_furnace")
+NAMES = ("still_life", "crayons_and_mugs", "tree_ornaments", "copper_vases", "thickness_series", "car_paint_turntable", "white_furnace", "tin_toy")
 FOLDER = Path(__file__).parent
 PICTURES = FOLDER.parent / "figures" / "scenes"
 WIDTH, SAMPLES = 640, 16
+# Pictures that are shown alone.
+WIDE = {"tin_toy": 1280}
 
 
 def build_scene(name: str, settle: bool = True) -> bpy.types.Scene:
@@ -60,7 +62,7 @@ def main() -> None:
                 report(f"wrote {blend}")
             else:
                 bpy.ops.wm.open_mainfile(filepath=str(blend), load_ui=False)
-                render_scene(bpy.context.scene, output_folder(PICTURES) / f"{name}.jpg")
+                render_scene(bpy.context.scene, output_folder(PICTURES) / f"{name}.jpg", WIDE.get(name, WIDTH))
                 report(f"wrote {PICTURES / name}.jpg")
 
 

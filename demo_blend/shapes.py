@@ -84,3 +84,30 @@ def needles(name: str, count: int, length: float, radius: float, seed: int) -> b
     corner = 3 * np.arange(count)
     faces = np.stack([corner, corner + 1, corner + 2, np.full(count, -1)], axis=1)
     return mesh_of(name, vertices, faces, np.zeros((len(vertices), 2)), False)
+
+
+def rounded_box(name: str, size: tuple[float, float, float], radius: float, steps: int = 4) -> bpy.types.Mesh:
+    """Box about the origin with edges rounded by `radius`; lines beside the round keep its sides flat."""
+    half, turn = 0.5 * np.asarray(size), np.radians(np.linspace(0.0, 90.0, steps + 1))
+
+    def ring(inset: float) -> np.ndarray:
+        x, y = half[0] - radius, half[1] - radius
+        r = max(radius - inset, 0.01 * radius)
+        corners = []
+        for quarter, (a, b) in enumerate(((x, y), (-x, y), (-x, -y), (x, -y))):
+            angle = turn + 0.5 * np.pi * quarter
+            corners.append(np.stack([a + r * np.cos(angle), b + r * np.sin(angle)], axis=1))
+        points = np.concatenate(corners)
+        gaps = []
+        for here, after in zip(points, np.roll(points, -1, axis=0)):
+            gaps.append(here[None])
+            if np.linalg.norm(after - here) > 3.0 * radius:
+                gaps.append(here + (after - here) * np.array([[0.02], [0.5], [0.98]]))
+        return np.concatenate(gaps)
+
+    turned_in = [(radius * (1.0 - np.sin(a)), radius * (1.0 - np.cos(a)) - half[2]) for a in turn]
+    straight = [(0.0, z) for z in np.array([-0.96, 0.0, 0.96]) * (half[2] - radius)]
+    rings = [
+        np.column_stack([points, np.full(len(points), z)]) for d, z in (*turned_in, *straight, *((d, -z) for d, z in turned_in[::-1])) for points in [ring(d)]
+    ]
+    return loft(name, np.stack(rings))

@@ -11,7 +11,7 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.baked import MAX_GLOSSY
 from ...reference_py.lobes.error_estimate import SOFT_LIGHT_DEG
 from ...reference_py.lobes.made import DEFAULT_TOLERANCE, Options
-from ...reference_py.lobes.methods import MAX_CLOSURES, PaperLobes, glossy_of_each
+from ...reference_py.lobes.methods import MAX_CLOSURES, PaperLobes, glossy_of_each, require_bake_follows
 from ...reference_py.lobes.methods.auto import COMPUTED, Choice, choose, with_anisotropy
 from ...reference_py.lobes.methods.not_bakeable import bakeable, not_bakeable
 from ...reference_py.lobes.truth import truth_of
@@ -37,6 +37,8 @@ def explain(options) -> None:
             sight = _sight(options.blend, options.object)
     tolerance = DEFAULT_TOLERANCE if options.tolerance is None else 0.01 * options.tolerance
     parts = patches(stack)
+    for patch in parts:
+        require_bake_follows(patch.stack)
     glossy = min(MAX_GLOSSY, glossy_of_each(len(parts)))
     bakes_all = len(parts) >= MAX_CLOSURES
     choices = [(patch, _choice(patch.stack, tolerance, glossy, sight, tenths(report))) for patch in parts]

@@ -65,7 +65,7 @@ class TextureBake:
         values = DEFAULTS | converted.values
         wanted = [c for c in CHANNELS if c in _ALWAYS or c in linked or (c.startswith("Coat") and c not in _NORMALS and values["Coat Weight"] > 0.0)]
         yield 0.1
-        with tempfile.TemporaryDirectory(dir=folder, prefix=".bake.") as scratch, _studio(self.material, self.item, self.size) as studio:
+        with tempfile.TemporaryDirectory(dir=folder, prefix=".bake.") as scratch, bake_studio(self.material, self.item, self.size) as studio:
             for number, channel in enumerate(wanted):
                 if channel in linked:
                     pixels = studio.baked(linked[channel], channel in _NORMALS)
@@ -96,15 +96,33 @@ def _stored(pixels: np.ndarray, is_color: bool) -> np.ndarray:
     return (255.0 * pixels + 0.5).astype(np.uint8)
 
 
-class _Studio:
+class BakeStudio:
     """A scene with a copy of the object, which has a copy of the material alone, and the image that is baked into."""
 
     def __init__(self, scene, item, material, image, size: int):
-        self._scene, self._item, self._material, self._image, self._size = scene, item, material, image, size
+        self._scene, self._item, self.material, self._image, self._size = scene, item, material, image, size
 
     def baked(self, source: bpy.types.NodeSocket, is_normal: bool) -> np.ndarray:
         """What a socket of the original gives over the UVs, (size, size, 3), top row first; normals in tangent space, as colors."""
-        tree = self._material.node_tree
+        self._bake(source, is_normal, "IMAGE_TEXTURES")
+        pixels = np.empty(self._size * self._size * 4, np.float32)
+        self._image.pixels.foreach_get(pixels)
+        return pixels.reshape(self._size, self._size, 4)[::-1, :, :3].astype(float)
+
+    def baked_at_vertices(self, source: bpy.types.NodeSocket) -> np.ndarray:
+        """What a socket of the original gives at the vertices of a studio's whole mesh, (n, 3)."""
+        mesh = self._item.data
+        colors = mesh.color_attributes.new("Lamina", "FLOAT_COLOR", "POINT")
+        mesh.color_attributes.active_color = colors
+        self._bake(source, False, "VERTEX_COLORS")
+        values = np.empty(4 * len(mesh.vertices), np.float32)
+        # a bake may leave what was taken before it behind
+        mesh.color_attributes["Lamina"].data.foreach_get("color", values)
+        mesh.color_attributes.remove(mesh.color_attributes["Lamina"])
+        return values.reshape(-1, 4)[:, :3].astype(float)
+
+    def _bake(self, source: bpy.types.NodeSocket, is_normal: bool, into: str) -> None:
+        tree = self.material.node_tree
         twin = tree.nodes[source.node.name].outputs[list(source.node.outputs).index(source)]
         shader = tree.nodes.new("ShaderNodeBsdfDiffuse" if is_normal else "ShaderNodeEmission")
         tree.links.new(twin, shader.inputs["Normal" if is_normal else "Color"])
@@ -114,18 +132,19 @@ class _Studio:
         target = {"object": self._item, "active_object": self._item, "selected_objects": [self._item], "selected_editable_objects": [self._item]}
         try:
             with bpy.context.temp_override(scene=self._scene, view_layer=layer, **target):
-                bpy.ops.object.bake(type="NORMAL" if is_normal else "EMIT", margin=_MARGIN, use_clear=True, target="IMAGE_TEXTURES", save_mode="INTERNAL")
+                bpy.ops.object.bake(type="NORMAL" if is_normal else "EMIT", margin=_MARGIN, use_clear=True, target=into, save_mode="INTERNAL")
         except RuntimeError as error:
-            raise LaminaError(f"material {self._material.name}: Blender cannot bake it: {str(error).strip()}") from None
+            raise LaminaError(f"material {self.material.name}: Blender cannot bake it: {str(error).strip()}") from None
         finally:
             tree.nodes.remove(shader)
-        pixels = np.empty(self._size * self._size * 4, np.float32)
-        self._image.pixels.foreach_get(pixels)
-        return pixels.reshape(self._size, self._size, 4)[::-1, :, :3].astype(float)
 
 
 @contextmanager
-def _studio(material: bpy.types.Material, item: bpy.types.Object, size: int) -> Iterator[_Studio]:
+def bake_studio(material: bpy.types.Material, item: bpy.types.Object, size: int, samples: int = _SAMPLES, whole: bool = False) -> Iterator[BakeStudio]:
+    """A scene to bake a material of an object in: of the mesh after its modifiers the faces that have it, or, `whole`, of the mesh before them all.
+
+    Raises LaminaError for an object of which no face has the material.
+    """
     scene = bpy.data.scenes.new("Lamina Textures")
     made: list[bpy.types.ID] = []
     try:
@@ -137,20 +156,20 @@ def _studio(material: bpy.types.Material, item: bpy.types.Object, size: int) -> 
         image.colorspace_settings.name = "Non-Color"
         node = node_tree(copy).nodes.new("ShaderNodeTexImage")
         node.image, copy.node_tree.nodes.active = image, node
-        mesh = _mesh_of(item, material)
+        mesh = item.data.copy() if whole else _mesh_of(item, material)
         mesh.materials.clear()
         mesh.materials.append(copy)
         twin = bpy.data.objects.new(item.name, mesh)
         twin.matrix_world = item.matrix_world
         scene.collection.objects.link(twin)
         scene.render.engine = "CYCLES"
-        scene.cycles.samples, scene.cycles.device, scene.cycles.use_adaptive_sampling = _SAMPLES, "CPU", False
+        scene.cycles.samples, scene.cycles.device, scene.cycles.use_adaptive_sampling = samples, "CPU", False
         scene.cycles.shading_system = bpy.context.scene.cycles.shading_system
         scene.frame_set(bpy.context.scene.frame_current)
         layer = scene.view_layers[0]
         layer.objects.active = twin
         twin.select_set(True, view_layer=layer)
-        yield _Studio(scene, twin, copy, image, size)
+        yield BakeStudio(scene, twin, copy, image, size)
     finally:
         remove_scene(scene)
         for block in made:

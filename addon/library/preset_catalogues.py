@@ -10,8 +10,19 @@ CATALOGUE_FILE = FOLDER / "blender_assets.cats.txt"
 
 CATALOGUES = {
     "Paint": ("clear_coat_car_paint", "metallic_car_paint", "pearl_coating", "blue_wall_paint", "crayon_paint", "frosted_paint", "nail_polish"),
-    "Lacquer and Varnish": ("piano_lacquer", "urushi_lacquer", "satin_varnish", "waxed_wood", "varnished_gold_leaf", "lacquered_brass"),
-    "Glaze and Plastic": ("glazed_porcelain", "glazed_mug", "tinted_glaze", "enamel_on_silver", "glossy_plastic"),
+    "Lacquer and Varnish": ("piano_lacquer", "urushi_lacquer", "satin_varnish", "waxed_wood", "worn_varnish", "varnished_gold_leaf", "lacquered_brass"),
+    "Glaze and Plastic": (
+        "glazed_porcelain",
+        "glazed_mug",
+        "tinted_glaze",
+        "milky_glaze",
+        "celadon",
+        "enamel_on_silver",
+        "opal_enamel",
+        "titanium_white_enamel",
+        "pearl",
+        "glossy_plastic",
+    ),
     "Metal": ("polished_chrome", "brushed_nickel", "clean_copper", "metal_foil", "frosted_metal", "anodised_aluminium", "anodised_titanium"),
     "Weathered and Wet": (
         "patina_copper",
@@ -21,6 +32,7 @@ CATALOGUES = {
         "chipped_painted_steel",
         "rusted_painted_steel",
         "dusty_piano",
+        "fingerprinted_chrome",
         "wet_asphalt",
     ),
 }

@@ -16,7 +16,8 @@ from ...reference_py.material.json_input import parse_json
 from ...reference_py.material.ready_layers import layers_of
 from ...reference_py.material.schema import SCHEMA, SCHEMA_VERSION
 from ...reference_py.material.stack import MAX_LAYERS, Layer
-from .elements import fill_element, find_node, free_name, kind_of, node_of, read_element
+from . import masks
+from .elements import fill_element, find_node, free_name, node_of
 from .material import changing
 from .node_copy import copy_inputs
 from .reading import require_editable, require_layered
@@ -34,7 +35,14 @@ def add_layers(material: bpy.types.Material, layers: Sequence[Layer], index: int
     """Insert layers before position `index` and select the first of them. Raises LaminaError for too many."""
     _require_room(material, len(layers))
     with changing(material) as tree:
-        _insert(material, tree, layers, index)
+        masks.give_masks(tree, _insert(material, tree, layers, index), layers)
+
+
+def add_mask(material: bpy.types.Material, index: int, name: str, generator: str) -> None:
+    """Feed a value of a layer by a mask. Raises LaminaError for a value that takes none, or has a link."""
+    require_layered(material)
+    with changing(material) as tree:
+        masks.add_mask(tree, material.lamina.layers[index], name, generator)
 
 
 def duplicate_layer(material: bpy.types.Material, index: int) -> None:
@@ -76,7 +84,7 @@ def copied_text(material: bpy.types.Material, indices: Sequence[int]) -> str:
     """Layers as the JSON text that `paste_layers` takes. Raises LaminaError for values that the schema does not allow."""
     require_layered(material)
     elements = [material.lamina.layers[index] for index in indices]
-    rows = [{**read_element(e, kind_of(e)), "from": {"material": material.name, "node": e.node}} for e in elements]
+    rows = [{**masks.read_with_masks(e), "from": {"material": material.name, "node": e.node}} for e in elements]
     layers_of({"layers": rows}, f"material {material.name}")
     return json.dumps({"schema_version": SCHEMA_VERSION, COPIED_KEY: rows}, indent=2)
 
@@ -95,10 +103,12 @@ def paste_layers(material: bpy.types.Material, text: str, index: int) -> list[st
     before = {node.name for node in material.node_tree.nodes}
     try:
         with changing(material) as tree:
-            for element, source in zip(_insert(material, tree, layers, index), sources):
+            elements = _insert(material, tree, layers, index)
+            for element, source in zip(elements, sources):
                 if source is not None:
                     node, element.visible = source
                     notes += copy_inputs(node, node_of(element))
+            masks.give_masks(tree, elements, layers)
     except Exception:
         for node in [node for node in material.node_tree.nodes if node.name not in before]:
             material.node_tree.nodes.remove(node)

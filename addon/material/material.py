@@ -30,6 +30,7 @@ from .eevee_output import follow_eevee_output
 from .elements import bring_up_to_date, carry_metal, fill_element, find_node, kind_of, node_of, show_name, structure_dict
 from .hand_over import follow_hand_over
 from .live_values import live_in_nodes, live_values
+from .masks import give_masks, place_masks, remove_with_masks
 from .osl_setting import prefer_osl
 from .properties import quietly
 from .reading import measure_means, require_editable, require_layered, stack_of
@@ -67,6 +68,7 @@ def apply_stack(
         fill_element(tree, lamina.base, stack.base, SCHEMA.bases[stack.base.kind])
         if finish is not None:
             finish(material)
+        give_masks(tree, [*lamina.layers, lamina.base], [*stack.layers, stack.base])
 
 
 def set_base(material: bpy.types.Material, kind: str) -> list[tuple[str, str]]:
@@ -138,11 +140,11 @@ def changing(material: bpy.types.Material) -> Iterator[bpy.types.NodeTree]:
             lamina.problem = ""
             refresh(material)
     except Exception:
-        _remove_nodes(tree, _value_nodes(lamina) - nodes_before)
+        remove_with_masks(tree, _value_nodes(lamina) - nodes_before)
         with quietly():
             restore(lamina, before)
         raise
-    _remove_nodes(tree, nodes_before - _value_nodes(lamina))
+    remove_with_masks(tree, nodes_before - _value_nodes(lamina))
     if backend_of(material) != former and (sentence := notice(lamina.backend)):
         print(f"Lamina: {material.name} is {sentence}")
 
@@ -150,11 +152,6 @@ def changing(material: bpy.types.Material) -> Iterator[bpy.types.NodeTree]:
 def _value_nodes(lamina) -> set[str]:
     """Present names of the nodes of all elements."""
     return {node.name for element in (*lamina.layers, lamina.base) if (node := find_node(element)) is not None}
-
-
-def _remove_nodes(tree, names: set[str]) -> None:
-    for node in [tree.nodes[name] for name in names if name in tree.nodes]:
-        tree.nodes.remove(node)
 
 
 @dataclass(frozen=True)
@@ -324,4 +321,5 @@ def _arrange(lamina, shader) -> None:
             node.location = place
         if node.mute != mute:
             node.mute = mute
+        place_masks(node)
         show_name(element)

@@ -8,7 +8,8 @@ import bpy
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.schema import SCHEMA_VERSION
 from ...reference_py.material.stack import Stack
-from .elements import find_node, kind_of, read_element
+from .elements import find_node, kind_of
+from .masks import read_with_masks
 from .means import measure_node
 
 
@@ -45,8 +46,8 @@ def stack_of(material: bpy.types.Material, hidden: bool = False) -> Stack:
             "schema_version": max(lamina.schema_version, SCHEMA_VERSION),
             "name": lamina.stack_name,
             "source": lamina.source,
-            "layers": [read_element(e, kind_of(e)) for e in (lamina.layers if hidden else lamina.shown_layers)],
-            "base": read_element(lamina.base, kind_of(lamina.base)),
+            "layers": [read_with_masks(e) for e in (lamina.layers if hidden else lamina.shown_layers)],
+            "base": read_with_masks(lamina.base),
         },
         f"material {material.name}",
     )

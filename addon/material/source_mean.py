@@ -2,7 +2,7 @@
 """The mean of what is linked to a value: of an image's pixels, of a constant, or of a small bake by Cycles of any other nodes.
 
 The bake is 1,024 points, spread evenly over the UV square (all tiles of UDIM images) and over the unit cube that generated and object coordinates run
-through. It needs no OSL, 20 to 60 ms, and a scene, a mesh, an image and a copy of the material, which are gone afterwards.
+through, and facing all ways. It needs no OSL, 20 to 60 ms, and a scene, a mesh, an image and a copy of the material, which are gone afterwards.
 """
 
 import hashlib
@@ -249,6 +249,14 @@ def _bench(tree: bpy.types.NodeTree, tiles: list[int]) -> Iterator[tuple]:
             bpy.data.batch_remove([block])
 
 
+def _tangents(count: int) -> np.ndarray:
+    """(n, 2, 3) tangents of planes that face evenly all ways, as those of things do (a Fibonacci sphere)."""
+    z, phi = 1.0 - (2.0 * np.arange(count) + 1.0) / count, np.arange(count) * np.pi * (3.0 - 5.0**0.5)
+    across = np.stack([-np.sin(phi), np.cos(phi), np.zeros(count)], axis=-1)
+    normal = np.stack([*(np.sqrt(1.0 - z * z) * np.stack([np.cos(phi), np.sin(phi)])), z], axis=-1)
+    return np.stack([across, np.cross(normal, across)], axis=1)
+
+
 def _mesh(tiles: list[int], names: set[str]) -> bpy.types.Mesh:
     points, corners = _points(), np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
     count = len(points)
@@ -256,7 +264,7 @@ def _mesh(tiles: list[int], names: set[str]) -> bpy.types.Mesh:
     around = _TINY * (corners - 0.5)
     mesh = bpy.data.meshes.new("Lamina Means")
     mesh.vertices.add(4 * count)
-    places = np.concatenate([(2.0 * points[:, None, 2:4] - 1.0) + around, np.broadcast_to(2.0 * points[:, None, 4:] - 1.0, (count, 4, 1))], axis=-1)
+    places = (2.0 * points[:, None, 2:] - 1.0) + np.einsum("kc,ncx->nkx", around, _tangents(count))
     mesh.vertices.foreach_set("co", places.astype(np.float32).ravel())
     mesh.loops.add(4 * count)
     mesh.loops.foreach_set("vertex_index", np.arange(4 * count, dtype=np.int32))

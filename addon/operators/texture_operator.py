@@ -10,7 +10,7 @@ from ..exchange import textures
 from . import material_operators as ops
 from .exchange_operators import tell
 
-_SIZES = (64, 128, 256, 512, 1024, 2048, 4096)
+SIZES = (64, 128, 256, 512, 1024, 2048, 4096)
 _TICK = 0.05
 
 
@@ -22,7 +22,7 @@ class LAMINA_OT_bake_textures(ops.LayeredOperator, bpy.types.Operator):
 
     directory: StringProperty(name="Folder", description="Folder that the pictures are written to", subtype="DIR_PATH")
     filter_folder: bpy.props.BoolProperty(default=True, options={"HIDDEN"})
-    size: EnumProperty(name="Size", description="Width and height of each picture", items=[(str(n), f"{n} px", "") for n in _SIZES], default="1024")
+    size: EnumProperty(name="Size", description="Width and height of each picture", items=[(str(n), f"{n} px", "") for n in SIZES], default="1024")
 
     def invoke(self, context, _event):
         context.window_manager.fileselect_add(self)

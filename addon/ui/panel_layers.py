@@ -12,6 +12,7 @@ from ...reference_py.optics import microfacet
 from ..material import elements
 from ..material.properties import choice_label
 from ..operators import layer_operators as layer_ops
+from ..operators import mask_operators as mask_ops
 from ..operators import material_operators as ops
 from .panel_values import draw_choice
 from .swatch_icons import icon_of, icon_of_layer
@@ -165,6 +166,10 @@ class LAMINA_MT_specials(bpy.types.Menu):
         layout.operator(ops.LAMINA_OT_import_stack.bl_idname, text="Import...", icon="IMPORT")
         layout.operator(ops.LAMINA_OT_export_stack.bl_idname, text="Export...", icon="EXPORT")
         layout.menu("LAMINA_MT_exchange", icon="FILE_REFRESH")
+        layout.separator()
+        layout.menu(mask_ops.LAMINA_MT_add_mask.__name__, icon="MOD_MASK")
+        layout.operator(mask_ops.LAMINA_OT_bake_masks.bl_idname, icon="RENDER_STILL")
+        layout.operator(mask_ops.LAMINA_OT_live_masks.bl_idname, icon="FILE_REFRESH")
         layout.separator()
         layout.operator("lamina.check", icon="VIEWZOOM")
         layout.operator(ops.LAMINA_OT_regenerate.bl_idname, icon="FILE_REFRESH")

@@ -13,6 +13,8 @@ from ..atomic import write_text
 from ..errors import LaminaError
 from . import tint_spectrum
 from .json_input import parse_json, read_text
+from .masks import KEY as MASKS
+from .masks import Mask, masks_of
 from .schema import COVERAGE, DIELECTRIC, ILLUMINANTS, SCHEMA, SCHEMA_VERSION, Feature, Kind, Schema
 
 MAX_LAYERS = 64
@@ -25,11 +27,12 @@ def _frozen(mapping: Mapping) -> Mapping:
 
 @dataclass(frozen=True)
 class _Part:
-    """Its kind, its values by parameter name, and the keys we do not know."""
+    """Its kind, its values by parameter name, the keys we do not know, and the masks that say where a value lies, by parameter name."""
 
     kind: str
     values: Mapping
     unknown: Mapping = field(default_factory=lambda: _frozen({}))
+    masks: Mapping[str, Mask] = field(default_factory=lambda: _frozen({}))
 
     def __getitem__(self, name: str):
         return self.values[name]
@@ -46,9 +49,10 @@ class _Part:
         return replace(self, values=_frozen({**self.values, **values}))
 
     def to_dict(self) -> dict:
-        """Kind, values and unknown keys as plain JSON types."""
+        """Kind, values, masks and unknown keys as plain JSON types."""
         known = {k: list(v) if isinstance(v, tuple) else v for k, v in self.values.items()}
-        return {"kind": self.kind, **known, **self.unknown}
+        drawn = {MASKS: {name: mask.to_dict() for name, mask in self.masks.items()}} if self.masks else {}
+        return {"kind": self.kind, **known, **drawn, **self.unknown}
 
 
 class Layer(_Part):
@@ -61,7 +65,8 @@ class Layer(_Part):
 
     def as_base(self) -> "Base":
         """The base that an opaque layer is where it is there."""
-        return Base(self.kind, _frozen({k: v for k, v in self.values.items() if k not in _COVERAGE}), self.unknown)
+        values, masks = (_frozen({k: v for k, v in part.items() if k not in _COVERAGE}) for part in (self.values, self.masks))
+        return Base(self.kind, values, self.unknown, masks)
 
 
 class Base(_Part):
@@ -204,8 +209,9 @@ def _part(part: type[LayerOrBase], data, where: str, kind_of, version: int) -> L
         data = {f"{key}_v1" if key in new else key: value for key, value in data.items()}
     names = _given_names(kind, data, where)
     values = {p.name: p.check(data.get(p.name, p.default), where) for p in kind.all_parameters if p.name in names}
-    known = {"kind"} | {p.name for p in kind.all_parameters}
-    return part(kind.name, _frozen(values), _frozen({k: v for k, v in data.items() if k not in known}))
+    known = {"kind", MASKS} | {p.name for p in kind.all_parameters}
+    drawn = masks_of(data.get(MASKS, {}), (p for p in kind.all_parameters if p.name in values), where)
+    return part(kind.name, _frozen(values), _frozen({k: v for k, v in data.items() if k not in known}), drawn)
 
 
 def _given_names(kind: Kind, data: Mapping, where: str) -> set[str]:

@@ -5,7 +5,7 @@
 CHARTS = {
     "lobes": "lobe_errors", "presets": "preset_errors", "tiers": "tiers", "error": "error", "grazing": "double_grazing", "stress": "stress_chart", "suite": "suite_chart",
     "pareto": "pareto_chart", "pair": "pair", "cost_factors": "cost_factors", "fit": "fit_charts", "scale": "scale", "viewport": "viewport_chart",
-    "base_color": "base_color", "exchange": "exchange", "eevee": "eevee_energy", "scattering": "scattering",
+    "base_color": "base_color", "exchange": "exchange", "eevee": "eevee_energy", "scattering": "scattering", "pools": "pools",
     "live_values": "live_values", "mitsuba": "mitsuba", "published": "published", "sliders": "sliders", "tint_spectrum": "tint_spectrum",
 }  # fmt: skip
 # Names that charts had before, and still answer to.
@@ -34,6 +34,7 @@ def add_commands(commands) -> None:
             "scattering: the two truths on stacks whose media scatter, and half spaces against known answers; "
             "base_color and live_values: bakes that follow the base's color, and other values, at nine of each; "
             "tint_spectrum: glazes in RGB and as spectra against the truth; "
+            "pools: what the albedo of many masks loses where patches share closures; "
             "sliders: the manual's strips, five renders for each parameter; "
             "published: what others published of layered surfaces, beside the truth; "
             "mitsuba: a sphere by Cycles and by Mitsuba with the exported table; "

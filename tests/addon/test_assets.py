@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from support.stacks import assert_same
 
 from lamina.addon.blender import user_folders
 from lamina.reference_py.errors import LaminaError
@@ -118,7 +119,7 @@ def test_the_library_holds_every_preset_as_it_is_now(catalogue):
     for group, names in catalogue.CATALOGUES.items():
         for name in names:
             material = found[presets.label(name)]
-            assert stack_of(material).to_dict() == presets.load(name).to_dict(), name
+            assert_same(stack_of(material), presets.load(name))
             assert is_settled(material), name
             assert material.asset_data.catalog_id == catalogue.catalogue_id(group)
             assert tuple(material.preview.image_size) == (128, 128)

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.blender
 
 ROOT = Path(lamina.__file__).parent
 # Names of demo_blend.scenes, which imports bpy.
-NAMES = ("still_life", "crayons_and_mugs", "tree_ornaments", "copper_vases", "thickness_series", "car_paint_turntable", "white_furnace")
+NAMES = ("still_life", "crayons_and_mugs", "tree_ornaments", "copper_vases", "thickness_series", "car_paint_turntable", "white_furnace", "tin_toy")
 
 
 def built(name: str):

@@ -10,6 +10,8 @@ import pytest
 
 pytest.importorskip("bpy")
 
+from support.stacks import assert_same
+
 from lamina.addon.blender import environment
 from lamina.addon.blender.versions import node_tree
 from lamina.addon.material import elements, kind_groups, layers, material, properties, script_node
@@ -89,7 +91,7 @@ def test_preset_reads_back_as_written(blender, name):
     stack = presets.load(name)
     new = blender.data.materials.new("new")
     material.apply_stack(new, stack)
-    assert material.stack_of(new) == stack
+    assert_same(material.stack_of(new), stack)
     output = new.node_tree.get_output_node("CYCLES")
     assert output.inputs["Surface"].links[0].from_socket == surface_of(new)
     assert [n[ROLE] for n in new.node_tree.nodes if n.bl_idname == PRINCIPLED] == [VALUES]

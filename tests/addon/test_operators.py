@@ -71,7 +71,7 @@ def state() -> dict:
 
 
 STRUCTURE_OPERATORS = {
-    "apply_preset": lambda: bpy.ops.lamina.apply_preset("EXEC_DEFAULT", True, preset=presets.names()[-1]),
+    "apply_preset": lambda: bpy.ops.lamina.apply_preset("EXEC_DEFAULT", True, preset="wet_asphalt"),
     "layer_add": lambda: bpy.ops.lamina.layer_add("EXEC_DEFAULT", True, kind="dielectric"),
     "layer_add_ready": lambda: bpy.ops.lamina.layer_add_ready("EXEC_DEFAULT", True, ready="rust"),
     "layer_duplicate": lambda: bpy.ops.lamina.layer_duplicate("EXEC_DEFAULT", True),

@@ -17,6 +17,7 @@ from lamina.addon.material import seen_color
 from lamina.addon.material.properties import choice_label
 from lamina.addon.ui.value_notes import UNITS
 from lamina.reference_py.material import ready_layers
+from lamina.reference_py.material.masks import GENERATORS
 from lamina.reference_py.material.schema import SCHEMA
 
 ADDON = Path(lamina.__file__).parent / "addon"
@@ -55,6 +56,9 @@ def _of_schema() -> Iterator[str]:
         for parameter in kind.all_parameters:
             yield from (parameter.label, parameter.tooltip)
         yield from (choice_label(c) for p in kind.structure for c in p.choices)
+    for generator in GENERATORS.values():
+        for thing in (generator, *generator.parameters):
+            yield from (thing.label, thing.help)
 
 
 def _of_classes() -> Iterator[str]:

@@ -149,15 +149,20 @@ def _live_of(patch: Patch, options: Options):
     return (*live, *not_bakeable(patch.stack))
 
 
+def require_bake_follows(stack: Stack, live: tuple[Place, ...] = ()) -> None:
+    """Raise LaminaError for a stack that scatters, which bakes alone know, and has what no bake follows."""
+    if scatters(stack) and (not_bakeable(stack) or not can_follow(bakeable(stack), live)):
+        if what := needs_live(stack):
+            raise LaminaError(f"a medium that scatters cannot be had together with {what}; choose one of the two")
+        raise LaminaError(f"no quality follows {in_words(live)} where a medium scatters; take its texture or animation away")
+
+
 def _made(row: Method, stack: Stack, options: Options) -> Made:
     OpticalStack.of(stack, row)  # refuses what the method does not know, before any work
     if row.computed is None:
         return row.make(stack, options)
     plain = bakeable(stack)
-    if scatters(stack) and (not_bakeable(stack) or not can_follow(plain, options.live)):
-        if what := needs_live(stack):
-            raise LaminaError(f"a medium that scatters cannot be had together with {what}; choose one of the two")
-        raise LaminaError(f"no quality follows {in_words(options.live)} where a medium scatters; take its texture or animation away")
+    require_bake_follows(stack, options.live)
     if row.follows(plain, options.live):
         made = row.make(plain, options)
     else:
