@@ -14,6 +14,7 @@ from types import ModuleType
 MODULES = (
     "addon/check/check",
     "addon/exchange/conversion",
+    "addon/exchange/mask_bake",
     "addon/exchange/materialx_import",
     "addon/exchange/sources",
     "addon/exchange/textures",

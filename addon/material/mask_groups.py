@@ -51,7 +51,7 @@ def _build(tree, generator: Generator) -> None:
         socket.default_value, socket.min_value, socket.max_value = parameter.default, parameter.minimum, parameter.maximum
         socket.description = parameter.help
         socket.subtype = "FACTOR" if parameter.maximum == 1.0 else "NONE"
-    for name, text in ((BAKED, "What Bake Masks wrote, in place of the pattern"), (USE_BAKED, "1 shows what was baked, 0 the live pattern")):
+    for name, text in ((BAKED, "What Bake Masks wrote, in place of the pattern"), (USE_BAKED, "1 shows what Bake Masks wrote, 0 the live pattern")):
         socket = tree.interface.new_socket(name, in_out="INPUT", socket_type="NodeSocketFloat")
         socket.min_value, socket.max_value, socket.subtype, socket.description = 0.0, 1.0, "FACTOR", text
     tree.interface.new_socket(OUTPUT, in_out="OUTPUT", socket_type="NodeSocketFloat")

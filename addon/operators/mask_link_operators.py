@@ -7,6 +7,7 @@ from bpy.props import EnumProperty
 from ...reference_py.errors import LaminaError
 from ..material import mask_links
 from .layer_operators import SelectedLayerOperator
+from .mask_operators import LAMINA_MT_add_mask
 from .material_operators import material_of
 
 _SIZES = (512, 1024, 2048, 4096)
@@ -65,12 +66,11 @@ class LAMINA_OT_mask_ramp(SelectedLayerOperator, bpy.types.Operator):
 
 
 class LAMINA_MT_mask(bpy.types.Menu):
-    """Other modules may append more ways to make a mask."""
-
     bl_label = "Mask"
 
     def draw(self, _context):
         layout = self.layout
+        layout.menu(LAMINA_MT_add_mask.__name__, icon="MOD_MASK")
         layout.operator(LAMINA_OT_mask_image.bl_idname, icon="IMAGE_DATA")
         layout.operator(LAMINA_OT_mask_paint.bl_idname, icon="BRUSH_DATA")
         layout.operator(LAMINA_OT_mask_invert.bl_idname, icon="ARROW_LEFTRIGHT")

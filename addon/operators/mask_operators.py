@@ -41,8 +41,8 @@ class LAMINA_OT_bake_masks(ops.LayeredOperator, bpy.types.Operator):
     into: EnumProperty(
         name="Into",
         items=[
-            (mask_bake.IMAGE, "Image", "Pictures over the active object's UV map, packed into the file"),
-            (mask_bake.ATTRIBUTE, "Attribute", "Attributes of the vertices of all meshes that have the material"),
+            ("IMAGE", "Image", "Pictures over the active object's UV map, packed into the file"),
+            ("ATTRIBUTE", "Attribute", "Attributes of the vertices of all meshes that have the material"),
         ],
     )
     size: EnumProperty(name="Size", description="Width and height of each picture", items=[(str(n), f"{n} px", "") for n in SIZES], default="1024")
@@ -53,19 +53,19 @@ class LAMINA_OT_bake_masks(ops.LayeredOperator, bpy.types.Operator):
     def run(self, context):
         material = ops.material_of(context)
         sharing = mask_bake.sharing(material, context.scene)
-        items = sharing or [context.object] if self.into == mask_bake.ATTRIBUTE else [context.object]
+        items = sharing or [context.object] if self.into == "ATTRIBUTE" else [context.object]
         count = mask_bake.bake_masks(material, items, self.into, int(self.size))
         others = [item.name for item in sharing if item not in items]
         if others:
-            sentence = rpt_("Lamina: {object} alone was baked; {others} have the material too, and other masks")
+            sentence = rpt_("Lamina: the masks are those of {object} alone; {others} have the material too")
             self.report({"WARNING"}, sentence.format(object=items[0].name, others=", ".join(others[:3])))
-        self.report({"INFO"}, rpt_("Lamina: masks baked: {count}").format(count=count))
+        self.report({"INFO"}, rpt_("Lamina: masks kept: {count}").format(count=count))
 
 
 class LAMINA_OT_live_masks(ops.LayeredOperator, bpy.types.Operator):
     bl_idname = "lamina.live_masks"
     bl_label = "Draw Masks Live"
-    bl_description = "Let the material's masks draw live again in place of what was baked"
+    bl_description = "Let the material's masks draw live again in place of what Bake Masks kept"
 
     def run(self, context):
         count = mask_bake.draw_live(ops.material_of(context))

@@ -63,10 +63,10 @@ def _pull(text: str, default: float) -> Parameter:
 
 GENERATORS = MappingProxyType({g.name: g for g in (
     _drawn("patches", "Patches", "Patches of all sizes, anywhere", 0.3, 3.0),
-    _drawn("edges", "Worn Edges", "Chips where the form has edges, and some elsewhere. EEVEE and OptiX need it baked", 0.08, 5.0,
+    _drawn("edges", "Worn Edges", "Chips where the form has edges, and some elsewhere. For EEVEE and OptiX use Bake Masks", 0.08, 5.0,
            _pull("How strongly edges draw the mask", 4.0),
            _number("width", 0.02, "Width", "How far from an edge it is drawn, of the object's largest dimension", 0.0001, 1.0)),
-    _drawn("cavities", "Dirt in Cavities", "In corners, grooves and wherever little light gets to. EEVEE and OptiX need it baked", 0.08, 4.0,
+    _drawn("cavities", "Dirt in Cavities", "In corners, grooves and wherever little light gets to. For EEVEE and OptiX use Bake Masks", 0.08, 4.0,
            _pull("How strongly cavities draw the mask", 4.0),
            _number("width", 0.15, "Width", "How far the walls of a cavity may be, of the object's largest dimension", 0.0001, 1.0)),
     _drawn("settled", "Settled from Above", "On what faces up, as dust and snow lie", 0.7, 5.0, _pull("How strictly the mask keeps to what faces up", 3.0)),
