@@ -2,6 +2,7 @@
 """Operators: one undo step each, errors in words, nothing half-made; and the panel draws in every state."""
 
 import json
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
@@ -141,7 +142,8 @@ SPEAKS_AGAINST_OSL = {
 def test_a_preset_switches_osl_on_and_says_so(bare):
     said = []
     bpy.context.scene.render.engine = "CYCLES"
-    operator = SimpleNamespace(stack=lambda: STACK, apply=materials.apply_stack, report=lambda kind, text: said.append((kind, text)))
+    target = partial(material_operators.StackOperator.target, None)
+    operator = SimpleNamespace(stack=lambda: STACK, target=target, apply=materials.apply_stack, report=lambda kind, text: said.append((kind, text)))
     material_operators.StackOperator.run(operator, bpy.context)
     assert bpy.context.scene.cycles.shading_system
     assert [kind for kind, _ in said] == [{"INFO"}] and "Open Shading Language switched on" in said[0][1]

@@ -21,6 +21,7 @@ from lamina.addon.material.elements import kind_of, node_of
 from lamina.addon.material.material import apply_stack
 from lamina.addon.rendering.geometry import lathe, plane_mesh
 from lamina.reference_py.material import presets
+from lamina.reference_py.material.schema import SCATTERING
 
 SCENE = "shots/Küche 厨房.blend"
 LIBRARY, PARTS = "lib/set.blend", "lib/parts.blend"
@@ -132,7 +133,8 @@ def _settings(scene) -> None:
 
 
 def _lamina_materials(folder: Path, tier: str, backend: str) -> list[bpy.types.Material]:
-    names = [name for name in presets.names() if presets.load(name).layers][:LAMINA]
+    # every quality knows these
+    names = [name for name in presets.names() if (layers := presets.load(name).layers) and not any(layer.has(SCATTERING) for layer in layers)][:LAMINA]
     picture, made = bpy.data.images.load(str(folder / PICTURE)), []
     for i, name in enumerate(names):
         material = bpy.data.materials.new(name)

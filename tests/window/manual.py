@@ -6,6 +6,7 @@
 Needs what window.py needs, and ImageMagick. Leaves first_hour_STEP.jpg in FOLDER, whole or not at all. Exit codes as window.py's.
 """
 
+import importlib.util
 import os
 import shutil
 import subprocess
@@ -13,46 +14,49 @@ import sys
 import tempfile
 from pathlib import Path
 
-from window import SKIPPED, Skip, Window, needed, told
+# The folder of the tests is no package.
+_spec = importlib.util.spec_from_file_location("lamina_window", Path(__file__).with_name("window.py"))
+window = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(window)
 
 PATIENCE, SIZE = 400.0, (1700, 1000)
 
 
-def take(window: Window, folder: Path) -> None:
+def take(shown_in: window.Window, folder: Path) -> None:
     """A picture of each step, until the script inside says that all is done."""
     shown = ""
     while True:
-        state = window.wait_for("the next step", lambda s, last=shown: s.get("done") or s.get("failed") or s.get("shows", last) != last, PATIENCE)
+        state = shown_in.wait_for("the next step", lambda s, last=shown: s.get("done") or s.get("failed") or s.get("shows", last) != last, PATIENCE)
         if state.get("done"):
             return
         if state.get("failed"):
-            raise AssertionError(f"the step {state['failed']} failed; see {window.folder / 'blender.log'}")
+            raise AssertionError(f"the step {state['failed']} failed; see {shown_in.folder / 'blender.log'}")
         shown = state["shows"]
         path = folder / f"first_hour_{shown}.jpg"
         new = path.with_suffix(".new.jpg")
-        subprocess.run(["import", "-window", "root", "-quality", "82", str(new)], env=window.environment, check=True, timeout=60)
+        subprocess.run(["import", "-window", "root", "-quality", "82", str(new)], env=shown_in.environment, check=True, timeout=60)
         os.replace(new, path)
-        window.state_file.with_name(f"{shown}.taken").touch()
-        told(f"wrote {path}")
+        shown_in.state_file.with_name(f"{shown}.taken").touch()
+        window.told(f"wrote {path}")
 
 
 def main(archive: str, folder: str) -> int:
     try:
-        blender = needed()
+        blender = window.needed()
         if shutil.which("import") is None:
-            raise Skip("ImageMagick's import is missing")
-    except Skip as reason:
+            raise window.Skip("ImageMagick's import is missing")
+    except window.Skip as reason:
         print(f"skipped: {reason}")
-        return SKIPPED
+        return window.SKIPPED
     with tempfile.TemporaryDirectory() as log:
-        window = Window(blender, Path(archive).resolve(), Path(log), "manual_inside.py", SIZE)
+        opened = window.Window(blender, Path(archive).resolve(), Path(log), "manual_inside.py", SIZE)
         try:
-            take(window, Path(folder))
+            take(opened, Path(folder))
         except AssertionError as error:
             print(f"failed: {error}\n{Path(log, 'blender.log').read_text(encoding='utf-8')[-2000:]}")
             return 1
         finally:
-            window.close()
+            opened.close()
     return 0
 
 
