@@ -294,3 +294,20 @@ def test_the_buttons_of_a_mask_stand_above_what_it_unfolds(material):
     words = drawn().words
     assert words.index(("menu", "LAMINA_MT_mask")) + 2 == words.index(("socket", "Coverage"))
     assert words[words.index(("socket", "Coverage")) - 1] == ("operator", "lamina.mask_paint")
+
+
+def test_preferences_have_the_manual_and_what_is_kept(material, tmp_path, monkeypatch):
+    from lamina.addon.ui import preferences
+
+    monkeypatch.setenv("LAMINA_CACHE", str(tmp_path / "bakes"))
+    monkeypatch.setenv("LAMINA_PRESETS", str(tmp_path / "none"))
+    (tmp_path / "bakes").mkdir()
+    (tmp_path / "bakes" / ("0" * 64 + ".json")).write_bytes(b" " * 2_500_000)
+    monkeypatch.setattr(preferences, "_known", (-preferences._KNOWN_FOR, 0.0))
+    layout = Recorder()
+    preferences.draw_preferences(layout, SimpleNamespace())
+    assert "Final looks that are kept: 2.5 MB" in layout.texts() and f"Own presets: {tmp_path / 'none'}" in layout.texts()
+    manual = dict(layout.operators)["wm.url_open"].url
+    assert manual.startswith("file://") and manual.endswith("/manual/index.html")
+    assert bpy.ops.lamina.clear_cache("EXEC_DEFAULT") == {"FINISHED"}
+    assert list((tmp_path / "bakes").iterdir()) == []
