@@ -97,7 +97,7 @@ def test_the_panels_list_is_of_that_property(blender):
 
 
 CHANGES = {
-    "add": (lambda: bpy.ops.lamina.layer_add("EXEC_DEFAULT", True, kind="dielectric"), "Plastic"),
+    "add": (lambda: bpy.ops.lamina.layer_add("EXEC_DEFAULT", True, kind="dielectric"), "Dielectric"),
     "remove": (lambda: bpy.ops.lamina.layer_remove("EXEC_DEFAULT", True), "C"),
     "move": (lambda: bpy.ops.lamina.layer_move("EXEC_DEFAULT", True, direction="UP"), "B"),
     "duplicate": (lambda: bpy.ops.lamina.layer_duplicate("EXEC_DEFAULT", True), "B 2"),
