@@ -17,7 +17,7 @@ from lamina.addon.blender.images import read_exr
 from lamina.addon.material import material as materials
 from lamina.addon.rendering import settings
 from lamina.addon.rendering.geometry import plane_mesh, sphere_mesh
-from lamina.addon.shader.nodes import stock_nodes
+from lamina.addon.shader.nodes import view_nodes
 from lamina.addon.shader.osl import parts
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
@@ -116,7 +116,7 @@ def unbend(monkeypatch):
         return replace(found, text=found.text.replace("missing > 0.0", "0"))
 
     monkeypatch.setattr(parts, "_part", straight)
-    monkeypatch.setattr(stock_nodes._View, "normal", property(lambda view: view._geometry.outputs["Normal"]))
+    monkeypatch.setattr(view_nodes.View, "normal", property(lambda view: view._geometry.outputs["Normal"]))
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
