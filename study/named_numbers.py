@@ -300,6 +300,7 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "eevee dark count": lambda: word(len(eevee_dark(True))),
     "eevee others": lambda: span(100.0 * eevee_dark(False), 0) + " %",
     "eevee own coat": lambda: percent(-cell("viewport", "eevee_energy", material="Principled with a coat")),
+    "pools worst": lambda: percent(np.max(column(rows("pools"), "worst")), 1),
     "field 4.5": partial(field, "4.5"),
     "field 5.3": partial(field, "5.3"),
     "field limits": partial(field, "4.5", "limit"),
