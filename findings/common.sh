@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What the findings share: sourced by them, not run. A finding writes its measurement as $work/measure.py and calls `blenders VERSION...`.
+# What the findings share: sourced by them, not run. A finding writes its measurement as $work/measure.py and calls `blenders VERSION...`
+# or `packages NAME==VERSION...`.
 #   PYTHON311, PYTHON313   the interpreters; otherwise python3.11 and python3.13 of the PATH
 # Exit status: 0 the behaviour is still the one described, 1 it changed, 2 it could not be measured here.
 set -euo pipefail
@@ -38,6 +39,16 @@ blenders() {
         case $rc in 0) ;; 3) result=1 ;; *) fail "the measurement stopped in bpy $version (status $rc)" ;; esac
     done
     exit "$result"
+}
+
+# Runs measure.py with these packages, NAME==VERSION, and no Blender.
+packages() {
+    local python rc=0
+    python=$(python_of 4.5.15)
+    "$python" -m venv "$work/packages" || fail "no virtual environment"
+    "$work/packages/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: "$@" || fail "pip could not install $* (its message is above)"
+    (cd "$work" && "$work/packages/bin/python" measure.py) || rc=$?
+    case $rc in 0) exit 0 ;; 3) exit 1 ;; *) fail "the measurement stopped (status $rc)" ;; esac
 }
 
 cat >"$work/blender.py" <<'PYTHON'

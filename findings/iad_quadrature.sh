@@ -6,13 +6,7 @@
 # the collimated reflectance, .0386 for .0389, does not show it.
 # Output of 2026-11-29, diffuse reflectance by number of directions:
 #   4 (default) .0653     8 .0867     16 .0912     32 .0919     64 .0920
-set -euo pipefail
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-python=${PYTHON311:-python3.11}
-"$python" -c 'import venv, ensurepip' 2>/dev/null || { echo "iad_quadrature: put python3.11 on the PATH, or name one in PYTHON311" >&2; exit 2; }
-"$python" -m venv "$work/v"
-"$work/v/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: iadpython==0.5.3 numpy==2.3.5 scipy==1.16.3 || exit 2
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 cat >"$work/measure.py" <<'PYTHON'
 import sys
 
@@ -29,6 +23,4 @@ for directions, expected in ((None, 0.0653), (8, 0.0867), (16, 0.0912), (32, 0.0
     print(f"  {sample.quad_pts} directions: {diffuse:.4f}" + ("" if same else f"    CHANGED, expected {expected}"))
 sys.exit(3 if changed else 0)
 PYTHON
-rc=0
-"$work/v/bin/python" "$work/measure.py" || rc=$?
-case $rc in 0) exit 0 ;; 3) exit 1 ;; *) echo "iad_quadrature: the measurement stopped (status $rc)" >&2; exit 2 ;; esac
+packages iadpython==0.5.3 numpy==2.3.5 scipy==1.16.3

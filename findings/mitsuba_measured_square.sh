@@ -5,13 +5,7 @@
 # Seen: "Incompatible array sizes" (or the like) for luminance and rgb of 8 x 16; the same file with 16 x 16 is read, with a vndf of 8 x 16 too.
 # Output of 2026-11-29:
 #   all square: read     vndf 8 x 16: read     luminance and rgb 8 x 16: refused
-set -euo pipefail
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-python=${PYTHON311:-python3.11}
-"$python" -c 'import venv, ensurepip' 2>/dev/null || { echo "mitsuba_measured_square: put python3.11 on the PATH, or name one in PYTHON311" >&2; exit 2; }
-"$python" -m venv "$work/v"
-"$work/v/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: mitsuba==3.9.1 numpy==1.26.4 || exit 2
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 cat >"$work/measure.py" <<'PYTHON'
 import struct
 import sys
@@ -21,7 +15,7 @@ import mitsuba as mi
 import numpy as np
 
 mi.set_variant("scalar_rgb")
-work, changed = Path(sys.argv[1]), []
+changed = []
 
 
 def tables(f_shape, vndf_shape):
@@ -47,7 +41,7 @@ def write(path, fields):
 
 
 for name, shapes, expected in (("all square", ((16, 16), (16, 16)), True), ("vndf 8 x 16", ((16, 16), (8, 16)), True), ("f 8 x 16", ((8, 16), (16, 16)), False)):
-    path = work / f"{name.replace(' ', '_')}.bsdf"
+    path = Path(f"{name.replace(' ', '_')}.bsdf")
     write(path, tables(*shapes))
     try:
         mi.load_dict({"type": "measured", "filename": str(path)})
@@ -60,6 +54,4 @@ for name, shapes, expected in (("all square", ((16, 16), (16, 16)), True), ("vnd
         changed.append(name)
 sys.exit(3 if changed else 0)
 PYTHON
-rc=0
-"$work/v/bin/python" "$work/measure.py" "$work" || rc=$?
-case $rc in 0) exit 0 ;; 3) exit 1 ;; *) echo "mitsuba_measured_square: the measurement stopped (status $rc)" >&2; exit 2 ;; esac
+packages mitsuba==3.9.1 numpy==1.26.4

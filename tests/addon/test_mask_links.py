@@ -6,6 +6,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
+from support.stacks import on_a_plane
+
 from lamina.addon.material import mask_links
 from lamina.addon.material import material as materials
 from lamina.addon.material.elements import node_of
@@ -20,11 +22,7 @@ STACK = Stack.from_dict({"layers": [{"kind": "dielectric", "name": "Coat"}], "ba
 
 @pytest.fixture
 def material(blender):
-    blender.ops.mesh.primitive_plane_add()
-    made = blender.data.materials.new("coated")
-    materials.apply_stack(made, STACK, "analytic")
-    blender.context.object.active_material = made
-    return made
+    return on_a_plane(blender, STACK)
 
 
 def coverage(material) -> float:

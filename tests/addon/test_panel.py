@@ -11,6 +11,7 @@ bpy = pytest.importorskip("bpy")
 
 from support import translatable
 from support.layouts import Recorder
+from support.stacks import on_a_plane
 
 from lamina.addon.blender.versions import node_tree
 from lamina.addon.jobs import bakes, fitting
@@ -37,11 +38,7 @@ FIELD = re.compile(r"\b(truths?|tiers?|analytic|baked|albedos?|lobes?|closures?|
 
 @pytest.fixture
 def material(blender):
-    blender.ops.mesh.primitive_plane_add()
-    made = blender.data.materials.new("coated")
-    materials.apply_stack(made, STACK, "analytic")
-    blender.context.object.active_material = made
-    return made
+    return on_a_plane(blender, STACK)
 
 
 def window(width: float):

@@ -41,3 +41,14 @@ def assert_same(found: Stack, wanted: Stack) -> None:
     for row, means in zip([*data["layers"], data["base"]], masked):
         row |= means
     assert data == wanted.to_dict()
+
+
+def on_a_plane(blender, stack, tier: str = "analytic"):
+    """A new plane, the active object, with a new material of a stack, which is returned."""
+    from lamina.addon.material.material import apply_stack
+
+    blender.ops.mesh.primitive_plane_add()
+    made = blender.data.materials.new("coated")
+    apply_stack(made, stack, tier)
+    blender.context.object.active_material = made
+    return made
