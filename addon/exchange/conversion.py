@@ -17,9 +17,12 @@ from ..material.node_copy import own_actions
 from ..material.principled_node import COLOR, PRINCIPLED, has_linked_color, is_layer, link_through, linked_places, parameter_of, show_stack
 from ..material.reading import measured_stack, require_editable
 from ..material.record import drop_record
-from ..material.roles import EEVEE, EEVEE_OUTPUT, ROLE, SWITCH, TEST, Roles
+from ..material.roles import EEVEE, EEVEE_OUTPUT, LAYERS_FRAME, ROLE, SHADER_FRAME, SWITCH, TEST, Roles
 from ..material.shader_node import backend_of, surface_of
 from .sources import animated_parts, principled_of, read_principled
+
+# What a Principled copy has no use for.
+_GOES = (OSL, NODES, SWITCH, TEST, MIX, EEVEE, EEVEE_OUTPUT, LAYERS_FRAME, SHADER_FRAME)
 
 
 def to_lamina(material: bpy.types.Material) -> tuple[Report, list[str]]:
@@ -108,8 +111,10 @@ def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
     output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
     former = surface_of(copy)
     targets = [link.to_socket for link in former.links] if former is not None else []
-    principled = roles.make(VALUES, PRINCIPLED, "", (output.location.x - 320, output.location.y))
+    principled = roles.make(VALUES, PRINCIPLED, "", (output.location_absolute.x - 320, output.location_absolute.y))
     principled.hide, principled.label = False, ""
+    for socket in principled.inputs:
+        socket.hide = False
     linked = sum(s.is_linked for e in (*lamina.shown_layers, lamina.base) for s in node_of(e).inputs)
     notes = show_stack(principled, copy, converted.values, converted.owners, converted.colors)
     if linked > len(notes):
@@ -121,7 +126,7 @@ def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
     for target in targets or [output.inputs["Surface"]]:
         tree.links.new(principled.outputs["BSDF"], target)
     values = [find_node(element) for element in (*lamina.layers, lamina.base)]
-    for node in [node for node in tree.nodes if node in values or node.get(ROLE) in (OSL, NODES, SWITCH, TEST, MIX, EEVEE, EEVEE_OUTPUT)]:
+    for node in [node for node in tree.nodes if node in values or node.get(ROLE) in _GOES]:
         tree.nodes.remove(node)
     for node in tree.nodes:
         if ROLE in node:  # a stack that is put here later makes its own

@@ -102,7 +102,7 @@ def _place(material: bpy.types.Material, given: str, places: list[tuple[int, str
             continue
         target = node_of(element).inputs[kind.parameter(parameter).label]
         if image not in outputs:
-            outputs[image] = _texture(material.node_tree, image, target.node.location, row, notes)
+            outputs[image] = _texture(material.node_tree, image, target.node.location_absolute, row, notes)
         is_base_color = index < 0 and name == "color" and converted.colors is not None
         if is_base_color:
             link_through(outputs[image], target, converted.colors)
