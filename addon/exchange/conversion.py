@@ -8,6 +8,7 @@ import bpy
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.principled import PLACES, from_principled, to_principled
 from ...reference_py.exchange.report import LOST, Report
+from ...reference_py.material.qualities import DEFAULT_METHOD
 from ...reference_py.material.stack import Stack
 from ..material import material as materials
 from ..material.backend import NODES, OSL
@@ -25,7 +26,7 @@ from .sources import animated_parts, principled_of, read_principled
 _GOES = (OSL, NODES, SWITCH, TEST, MIX, EEVEE, EEVEE_OUTPUT, LAYERS_FRAME, SHADER_FRAME)
 
 
-def to_lamina(material: bpy.types.Material) -> tuple[Report, list[str]]:
+def to_lamina(material: bpy.types.Material, tier: str = DEFAULT_METHOD, backend: str | None = None) -> tuple[Report, list[str]]:
     """Put the stack of its Principled node in its place. Returns the report and what the links became.
 
     Raises LaminaError, and leaves the material as it was, where there is no such node.
@@ -37,7 +38,7 @@ def to_lamina(material: bpy.types.Material) -> tuple[Report, list[str]]:
     notes = ["lost: keyframes and drivers of the Principled node stay behind"] if animated_parts(principled) else []
     stack = _with_linked_features(converted.stack, converted.owners, sources)
     name = principled.name
-    materials.apply_stack(material, stack)  # which removes the node where nothing is linked to it
+    materials.apply_stack(material, stack, tier, backend)  # which removes the node where nothing is linked to it
     with materials.changing(material):
         elements = [*material.lamina.shown_layers, material.lamina.base]
         for socket, source in sources.items():
