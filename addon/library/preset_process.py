@@ -17,13 +17,14 @@ from .thumbnails import give_preview, pixels_of, render_thumbnail
 
 ASSET, PICTURE = "preset.blend", "preset.png"
 _ROOT = Path(__file__).resolve().parents[2]
-# The package may be installed under any name; here it is imported by its place.
+# The package may be installed under any name; here it is imported by its place. Registered, as Blender keeps no properties that it does not know.
 _START = """
 import importlib.util, sys
 root, folder = sys.argv[-2:]
 spec = importlib.util.spec_from_file_location("lamina", root + "/__init__.py", submodule_search_locations=[root])
 sys.modules["lamina"] = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(sys.modules["lamina"])
+sys.modules["lamina"].register()
 from lamina.addon.library.preset_process import main
 main(folder)
 """
@@ -48,9 +49,6 @@ def main(folder: str) -> None:
 
 def draw(folder: Path) -> None:
     """Write the picture of the asset beside it, and the asset with it as its preview. Raises LaminaError."""
-    from ..registration import register
-
-    register()  # without it Blender would not keep what Lamina's properties say
     asset = folder / ASSET
     try:
         with bpy.data.libraries.load(str(asset), link=False, assets_only=True) as (there, here):
