@@ -222,7 +222,7 @@ class Adding:
         else:
             top = self._operators(k, resolution)
             below, specular_below, direct_below = self._reflection(k + 1, channel, resolution)
-            whole = top.r_up + top.t_down @ round_trips(below, top.r_down, below @ self._exit(k, top, resolution))
+            whole = top.r_up + top.t_down @ round_trips(below, top.r_down, below @ top.t_up)
             if is_specular(effective.interfaces[k].alpha):
                 trips = 1.0 / (1.0 - (1.0 - TRAPPED_LOSS) * specular_below * np.diagonal(top.r_down[0]))
                 specular = np.diagonal(top.r_up[0] + top.t_down[0] * (trips * specular_below) @ top.t_up[0])
@@ -235,13 +235,6 @@ class Adding:
         if effective.is_smooth_above(k):
             direct = direct + medium.once(specular)
         return medium.over(whole), specular * share * share, direct
-
-    def _exit(self, k: int, top, resolution: Resolution) -> np.ndarray:
-        """Crossing of interface k from below: exact sums for energies; for f by reciprocity, as rows average noise."""
-        if resolution is not self._shape:
-            return top.t_up
-        above, below = (self._shape_grid.weights[: matrix.shape[-1]] for matrix in (top.r_up, top.r_down))
-        return np.swapaxes(top.t_down, -1, -2) * above / below[:, None]
 
     # --- shape ---
 
