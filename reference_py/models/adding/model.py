@@ -43,10 +43,8 @@ from .direct import direct_f, specular_reflectance
 from .direction_grid import Grid, chebyshev
 from .effective_stack import EffectiveStack, base_rows
 from .facets import MULTIPLE, SURFACES
-from .operators import Resolution, dielectric_rows, interface_operators, transmittance
+from .operators import ENERGY, Resolution, dielectric_rows, interface_operators, transmittance
 
-# Facets per direction: energies need fewer than azimuthal modes do.
-_ENERGY = Resolution(modes=1, across=16, along=36)
 _NODES, _MODES = 32, 64
 # Lobes this wide and wider have an f within the stated error.
 _RESOLVED_WIDTH = 0.1
@@ -157,9 +155,9 @@ class Adding:
         effective, grid = self._effective, self._grid
         outside = {c: transmittance(grid, 1.0, effective.tau_above[c]) for c in range(self.channels)}
         if not effective.interfaces:
-            return lambda c: sum(base_rows(effective.base, c, cos_o, self.surface, grid, _ENERGY))[0] @ outside[c], None
+            return lambda c: sum(base_rows(effective.base, c, cos_o, self.surface, grid, ENERGY))[0] @ outside[c], None
         top = effective.interfaces[0]
-        single, multi, crossed = dielectric_rows(top.n_above, top.n_below, cos_o, top.alpha, top.distribution, self.surface, grid, _ENERGY)
+        single, multi, crossed = dielectric_rows(top.n_above, top.n_below, cos_o, top.alpha, top.distribution, self.surface, grid, ENERGY)
         return lambda c: (single + multi)[0] @ outside[c], crossed[0]
 
     @cached_property
@@ -167,8 +165,8 @@ class Adding:
         """By channel: what light going down just below the first interface gives outside, at the grid's directions."""
         escape = {}
         for channel, _ in self._effective.channels():
-            below = self._below(0, channel, _ENERGY)
-            top = self._operators(0, _ENERGY)
+            below = self._below(0, channel, ENERGY)
+            top = self._operators(0, ENERGY)
             outside = top.t_up[0] @ transmittance(self._grid, 1.0, self._effective.tau_above[channel])
             escape[channel] = round_trips(below[0], top.r_down[0], below[0] @ outside)
         return escape
@@ -193,7 +191,7 @@ class Adding:
         effective, grid = self._effective, self._grid
         whole = empty(grid.count(1.0), 1).over_medium(effective.medium(0, channel, grid, 1))
         for k in range(len(effective.interfaces)):
-            whole = add(whole, self._operators(k, _ENERGY).over_medium(effective.medium(k + 1, channel, grid, 1)))
+            whole = add(whole, self._operators(k, ENERGY).over_medium(effective.medium(k + 1, channel, grid, 1)))
         return whole
 
     def _operators(self, k: int, resolution: Resolution):

@@ -41,6 +41,10 @@ class Resolution:
     along: int
 
 
+# Facets per direction: energies need fewer than azimuthal modes do.
+ENERGY = Resolution(modes=1, across=16, along=36)
+
+
 @dataclass(frozen=True)
 class InterfaceOperators(Layers):
     """Operators of one interface; `single` is the part of r_up that meets exactly one facet."""
@@ -109,7 +113,8 @@ def dielectric_rows(n_own, n_other, cos_theta, alpha, distribution, surface, gri
 
 def _dielectric_chunk(n_own, n_other, cos_theta, eta, alpha, distribution, surface, grid, resolution, transmits):
     """Of one event: rows reflected, where lobes are not resolved, and transmitted, and the share (I, 1) that crosses."""
-    facets = visible_facets(cos_theta, alpha, distribution, surface, resolution.across, resolution.along, eta)
+    spread = resolution if transmits or not _is_resolved(alpha, grid) else ENERGY
+    facets = visible_facets(cos_theta, alpha, distribution, surface, spread.across, spread.along, eta)
     (wi, w_reflected), (wt, w_refracted) = dielectric_events(facets, eta)
     empty = [np.zeros((resolution.modes, len(cos_theta), grid.count(n))) for n in (n_own, n_other)]
     single = empty[0] if _is_resolved(alpha, grid) else grid.project(n_own, wi, resolution.modes)(w_reflected)
