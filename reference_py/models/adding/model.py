@@ -34,9 +34,10 @@ import numpy as np
 from ...errors import LaminaError, one_of
 from ...material.schema import SCATTERING
 from ...material.stack import Stack
-from ...optics.frame import color_axis, per_direction
+from ...optics.frame import color_axis, no_axis, per_direction, sampled
 from ...optics.microfacet import is_specular
 from ...optics.optical_stack import OpticalStack, supports
+from ...optics.quadrature import LobeMixture
 from .assembly import TRAPPED_LOSS, Layers, add, empty, round_trips
 from .bounces import NARROW_ALPHA
 from .direct import direct_f, specular_reflectance
@@ -105,6 +106,7 @@ class Adding:
             raise LaminaError("model adding: draft=1 chooses nodes and modes itself; leave them out")
         optics = OpticalStack.of(stack, self)
         self.channels, self._effective = optics.channels, EffectiveStack.of(optics)
+        self._mixture = LobeMixture.of(optics.rough_surfaces())
         self._width, self._unresolved = self._effective.narrowest_lobe(), nodes is modes is None
         fine = _NODES_PER_WIDTH / max(self._width, _NODES_PER_WIDTH / _MOST_NODES)
         if draft:
@@ -246,6 +248,16 @@ class Adding:
             value = self.direct_f(wo, wi) + self._interpolated(wo, wi)
             result[visible] = np.maximum(value, 0.0)  # a cut Fourier series may undershoot
         return result
+
+    @sampled
+    def sample(self, wo: np.ndarray, rng: np.random.Generator | int) -> tuple[np.ndarray, np.ndarray]:
+        """One light direction (..., 3) per wo, of facets of the rough surfaces or of a cosine, and whether it is valid, (...)."""
+        return self._mixture.sample(wo, rng)
+
+    @per_direction(no_axis)
+    def pdf(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """Density (...) in 1/sr of `sample`."""
+        return self._mixture.pdf(wo, wi)
 
     def direct_f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """The part (n, 3) of f that is in closed form, for directions (n, 3) above the surface."""
