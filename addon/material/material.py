@@ -289,7 +289,7 @@ def _make_stock(surface: Surface, material, owners, lobe_set, key: str):
         tier = material.lamina.tier
         lobe_set = provisional(stack) if holds_values(tier) else make_lobe_set(stack, tier)
     tables = stock_tables(lobe_set)
-    surface.stock(eevee_stock_tables(lobe_set), owners, EEVEE)
+    surface.stock(eevee_stock_tables(lobe_set, tables), owners, EEVEE)
     _note(surface.stock(tables, owners), stack_key(stack, live_in_nodes(material, stack)), key)
     return tables
 
