@@ -50,9 +50,9 @@ def stock_tables(made) -> Tables:
     return tabulate(made.lobe_set, HAS_DIELECTRIC, DIFFUSE_POWER)
 
 
-def eevee_stock_tables(made) -> Tables:
-    """A lobe set in tables whose energies are right in EEVEE."""
-    return eevee_tables(made.lobe_set)
+def eevee_stock_tables(made, tables: Tables) -> Tables:
+    """A lobe set in tables whose energies are right in EEVEE; `tables` are its `stock_tables`."""
+    return eevee_tables(made.lobe_set, tables)
 
 
 def group_inputs(lobe_set: Tables, owners: Sequence[str] | None = None) -> tuple[ShaderInput, ...]:
