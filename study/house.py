@@ -168,10 +168,10 @@ def without_docstring(root: Path) -> list[str]:
     """Public functions, classes and methods of the reference that say nothing of themselves."""
     found = []
     for path, tree in trees(root, "reference_py"):
-        for owner in (tree, *(node for node in tree.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_"))):
-            for node in owner.body:
-                if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_") and not ast.get_docstring(node):
-                    found.append(f"{path.relative_to(root)}:{node.lineno} {node.name}")
+        classes = [node for node in tree.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_")]
+        for node in (*tree.body, *(node for each in classes for node in each.body)):
+            if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_") and not ast.get_docstring(node):
+                found.append(f"{path.relative_to(root)}:{node.lineno} {node.name}")
     return found
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.coats import TWO_COATS, VARNISH
 
 from lamina.reference_py.lobes.baked import follows, in_tables, pack_lobes, unpack_lobes
 from lamina.reference_py.lobes.closure import lobe_energy
@@ -18,8 +19,7 @@ from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.adding import Adding
 from lamina.reference_py.optics.frame import spherical
 
-VARNISH = {"kind": "dielectric", "roughness": 0.35, "tint": [0.9, 0.7, 0.4], "thickness": 0.7}
-LAYERS = {"bare": [], "glazed": [{"kind": "dielectric"}], "varnished": [VARNISH], "two coats": [{"kind": "dielectric", "roughness": 0.2}, VARNISH]}
+LAYERS = {"bare": [], "glazed": [{"kind": "dielectric"}], "varnished": [VARNISH], "two coats": TWO_COATS}
 THETA = np.radians([0.0, 25.0, 50.0, 70.0, 80.0])
 COLORS = ((0.02, 0.5, 0.98), (1.0, 0.0, 0.3))
 
