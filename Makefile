@@ -132,7 +132,7 @@ assets: $(READY)
 	$(RUN) -m lamina.demo_blend.assets
 
 charts: $(READY)
-	for chart in lobes presets tiers error stress suite scattering; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
+	for chart in lobes presets tiers error stress suite scattering peers; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
 	$(VENV)/bin/lamina figures --out figures/paper
 
 $(VENV)/mitsuba: $(READY) requirements/mitsuba.txt

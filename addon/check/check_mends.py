@@ -79,7 +79,7 @@ def _let_lamina_show(material, _scene, finding) -> None:
     other.target = "ALL"
     if other in list(tree.nodes)[list(tree.nodes).index(own) :]:
         last = tree.nodes.new(own.bl_idname)
-        last.location = own.location.x, own.location.y - _BELOW
+        last.location = own.location_absolute.x, own.location_absolute.y - _BELOW
         for socket, twin in zip(own.inputs, last.inputs):
             for link in socket.links:
                 tree.links.new(link.from_socket, twin)

@@ -14,8 +14,8 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.exchange import SUFFIX, materialx, openpbr
 from ...reference_py.exchange import report as reports
 from ..exchange import conversion, materialx_import, sources
+from ..material import chosen, reading
 from ..material import material as materials
-from ..material import reading
 from ..material.holders import can_hold_material
 from . import material_operators as ops
 
@@ -69,7 +69,7 @@ class LAMINA_OT_convert_principled(ops.LaminaOperator, bpy.types.Operator):
 
     def run(self, context):
         material = ops.material_of(context)
-        report, notes = conversion.to_lamina(material)
+        report, notes = conversion.to_lamina(material, *chosen.for_new(material))
         tell(self, rpt_("{material} to Lamina").format(material=material.name), report, notes)
         for notice in materials.make_renderable(material, context.scene):
             self.report({"INFO"}, f"Lamina: {notice}")
@@ -141,7 +141,7 @@ class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator
         target = material or bpy.data.materials.new(source.name or "Lamina")
         gave_way = ops.what_gives_way(target)
         try:
-            imported = materialx_import.apply_material(target, source)
+            imported = materialx_import.apply_material(target, source, *chosen.for_new(target))
         except Exception:
             if material is None:
                 bpy.data.materials.remove(target)
@@ -168,7 +168,7 @@ class LAMINA_OT_import_materials(ops.LaminaOperator, ImportHelper, bpy.types.Ope
         return super().invoke(context, event)
 
     def run(self, context):
-        made, lines = materialx_import.import_materials(self.filepath)
+        made, lines = materialx_import.import_materials(self.filepath, chosen.for_new)
         item = context.object
         if can_hold_material(item) and item.is_editable and item.data.is_editable and item.active_material is None:
             item.active_material = made[0].material

@@ -111,6 +111,27 @@ def test_a_principled_material_becomes_a_stack_with_its_textures(plane):
     assert "lost: Sheen Weight 0.5" in told and "lost: Metallic texture" in told and "worst albedo error" in told
 
 
+def test_light_below_the_surface_becomes_a_medium_and_comes_back(plane):
+    material = principled(plane, Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=1.0, Subsurface_Radius=(1.0, 1.0, 1.0), Subsurface_Scale=0.02)
+    report, _ = conversion.to_lamina(material)
+    body = materials.stack_of(material).layers[0]
+    assert body["density"] == pytest.approx(50.0) and report.match.soft_light < 0.04
+    copy, *_ = conversion.principled_copy(material)
+    node = principled_of(copy)
+    assert node.inputs["Subsurface Weight"].default_value == 1.0 and node.inputs["Subsurface Scale"].default_value == pytest.approx(0.02)
+    assert tuple(node.inputs["Base Color"].default_value)[:3] == pytest.approx((0.8, 0.5, 0.2), abs=0.04)
+
+
+def test_an_image_of_the_color_below_the_surface_stays_an_image(plane):
+    material = principled(plane, Subsurface_Weight=1.0)
+    source = ramp(material, color=True)
+    name = source.node.name
+    material.node_tree.links.new(source, principled_of(material).inputs["Base Color"])
+    report, _ = conversion.to_lamina(material)
+    assert "density" not in materials.stack_of(material).layers[0] and name in feeding(node_of(material.lamina.base).inputs["Color"])
+    assert any("which follows a texture" in str(loss) for loss in report.losses)
+
+
 def test_converting_is_one_undo_step(plane):
     principled(plane, Roughness=0.3)
     bpy.ops.ed.undo_push(message="before")

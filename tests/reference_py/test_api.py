@@ -56,7 +56,7 @@ def test_functions_say_what_models_say():
     assert np.array_equal(lamina.albedo("glazed_mug", theta=0.0), lamina.model("glazed_mug").albedo(spherical(0.0, 0.0)))
 
 
-@pytest.mark.parametrize("name, options", [("weidlich_wilkie_repaired", {}), ("closure_model", {"method": "analytic"})])
+@pytest.mark.parametrize("name, options", [("weidlich_wilkie_repaired", {}), ("closure_model", {"method": "analytic"}), ("adding", {"draft": 1})])
 def test_samples_estimate_the_albedo(name, options):
     wi, valid, pdf, f = lamina.sample(STACK, (30.0, 0.0), n=20_000, rng=1, model=name, **options)
     values = np.where(valid[:, None], f * wi[:, 2:] / np.maximum(pdf, 1e-30)[:, None], 0.0)
@@ -65,10 +65,19 @@ def test_samples_estimate_the_albedo(name, options):
     assert lamina.sample(STACK, (30.0, 0.0), n=0, model=name, **options).wi.shape == (0, 3)
 
 
+def test_samples_of_walks_estimate_the_albedo():
+    """Few walks to each f are enough: they are right in the mean."""
+    wi, valid, pdf, f = lamina.sample(STACK, (30.0, 0.0), n=2_000, rng=1, model="position_free", walks=8)
+    values = np.where(valid[:, None], f * wi[:, 2:] / np.maximum(pdf, 1e-30)[:, None], 0.0)
+    error = values.std(axis=0) / np.sqrt(len(values))
+    exact = lamina.albedo(STACK, theta=30.0)
+    assert np.all(error < 0.04 * exact) and np.all(np.abs(values.mean(axis=0) - exact) < 4.0 * error)
+
+
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        (lambda: lamina.sample(STACK, VIEW, model="adding"), "model adding has no samples; choose .*closure_model"),
+        (lambda: lamina.sample(STACK, VIEW, model="schlick"), "model schlick has no samples; choose .*closure_model"),
         (lambda: lamina.sample(STACK, VIEW, model="phong"), "unknown model 'phong'"),
         (lambda: lamina.sample(STACK, VIEW, n=-1, model="weidlich_wilkie"), "n is -1; choose a whole number"),
         (lambda: lamina.albedo(STACK, theta="steep"), "theta is 'steep'; choose angles in degrees"),

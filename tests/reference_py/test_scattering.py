@@ -207,7 +207,7 @@ def test_bad_values_are_named(layer, message):
 
 def test_who_does_not_know_it_names_who_does():
     one = stack(medium(1.0, 0.9))
-    for name in ("weidlich_wilkie", "schlick", "belcour", "cycles_layer"):
+    for name in ("weidlich_wilkie", "schlick", "cycles_layer"):
         with pytest.raises(LaminaError, match=f"model {name} knows no scattering, which layer 0 has; choose .*adding"):
             make_model(name, one)
     with pytest.raises(LaminaError, match="method analytic knows no scattering, which layer 0 has; choose .*baked"):
