@@ -23,6 +23,7 @@ SAME = {
     "principled.py": "conversion to a Principled node, and its command",
     "rgl.py": "a format's reader and writer",
     "scattering.py": "media that scatter, and their chart",
+    "spectral.py": "stacks of spectra, their chart, and what RGB gets wrong of them",
     "tensor_file.py": "a format's reader and writer",
     "thumbnails.py": "presets' pictures, and what renders them",
     "tint_spectrum.py": "a tint as a spectrum, and its chart",
