@@ -7,7 +7,7 @@ from ..errors import LaminaError
 from ..material.stack import Stack
 from ..models.model import Model
 from ..registry import make_model
-from . import curves, svg
+from . import curves, side_view, svg
 
 # The model of notebooks: the truth at the resolution of fits, as a cell waits for it.
 _QUICK = ("adding", {"draft": 1})

@@ -16,6 +16,7 @@ from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.plots import side_view
 from lamina.reference_py.plots.stack_picture import picture
 from lamina.reference_py.registry import MODELS, make_model
 
