@@ -20,6 +20,8 @@ MODULES = (
     "addon/exchange/textures",
     "addon/jobs/prefetch",
     "addon/library/preset_assets",
+    "addon/library/preset_process",
+    "addon/material/chosen",
     "addon/material/elements",
     "addon/material/entry",
     "addon/material/hand_over",

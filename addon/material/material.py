@@ -29,8 +29,9 @@ from .base_kind import change_kind, lost_by_change
 from .eevee_output import follow_eevee_output
 from .elements import bring_up_to_date, carry_metal, fill_element, find_node, kind_of, node_of, show_name, structure_dict
 from .hand_over import follow_hand_over
+from .layout import arrange
 from .live_values import live_in_nodes, live_values
-from .masks import give_masks, place_masks, remove_with_masks
+from .masks import give_masks, remove_with_masks
 from .osl_setting import prefer_osl
 from .properties import quietly
 from .reading import measure_means, require_editable, require_layered, stack_of
@@ -39,8 +40,6 @@ from .roles import EEVEE, node_with
 from .shader_node import Surface, backend_of, replacing_branches, shading_of, surface_of
 from .snapshot import restore, snapshot
 from .state import HELD_VALUES, SETTLED, note_of, wanted_lobes, wanted_stock
-
-_COLUMN, _ROW = 320, 240
 
 
 def apply_stack(
@@ -184,7 +183,7 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
     _keep_facts(material.lamina, shown)
     hand_over(material, settle)
     follow_eevee_output(material, surface_of(material))
-    _arrange(material.lamina, node_with(material, branches_here(material.lamina.backend)[0]))
+    arrange(material)
     keep_record(material)
 
 
@@ -308,18 +307,3 @@ def _script_serves(material, lobe_set) -> bool:
     if held_values := note_of(script, HELD_VALUES, material):
         return held_values == stack_key(stack_of(material), live_values(material))
     return script.script.as_string() == generate(lobe_set).text
-
-
-def _arrange(lamina, shader) -> None:
-    """Layers in a column from the top, to the left of the shader."""
-    for row, element in enumerate([*lamina.layers, lamina.base]):
-        node = node_of(element)
-        place = (shader.location.x - _COLUMN, shader.location.y - row * _ROW)
-        mute = row < len(lamina.layers) and not lamina.shows(element)
-        # Blender looks through the whole tree after each of these, so only what differs is set
-        if tuple(node.location) != place:
-            node.location = place
-        if node.mute != mute:
-            node.mute = mute
-        place_masks(node)
-        show_name(element)
