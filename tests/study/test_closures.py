@@ -39,7 +39,9 @@ def test_lamina_rows_are_of_this_code(table):
     assert found == pytest.approx(table["all", surface, "lamina"], abs=1e-3)
 
 
+@pytest.mark.blender
 def test_shaders_of_one_blender_are_made_for_it_alone():
+    pytest.importorskip("bpy")
     stack = SURFACES["rough coat over paint"]
     assert list(texts(stack, "4.5")) == ["layer"] and list(texts(stack, "5.3")) == ["layer", "coat_bsdf"]
     assert ", 0.36, 0.36," in texts(stack, "5.3")["layer"] and "coat_bsdf(color(1), 1.5, 0.6, N)" in texts(stack, "5.3")["coat_bsdf"]
