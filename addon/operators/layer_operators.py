@@ -39,7 +39,7 @@ class LAMINA_OT_layer_add_ready(LayeredOperator, bpy.types.Operator):
 
     @classmethod
     def description(cls, _context, properties):
-        return bpy.app.translations.pgettext_tip(ready_layers.label_and_source(properties.ready)[1])
+        return tip_(ready_layers.label_and_source(properties.ready)[1])
 
     def run(self, context):
         material = material_of(context)
