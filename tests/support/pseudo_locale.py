@@ -52,7 +52,7 @@ class Translated(Recorder):
 
     def _inner(self, is_row: bool):
         inner = Translated(self.language, is_row)
-        inner.operators = self.operators
+        inner.operators, inner.icons = self.operators, self.icons
         self.parts.append(inner)
         return inner
 

@@ -20,7 +20,7 @@ window = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(window)
 
 # As large as the picture that a listing on the extensions platform shows.
-PATIENCE, SIZE = 400.0, (1920, 1080)
+PATIENCE, SIZE = 1200.0, (1920, 1080)
 
 
 def take(shown_in: window.Window, folder: Path) -> None:
