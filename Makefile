@@ -227,6 +227,7 @@ $(DOCS)/ready: requirements/docs.txt
 
 manual-pictures: zip
 	$(RUN) tests/window/manual.py dist/lamina-*.zip docs/pictures
+	cp docs/pictures/first_hour_car_paint.jpg tools/listing/featured.jpg
 
 sliders: $(READY)
 	$(VENV)/bin/lamina chart sliders -o docs/pictures

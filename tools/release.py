@@ -17,7 +17,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 CHANGELOG, LISTING = "CHANGELOG.md", "tools/listing"
-DESCRIPTION, ICON, FEATURED = f"{LISTING}/description.md", f"{LISTING}/icon.png", "docs/pictures/first_hour_rust.jpg"
+DESCRIPTION, ICON, FEATURED = f"{LISTING}/description.md", f"{LISTING}/icon.png", f"{LISTING}/featured.jpg"
 ICON_SIZE, FEATURED_SIZE = (256, 256), (1920, 1080)
 # The tagline and each permission's reason.
 LONGEST = 64
@@ -79,7 +79,7 @@ def main(folder: Path, archive: Path) -> int:
         notes_of((ROOT / CHANGELOG).read_text(encoding="utf-8"), manifest["version"]) + "\n", encoding="utf-8"
     )
     for name in (DESCRIPTION, ICON, FEATURED):
-        shutil.copy(ROOT / name, folder / f"{'featured' if name == FEATURED else Path(name).stem}{Path(name).suffix}")
+        shutil.copy(ROOT / name, folder / Path(name).name)
     print(f"{archive.name}: {archive.stat().st_size / 1e6:.1f} MB; notes and listing in {folder}")
     return 0
 
