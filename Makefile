@@ -16,7 +16,7 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 FIRST_HALF := $(shell cat tests/first_half.txt)
 QUICK := -q -m "not blender and not slow"
 
-.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes start felt branches surroundings numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures release matrix licences clean
+.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes start felt branches budget surroundings numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures release matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -50,6 +50,7 @@ help:
 	@echo "make bakes     measure what bakes cost beside those of a former commit, and how they follow a base's color (fifteen minutes)"
 	@echo "make start     measure what the extension adds to Blender's start (two minutes on a quiet machine; LAMINA_BLENDER names a Blender)"
 	@echo "make felt      measure what a hand waits for: opening a file of 200 materials, a preset, a layer (two minutes on a quiet machine)"
+	@echo "make budget    measure what a material costs with OSL and without, beside Principled: nodes, text, start, shading, growth (ten minutes on a quiet machine)"
 	@echo "make branches  measure what both branches of a material cost beside one alone (five minutes on a quiet machine)"
 	@echo "make gpu       hold ten presets on this machine's graphics card against the model (three minutes, no network; LAMINA_BLENDER names a Blender from blender.org)"
 	@echo "make surroundings  render one file in its four surroundings (LAMINA_BLENDER names a Blender that has EEVEE)"
@@ -199,6 +200,9 @@ start: $(READY)
 
 branches: $(READY)
 	$(RUN) tests/benchmarks/branches.py figures/branches.csv
+
+budget: $(READY)
+	$(RUN) tests/benchmarks/budget.py figures/budget.csv
 
 surroundings: $(READY)
 	$(RUN) tests/benchmarks/surroundings.py figures/surroundings.png figures/surroundings.csv
