@@ -16,7 +16,7 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 FIRST_HALF := $(shell cat tests/first_half.txt)
 QUICK := -q -m "not blender and not slow"
 
-.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes start felt branches budget surroundings numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures release matrix licences clean
+.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes start felt branches budget surroundings house numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures release matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -54,6 +54,7 @@ help:
 	@echo "make branches  measure what both branches of a material cost beside one alone (five minutes on a quiet machine)"
 	@echo "make gpu       hold ten presets on this machine's graphics card against the model (three minutes, no network; LAMINA_BLENDER names a Blender from blender.org)"
 	@echo "make surroundings  render one file in its four surroundings (LAMINA_BLENDER names a Blender that has EEVEE)"
+	@echo "make house     count how the code hangs together, beside what it was before it was rebuilt (a minute)"
 	@echo "make numbers   put the numbers of the tables into README.md and docs/ (a test compares)"
 	@echo "make fuzz      throw 100000 broken inputs at every reader"
 	@echo "make faults    put deliberate faults into a copy, one at a time, and say which the tests catch (three minutes)"
@@ -210,6 +211,9 @@ surroundings: $(READY)
 gpu:
 	@test -n "$(LAMINA_BLENDER)" || { echo "make gpu: LAMINA_BLENDER names no Blender; give the program of a folder from blender.org: make gpu LAMINA_BLENDER=/path/to/blender"; exit 2; }
 	@"$(LAMINA_BLENDER)" --background --factory-startup --python-exit-code 1 --python tests/benchmarks/gpu.py -- figures/gpu.csv $(DEVICES)
+
+house: zip
+	$(RUN) -m lamina.study.house
 
 numbers: $(READY)
 	$(RUN) -m lamina.study.numbers

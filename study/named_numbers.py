@@ -181,6 +181,10 @@ def field(blender: str, verdict: str | None = None) -> str:
     return str(len(where("field", blender=blender, **({"verdict": verdict} if verdict else {}))))
 
 
+def house(what: str, when: str) -> str:
+    return where("house", what=what)[0][when]
+
+
 # --- batches, farms, work that grows ---
 
 
@@ -305,6 +309,10 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "field 5.3": partial(field, "5.3"),
     "field limits": partial(field, "4.5", "limit"),
     "field limits 5.3": partial(field, "5.3", "limit"),
+    **{f"house {name} {when}": partial(house, what, when)
+       for name, what in (("nodes", "folders and top files in the import graph"), ("circles", "of them in a circle"), ("rooms", "files from a lobe set to its OSL text"),
+                          ("returns", "calls back into one of them"), ("kinds", "comparisons with a kind's name"))
+       for when in ("before", "now")},
     "killed pictures": lambda: rows("killed_batch")[-1]["pictures_there"],
     "killed times": lambda: word(len(where("killed_batch", how="killed"))),
     "farm task": lambda: plain(line(rows("farm_tasks"), "pictures_per_task", "seconds_per_task")[1], 1) + " s",
