@@ -16,7 +16,7 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 FIRST_HALF := $(shell cat tests/first_half.txt)
 QUICK := -q -m "not blender and not slow"
 
-.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes start felt branches budget surroundings house numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures matrix licences clean
+.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes start felt branches budget surroundings house numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures release matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -27,6 +27,7 @@ help:
 	@echo "make bench     print how fast the reference models are"
 	@echo "make zip       build the extension into dist/"
 	@echo "make validate  build it and check it with Blender's own tool"
+	@echo "make release   build and validate it, and put its notes and the listing for Blender's extensions platform into dist/listing"
 	@echo "make blends    build the .blend files of demo_blend/ anew"
 	@echo "make scenes    render the pictures of the demo scenes into figures/scenes (half an hour)"
 	@echo "make thumbnails  render the presets' pictures into addon/presets"
@@ -118,6 +119,9 @@ zip: $(READY) docs
 
 validate: zip
 	$(RUN) tools/extension.py validate dist/*.zip
+
+release: validate
+	$(RUN) tools/release.py dist/listing dist/*.zip
 
 blends: $(READY)
 	$(RUN) -m lamina.demo_blend.build_presets
@@ -231,6 +235,7 @@ $(DOCS)/ready: requirements/docs.txt
 
 manual-pictures: zip
 	$(RUN) tests/window/manual.py dist/lamina-*.zip docs/pictures
+	cp docs/pictures/first_hour_car_paint.jpg tools/listing/featured.jpg
 
 sliders: $(READY)
 	$(VENV)/bin/lamina chart sliders -o docs/pictures
