@@ -18,6 +18,7 @@ from ..material.stack import Stack
 from .axes import Axis, IndexAxis, Scale
 from .closure import unit_energy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
+from .own_normals import BELOW, DIFFUSE, TOP, normals_of_fits
 from .view_table import BASE_COLOR, KNOTS, MIN_COS_O, BaseColorTable, DiffuseTable, GlossyTable, TableLobes, interpolate, knot_cosines
 
 # Less is nothing to Cycles.
@@ -53,11 +54,20 @@ class LiveLobe:
     shape: np.ndarray | None = None
     fresnel: DielectricCurve | None = None
     unit: np.ndarray | None = None
+    normal: Place | None = None
+    """The own normal that it is about (`own_normals`), None for the surface's."""
 
     @property
     def is_specular(self) -> bool:
         """Whether it is a mirror at every knot."""
         return isinstance(self.energy, LogEnergy)
+
+    @property
+    def kind(self) -> str:
+        """What it is (`own_normals`)."""
+        if self.is_diffuse:
+            return DIFFUSE
+        return TOP if self.fresnel is not None or self.is_specular else BELOW
 
     @property
     def is_diffuse(self) -> bool:
@@ -100,8 +110,9 @@ class LiveLobes:
         return next((axis for axis in self.axes if isinstance(axis, IndexAxis)), None)
 
     def with_values_of(self, stack: Stack) -> "LiveLobes":
-        """The same for a stack's own live values."""
-        return replace(self, stack=stack)
+        """The same for a stack's own live values and normals."""
+        normals = normals_of_fits(stack, [lobe.kind for lobe in self.grid])
+        return replace(self, stack=stack, grid=tuple(replace(lobe, normal=normal) for lobe, normal in zip(self.grid, normals)))
 
     @property
     def lobe_count(self) -> int:

@@ -43,6 +43,7 @@ class LiveTable:
     fresnel: DielectricCurve | None = None
     through: np.ndarray | None = None
     back: np.ndarray | None = None
+    normal: Place | None = None
 
 
 @dataclass(frozen=True)
@@ -135,6 +136,10 @@ def live_tables(lobe_set: LiveLobes, keep_dielectrics: bool = False) -> LiveTabl
 
 
 def _table(grid: "_Grid", lobe_set: LiveLobes, lobe: LiveLobe, total: np.ndarray, keep_dielectrics: bool) -> LiveTable:
+    return replace(_without_normal(grid, lobe_set, lobe, total, keep_dielectrics), normal=lobe.normal)
+
+
+def _without_normal(grid: "_Grid", lobe_set: LiveLobes, lobe: LiveLobe, total: np.ndarray, keep_dielectrics: bool) -> LiveTable:
     if isinstance(lobe.energy, LogEnergy):
         energy = grid.exponential(lobe.energy)
         return LiveTable(energy, lobe.distribution, np.zeros_like(energy))

@@ -118,7 +118,7 @@ def test_models_name_what_they_do_not_know(name, feature, element):
 
 def test_what_a_bake_cannot_hold_is_named_and_makes_it_live():
     one = stack([{**COAT, **BRUSHED, "coverage": 0.5}, {**COAT, **FILM}], {**WHITE, "normal": [0, 0, 0]})
-    assert needs_live(one) == "the anisotropy of layer 0, the thin film of layer 1, the normal of the base"
+    assert needs_live(one) == "the anisotropy of layer 0, the thin film of layer 1", "a normal leaves the bake in force"
     assert needs_live(stack([{**COAT, "coverage": 0.5}], WHITE)) is None
     assert make_lobe_set(one, "baked").reason == "weidlich_wilkie, the one quality that knows thin films"
     brushed = make_lobe_set(stack([{**COAT, **BRUSHED, "coverage": 0.5}], WHITE), "baked")
