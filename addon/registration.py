@@ -54,6 +54,7 @@ def register() -> None:
     asset_library.register()
     keys.register()
     bpy.types.TOPBAR_MT_file_import.append(exchange_operators.show_import)
+    bpy.types.TOPBAR_MT_file_export.append(exchange_operators.show_export)
     keep_in(cache_folder(), lambda message: print(f"Lamina: {message}"))
     for handlers, handler in (*older_groups.handlers(), *staleness.handlers(), *stamp_note.handlers(), *bakes.handlers()):
         handlers.append(handler)
@@ -65,6 +66,7 @@ def unregister() -> None:
     bakes.stop()
     fitting.stop()
     saving.stop()
+    bpy.types.TOPBAR_MT_file_export.remove(exchange_operators.show_export)
     bpy.types.TOPBAR_MT_file_import.remove(exchange_operators.show_import)
     keys.unregister()
     asset_library.unregister()

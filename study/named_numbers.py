@@ -351,5 +351,6 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "glaze in rgb, blue": partial(glaze_error, "rgb_blue", "amber", "5"),
     "narrow glaze in rgb, blue": partial(glaze_error, "rgb_blue", "narrow yellow", "2"),
     "glaze as spectrum": partial(glaze_error, "spectrum_blue", "amber", "5"),
+    "copper under thick amber": lambda: span([float(r[f"delta_e_{tint}"]) for r in where("spectral", thickness="5") for tint in ("rgb", "tint_spectrum")], 1),
     "blue paint asked": lambda: plain(cell("fit_blue_paint", "rms_log", model=GGX) / 1.5, 4),
 })  # fmt: skip

@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -88,16 +89,46 @@ class Material:
         return replace(converted, report=report)
 
 
-def to_mtlx(values: dict, name: str, node: str = "open_pbr_surface") -> str:
-    """The text of a file with one material. `values` by the surface's own names; colors are linear Rec. 709."""
+@dataclass(frozen=True)
+class Picture:
+    """An image file that feeds an input: a color in sRGB, tangent space normals, or a value."""
+
+    file: str
+    is_color: bool
+    is_normal: bool
+
+
+def to_mtlx(values: dict, name: str, node: str = "open_pbr_surface", pictures: Mapping[str, Picture] = MappingProxyType({})) -> str:
+    """The text of a file with one material. `values` by the surface's own names; colors are linear Rec. 709. `pictures` feed inputs in their place."""
 
     def add(root: ElementTree.Element, surface_name: str) -> None:
+        for parameter, picture in pictures.items():
+            _add_picture(root, parameter, picture)
         surface = ElementTree.SubElement(root, node, name=surface_name, type="surfaceshader")
         for parameter, value in values.items():
+            if parameter in pictures:
+                continue
             kind, text = ("color3", ", ".join(f"{v:.7g}" for v in value)) if isinstance(value, tuple) else ("float", f"{value:.7g}")
             ElementTree.SubElement(surface, "input", name=parameter, type=kind, value=text)
+        for parameter, picture in pictures.items():
+            ElementTree.SubElement(surface, "input", name=parameter, type=_kind(picture), nodename=f"{parameter}_picture")
 
     return _file(name, add)
+
+
+def _kind(picture: Picture) -> str:
+    return "color3" if picture.is_color else "vector3" if picture.is_normal else "float"
+
+
+def _add_picture(root: ElementTree.Element, parameter: str, picture: Picture) -> None:
+    """The node that gives an input's values."""
+    name = f"{parameter}_picture"
+    image = ElementTree.SubElement(root, "image", name=f"{name}_file" if picture.is_normal else name, type=_kind(picture))
+    space = {"colorspace": "srgb_texture"} if picture.is_color else {}
+    ElementTree.SubElement(image, "input", name="file", type="filename", value=picture.file, **space)
+    if picture.is_normal:
+        node = ElementTree.SubElement(root, "normalmap", name=name, type="vector3")
+        ElementTree.SubElement(node, "input", name="in", type="vector3", nodename=f"{name}_file")
 
 
 def layers_to_mtlx(tree: Tree, name: str) -> str:

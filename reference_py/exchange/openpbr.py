@@ -51,8 +51,11 @@ def to_openpbr(stack: Stack) -> Converted:
     return to_surface(_OPEN, stack)
 
 
-def to_surface(surface: Surface, stack: Stack) -> Converted:
-    """Values by the surface's own names, as bright as the stack. Raises LaminaError for a surface that is not written."""
+def to_surface(surface: Surface, stack: Stack, textured: bool = False) -> Converted:
+    """Values by the surface's own names, as bright as the stack. `textured`: with a map for textures of the base color, which takes seconds.
+
+    Raises LaminaError for a surface that is not written.
+    """
     if surface.node not in WRITERS:
         raise LaminaError(f"{surface.node} is read, not written; choose {', '.join(WRITERS)}")
     write = WRITERS[surface.node]
@@ -65,11 +68,11 @@ def to_surface(surface: Surface, stack: Stack) -> Converted:
         return albedos
 
     room = {"anisotropy", SUBSURFACE} if surface.own("subsurface_weight") in surface.defaults else {"anisotropy"}
-    slots, owners, report, _ = stack_to_slots(stack, surface.title, rendered, frozenset(room))
+    slots, owners, report, colors = stack_to_slots(stack, surface.title, rendered, frozenset(room), textured)
     losses: list[Loss] = []
     values = write(slots, losses)
     amended = {loss.parameter for loss in losses}
-    return Converted(stack, values, slots, owners, Report((*(o for o in report.losses if o.parameter not in amended), *losses), report.match))
+    return Converted(stack, values, slots, owners, Report((*(o for o in report.losses if o.parameter not in amended), *losses), report.match), colors)
 
 
 def _to_openpbr(slots: Slots, losses: list[Loss]) -> dict:

@@ -297,6 +297,51 @@ def test_an_objects_material_is_written_outside_a_window(plane, tmp_path, capsys
         assert words in capsys.readouterr().err
 
 
+def test_a_selection_is_exported_as_the_command_line_converts_it(plane, tmp_path, capsys):
+    """Two materials of one name but for a dot are two files; an object without any is passed over."""
+    layered(plane)
+    folder = tmp_path / "out"
+    other, bare = (bpy.data.objects.new(name, plane.data.copy()) for name in ("other", "bare"))
+    for item in (other, bare):
+        bpy.context.scene.collection.objects.link(item)
+        item.data.materials.clear()
+    layered(other)
+    for item in (plane, other, bare):
+        item.select_set(True)
+    blend, own = tmp_path / "in.blend", tmp_path / "own.mtlx"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    before = counts()
+    assert bpy.ops.lamina.export_materials("EXEC_DEFAULT", directory=str(folder), target="gltf_pbr") == {"FINISHED"}
+    assert counts() == before
+    assert sorted(p.name for p in folder.iterdir()) == ["Coated.mtlx", "Coated_001.mtlx", "Coated_001_report.txt", "Coated_report.txt"]
+    assert run(["convert", str(blend), "--object", "plane", "--to", "gltf_pbr", "-o", str(own)]) == 0
+    assert own.read_text() == (folder / "Coated.mtlx").read_text()
+    report = (folder / "Coated_report.txt").read_text()
+    assert report.strip() and report.strip() in capsys.readouterr().out
+
+
+def test_an_export_names_pictures_of_what_textures_feed(plane, tmp_path):
+    material = layered(plane)
+    layer, base = node_of(material.lamina.layers[0]), node_of(material.lamina.base)
+    material.node_tree.links.new(ramp(material, color=True), base.inputs["Color"])
+    material.node_tree.links.new(ramp(material), layer.inputs["Roughness"])
+    plane.select_set(True)
+    before = counts(), sorted(n.name for n in material.node_tree.nodes)
+    given = {"directory": str(tmp_path), "target": "openpbr", "pictures": True, "size": "64"}
+    assert bpy.ops.lamina.export_materials("EXEC_DEFAULT", **given, reports=False) == {"FINISHED"}
+    assert (counts(), sorted(n.name for n in material.node_tree.nodes)) == before
+    files = sorted(p.name for p in tmp_path.iterdir())
+    assert files[0] == "Coated.mtlx" and "Coated_base_color.png" in files and len(files) == 3
+    (written,) = load_mtlx(tmp_path / "Coated.mtlx")
+    assert {Path(image.file).name for image in written.images.values()} == set(files[1:])
+    color = written.images["base_color"]
+    assert color.space == "srgb_texture" and np.ptp(read_png(tmp_path / "Coated_base_color.png")[0][..., 0].astype(int)) > 50
+    with pytest.raises(RuntimeError, match="choose a folder"):
+        bpy.ops.lamina.export_materials("EXEC_DEFAULT", directory="")
+    plane.select_set(False)
+    assert not bpy.ops.lamina.export_materials.poll()
+
+
 def test_textures_are_baked_and_the_file_is_as_before(plane, tmp_path):
     material = layered(plane)
     layer, base = node_of(material.lamina.layers[0]), node_of(material.lamina.base)

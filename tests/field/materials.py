@@ -451,17 +451,17 @@ def deleted(trial):
 
 @case("fifty layers", quick=False, beside=False)
 def fifty(trial):
-    """Refused in one line, in under five seconds, and the material stays as it was."""
+    """Refused in one line, in under five seconds of CPU, and the material stays as it was."""
     import time
 
     material = trial.material()
     many = Stack.from_dict({"layers": [{"kind": "dielectric", "ior": 1.5 + 0.001 * i, "roughness": 0.1} for i in range(50)], "base": {"kind": "lambert"}})
-    begin = time.monotonic()
+    begin = time.process_time()
     with suppress(LaminaError):
         materials.apply_stack(material, many)
         trial.settle(material)
         trial.require("it works, or is refused", len(material.lamina.layers) == 50)
-    trial.require("in under five seconds", time.monotonic() - begin < 5.0)
+    trial.require("in under five seconds", time.process_time() - begin < 5.0)
     if len(material.lamina.layers) != 50:
         trial.is_same("the refused one", material, PAINT)
 
