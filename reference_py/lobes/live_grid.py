@@ -172,13 +172,13 @@ def _with_index(lobe: LiveLobe, eta: float) -> LiveLobe:
 
 def _lobe(lobe: LiveLobe, weight, shape, cos_theta_o):
     if lobe.is_specular:
-        return GlossyLobe(lobe.distribution, weight, *(np.zeros_like(cos_theta_o) for _ in range(3)))
+        return GlossyLobe(lobe.distribution, weight, *(np.zeros_like(cos_theta_o) for _ in range(3)), normal=lobe.normal)
     if lobe.is_diffuse:
-        return DiffuseLobe(weight)
+        return DiffuseLobe(weight, normal=lobe.normal)
     root_x, root_y, slope = np.moveaxis(shape, -1, 0)
     alpha_x, alpha_y = (np.clip(np.square(np.maximum(root, 0.0)), MIN_ALPHA, 1.0) for root in (root_x, root_y))
     tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)))
-    return GlossyLobe(lobe.distribution, weight, alpha_x, alpha_y, tilt, lobe.fresnel)
+    return GlossyLobe(lobe.distribution, weight, alpha_x, alpha_y, tilt, lobe.fresnel, normal=lobe.normal)
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,11 @@ def normal_place(stack: Stack, layer: int | None) -> Place | None:
     return place if place.element(stack).has(NORMAL) else None
 
 
+def has_own_normals(stack: Stack) -> bool:
+    """Whether any element has its own: then what the top reflects needs a lobe of its own."""
+    return any(element.has(NORMAL) for element in (*stack.layers, stack.base))
+
+
 def normals_of_fits(stack: Stack, lobes: Sequence[str]) -> list[Place | None]:
     """The own normals that fitted lobes, each TOP, BELOW or DIFFUSE, are about.
 
