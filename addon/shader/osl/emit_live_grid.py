@@ -13,7 +13,7 @@ from ....reference_py.material.schema import COLOR, SCHEMA
 from ....reference_py.material.stack import Stack
 from .block import Block, Closure, numbers
 from .emit_tables import clamped_color
-from .frame import FRAME_FUNCTIONS, Frame
+from .view_frame import FRAME_FUNCTIONS, Frame
 
 NOTE = "Tables hold the values that the stack had, but for those with a socket."
 
