@@ -96,7 +96,7 @@ def _require_matplotlib() -> None:
 
 
 def _draw(options, measurement: Measurement, best, stack: Stack | None) -> None:
-    from ...reference_py.fit.report import INCIDENT_DEG, picture
+    from ...reference_py.fit.fit_picture import INCIDENT_DEG, picture
 
     truth = None
     if stack is not None and options.wavelength is None:

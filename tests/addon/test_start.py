@@ -73,6 +73,27 @@ def test_a_file_without_lamina_reads_no_more():
     assert [name for name in after if name.startswith("lamina") and name not in started] == []
 
 
+# What a click on a preset needs is there before it, once the panel was seen.
+SEEN = """
+from lamina.addon.later import read_soon
+reads = 0
+timer = read_soon()
+while timer() is not None:
+    reads += 1
+assert 5 < reads < 60, reads
+seen = read()
+bpy.ops.wm.read_homefile(use_factory_startup=True)
+assert bpy.ops.lamina.apply_preset(preset="satin_varnish") == {"FINISHED"}
+started = seen
+"""
+
+
+def test_a_first_click_after_the_panel_was_seen_reads_little():
+    seen, after = modules_read(SEEN)
+    missing = [name for name in after if name.startswith("lamina") and name not in seen]
+    assert len(missing) < 10, missing
+
+
 def test_a_property_is_followed_though_nothing_was_read_before():
     """Properties call what makes shaders, which is imported with the first that is set."""
     then = f"""

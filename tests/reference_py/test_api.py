@@ -16,7 +16,7 @@ from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
-from lamina.reference_py.plots import layers
+from lamina.reference_py.plots import side_view
 from lamina.reference_py.plots.stack_picture import picture
 from lamina.reference_py.registry import MODELS, make_model
 
@@ -108,7 +108,7 @@ def test_every_preset_can_be_drawn(name):
 
 def test_a_layer_has_the_color_that_it_leaves():
     thick = Stack.from_dict({"layers": [{"kind": "dielectric", "tint": [0.5, 1.0, 0.1], "thickness": 2.0}], "base": {"kind": "lambert"}})
-    assert layers.shown_color(thick.layers[0]) == pytest.approx([0.25, 1.0, 0.01]) and layers.hex_color(np.array([0.0, 1.0, 2.0])) == "#00ffff"
+    assert side_view.shown_color(thick.layers[0]) == pytest.approx([0.25, 1.0, 0.01]) and side_view.hex_color(np.array([0.0, 1.0, 2.0])) == "#00ffff"
 
 
 def test_the_cells_of_the_page_for_researchers_run():

@@ -14,8 +14,8 @@ from ....reference_py.lobes.pools import Pool
 from ....reference_py.material.schema import COLOR, FLOAT, Parameter
 from ....reference_py.optics.microfacet import DISTRIBUTIONS
 from ..inputs import PRIMARIES, ShaderInput
-from .frame import FRAME, FRAME_FUNCTIONS, view
 from .parts import functions
+from .view_frame import FRAME, FRAME_FUNCTIONS, view
 
 PRIMARY_ARGUMENTS = ", ".join(PRIMARIES)
 # What the output "Live" of every shader is. A muted node passes one of its inputs on instead, and none can have this value.

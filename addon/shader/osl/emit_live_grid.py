@@ -25,7 +25,7 @@ from ....reference_py.material.stack import Stack
 from ....reference_py.optics.scattering import FIT
 from .block import Block, Closure, numbers
 from .emit_tables import clamped_color
-from .frame import FRAME, FRAME_FUNCTIONS, table_view
+from .view_frame import FRAME, FRAME_FUNCTIONS, table_view
 
 NOTE = "Tables hold the values that the stack had, but for those with a socket."
 

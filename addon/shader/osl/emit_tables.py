@@ -13,7 +13,7 @@ from ....reference_py.lobes.lobe import DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
 from ..inputs import base_color_input
 from .block import Block, Closure, numbers
-from .frame import FRAME, FRAME_FUNCTIONS, table_view
+from .view_frame import FRAME, FRAME_FUNCTIONS, table_view
 
 NOTE = "Tables hold the values that the stack had."
 

@@ -9,7 +9,7 @@ from ....reference_py.material.stack import Base, Layer, Stack
 from ....reference_py.optics.bases import ConductorBase
 from ....reference_py.optics.optical_stack import OpticalStack
 from .block import Closure
-from .frame import view
+from .view_frame import view
 
 
 @dataclass(frozen=True)
