@@ -13,7 +13,7 @@ from math import isfinite
 import bpy
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.material.schema import COLOR, FLOAT, NORMAL, Parameter
+from ...reference_py.material.schema import COLOR, FLOAT, Parameter
 from ..blender import environment
 from ..blender.texture_limit import texture_limit
 from ..jobs import bakes
@@ -68,7 +68,6 @@ CODES = {
     "link_muted": (WARNING, "{layer}: the link to {label} is muted", "Unmute"),
     "image_missing": (ERROR, "{layer}: {label} has a texture without an image", "Remove the Link"),
     "tables_shrunk": (WARNING, "Simplify's texture limit of {limit} px shrinks the tables of the stock nodes, which are {size} px: their values are wrong", "Raise the Limit"),
-    "normal_ignored": (WARNING, "{layer}: stock nodes leave its normal out", ""),
     "texture_ignored": (WARNING, "{layer}: {label} has a texture or animation, which stock nodes cannot follow: they show {shown}", ""),
     "value_rests": (WARNING, "{layer}: the texture or animation of {label} has no effect, as it is given by {given}", ""),
     "usd_misled": (WARNING, "USD export takes the node {node}, which was there before; delete it if it is of no use", ""),
@@ -347,15 +346,11 @@ def _ignored(material, is_note: bool) -> Iterator[Finding]:
         mean = mean_name(node_of(element).inputs[label])
         taken = f"the mean of {mean}" if mean else "its value at this frame"
         yield Finding("texture_ignored", {"layer": element.name, "label": label, "shown": taken}, node_of(element).name, label, is_note)
-    stack = stack_of(material)
-    for element, values in zip((*shown, lamina.base), (*stack.layers, stack.base)):
-        if values.has(NORMAL):
-            yield Finding("normal_ignored", {"layer": element.name}, node_of(element).name, is_note=is_note)
 
 
 def _ignored_names(material) -> list[str]:
     """What stock nodes leave out, in words."""
     try:
-        return [f"the {f.words['label'].lower() if f.label else 'normal'} of {f.words['layer']}" for f in _ignored(material, True)]
+        return [f"the {f.words['label'].lower()} of {f.words['layer']}" for f in _ignored(material, True)]
     except LaminaError:
         return []

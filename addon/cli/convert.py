@@ -6,8 +6,7 @@ from pathlib import Path
 from ...reference_py.atomic import require_writable, write_text
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange import SUFFIX
-from ...reference_py.exchange.layer_graph import LayeredMaterial
-from ...reference_py.exchange.materialx import Material, load_mtlx
+from ...reference_py.exchange.materialx import AnyMaterial, load_mtlx
 from ...reference_py.exchange.report import shown
 from ...reference_py.exchange.targets import TARGETS, convert_to, suffix_of, text_of
 from ...reference_py.material.stack import Stack
@@ -79,7 +78,7 @@ def _import(options) -> None:
     say("convert")(f"wrote {options.output}")
 
 
-def _with_means(material: Material | LayeredMaterial) -> tuple[Material | LayeredMaterial, list[str]]:
+def _with_means(material: AnyMaterial) -> tuple[AnyMaterial, list[str]]:
     """A material with the means of its images as values, as a stack file has no textures, and what no image gave."""
     files = {given: image for given, image in material.images.items() if Path(image.file).is_file() and not image.is_normal}
     notes = [f"lost: {given} image {image.file}: there is no such file" for given, image in material.images.items() if not Path(image.file).is_file()]

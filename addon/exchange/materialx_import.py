@@ -9,8 +9,7 @@ import bpy
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.conversion import Converted
-from ...reference_py.exchange.layer_graph import LayeredMaterial
-from ...reference_py.exchange.materialx import Material, load_mtlx
+from ...reference_py.exchange.materialx import AnyMaterial, load_mtlx
 from ...reference_py.exchange.materialx_graph import Image
 from ...reference_py.exchange.report import Report
 from ...reference_py.material.stack import Stack
@@ -66,7 +65,7 @@ def import_materials(path: str, chosen: Callable[[bpy.types.Material], tuple[str
     return made, left_out
 
 
-def apply_material(target: bpy.types.Material, source: Material | LayeredMaterial, tier: str, backend: str) -> Imported:
+def apply_material(target: bpy.types.Material, source: AnyMaterial, tier: str, backend: str) -> Imported:
     """Give a material the stack and the images of one of a file. Raises LaminaError, and leaves it as it was."""
     there = [given for given, image in source.images.items() if Path(image.file).is_file()]
     notes = [f"lost: {given} image {image.file}: there is no such file" for given, image in source.images.items() if given not in there]

@@ -22,7 +22,7 @@ from ...reference_py.material.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
 from ...reference_py.material.stack import Stack
 from ..blender.versions import node_tree
 from ..shader.inputs import BASE, layer_owner
-from ..shader.nodes.stock_nodes import closure_count, eevee_stock_tables, left_out, stock_tables
+from ..shader.nodes.stock_nodes import closure_count, eevee_stock_tables, stock_tables
 from ..shader.osl.generate import generate
 from .backend import AUTO, NODES, OSL, branches_here, notice
 from .base_kind import change_kind, lost_by_change
@@ -220,8 +220,6 @@ def _keep_facts(lamina, shown: _Shown) -> None:
         notes.append(made.reason)
     elif not holds_values(lamina.tier) and (others := ", ".join(sorted(live_methods(made) - {lamina.tier}))):
         notes.append(f"{others}, as the tier {lamina.tier} knows no thin films")
-    if OSL not in branches_here(lamina.backend):
-        notes.append(left_out(shown.stack))
     if lamina.lobe_count > MAX_CLOSURES:
         notes.append(f"{lamina.lobe_count} closures, more than the {MAX_CLOSURES} that OptiX takes")
     lamina.note = "; ".join(filter(None, notes))

@@ -105,7 +105,7 @@ def _tilted(slope: np.ndarray) -> np.ndarray:
 
 def _table(table):
     if isinstance(table, OrenNayarTable):
-        return DiffuseTable(oren_nayar_albedo(knot_cosines(), table.weight, table.sigma_deg, table.power), table.axis)
+        return DiffuseTable(oren_nayar_albedo(knot_cosines(), table.weight, table.sigma_deg, table.power), table.axis, table.normal)
     if not isinstance(table, GlossyTable):
         return table
     cosines = knot_cosines()

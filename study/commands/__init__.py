@@ -6,7 +6,7 @@ CHARTS = {
     "lobes": "lobe_errors", "presets": "preset_errors", "tiers": "tiers", "error": "error_by_angle", "grazing": "double_grazing", "stress": "stress_chart", "suite": "suite_chart",
     "pareto": "pareto_chart", "pair": "pair", "cost_factors": "cost_factors", "fit": "fit_charts", "scale": "scale", "viewport": "viewport_chart",
     "base_color": "base_color", "exchange": "exchange", "eevee": "eevee_energy", "scattering": "scattering", "pools": "pools", "peers": "peers",
-    "live_values": "live_values", "mitsuba": "mitsuba", "published": "published", "sliders": "sliders", "tint_spectrum": "tint_spectrum", "spectral": "spectral",
+    "live_values": "live_values", "mitsuba": "mitsuba", "published": "published", "sliders": "sliders", "tint_spectrum": "tint_spectrum", "spectral": "spectral", "closures": "closures",
 }  # fmt: skip
 # Names that charts had before, and still answer to.
 OLD_NAMES = {"network": "lobes", "levers": "cost_factors"}

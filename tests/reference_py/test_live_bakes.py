@@ -66,6 +66,7 @@ def drawn(rng, stack: Stack, live) -> Stack:
     return stack
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "layer, base, live, albedo, shape",
     [

@@ -36,11 +36,15 @@ class LiveNodes:
     Raises LaminaError for an axis that it does not know.
     """
 
-    def __init__(self, build: Builder, view: View, tables: LiveTables, owners: Sequence[str]):
+    def __init__(self, build: Builder, view: View, tables: LiveTables, owners: Sequence[str], plan: "_Plan | None" = None):
         self._build, self._view, self._tables, self._owners = build, view, tables, owners
-        self._plan = _Plan(tables)
+        self._plan = plan or _Plan(tables)
         self._vectors: dict[tuple[int, int], bpy.types.NodeSocket] = {}
         self._sockets: dict[tuple, bpy.types.NodeSocket] = {}
+
+    def about(self, view: View) -> "LiveNodes":
+        """The same seen from another normal; they share the image."""
+        return LiveNodes(self._build, view, self._tables, self._owners, self._plan)
 
     def weight(self, number: int):
         """A color of the working space: a socket, or four numbers."""
@@ -111,7 +115,7 @@ class LiveNodes:
 
     def _looked_up(self, around: tuple, up) -> bpy.types.NodeSocket:
         node = self._build.node("ShaderNodeTexEnvironment")
-        node.image, node.interpolation, node.projection = self._image, "Linear", "EQUIRECTANGULAR"
+        node.image, node.interpolation, node.projection = self._plan.made, "Linear", "EQUIRECTANGULAR"
         self._build.link(self._build.combined([*around, up]), node.inputs["Vector"])
         return node.outputs["Color"]
 
@@ -122,10 +126,6 @@ class LiveNodes:
         for source, name in ((share, "Factor_Float"), (first, "A_Vector"), (second, "B_Vector")):
             self._build.link(source, sockets[name])
         return sockets["Result_Vector"]
-
-    @cached_property
-    def _image(self) -> bpy.types.Image:
-        return self._plan.image.make()
 
     def _up(self, where: int, block: int):
         """tan t of the row of a block."""
@@ -232,6 +232,11 @@ class _Plan:
             for i, part in enumerate(self._parts[where]):
                 part.block, part.channel = blocks[i // 3], i % 3
                 self.is_root.setdefault((where, part.block), []).append(part.is_root)
+
+    @cached_property
+    def made(self) -> bpy.types.Image:
+        """The image in this file."""
+        return self.image.make()
 
     def _lobe(self, table: LiveTable) -> dict[str, list[_Part]]:
         table, lobe = rooted(table, self._tables.is_color), {}
