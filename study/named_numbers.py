@@ -370,5 +370,7 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "film in 5.3": lambda: closures_error("film on a rough dielectric", "cycles dielectric_bsdf", "5.3", 1),
     "film by lamina": lambda: closures_error("film on a rough dielectric", "lamina", "all", 1),
     "copper under thick amber": lambda: span([float(r[f"delta_e_{tint}"]) for r in where("spectral", thickness="5") for tint in ("rgb", "tint_spectrum")], 1),
+    "blue paint cloudy": lambda: plain(cell("fit_blue_paint", "rms_log", model="adding, 1 cloudy layer over lambert"), 4),
+    "blue paint two cloudy": lambda: plain(cell("fit_blue_paint", "rms_log", model="adding, 2 cloudy layers over lambert"), 4),
     "blue paint asked": lambda: plain(cell("fit_blue_paint", "rms_log", model=GGX) / 1.5, 4),
 })  # fmt: skip

@@ -45,6 +45,8 @@ _RECOVERY_COLUMNS = (
     "cpu_s",
 )
 _METRIC_STACKS = 10
+# Of fits with a medium that scatters.
+_CLOUDY_STARTS = 2
 _WAVELENGTH_NM, _STEEP_DEG = 550.0, 65.0
 
 
@@ -178,6 +180,8 @@ def _blue_paint(folder: Path, report: Report) -> None:
     rows += [(r.name, str(r.parameters), f"{r.error:.4f}", f"{r.shape:.4f}") for r in compared]
     for layers in (2, 3):
         rows.append(_paint_row(metric, fit_structure(measurement, Structure.of(layers, "oren_nayar"), "weidlich_wilkie")))
+    for layers in (1, 2):
+        rows.append(_paint_row(metric, fit_structure(measurement, Structure.of(layers, "lambert", cloudy=True), starts=_CLOUDY_STARTS)))
     rows.append(("any sum of lobes of stacks", "-", f"{least_error(metric):.4f}", "-"))
     rows += _where_it_is_hard(metric)
     columns = ("model", "parameters", "rms_log", "shape_error")

@@ -36,7 +36,7 @@ def lamina(*arguments, code: int = 0) -> tuple[str, str]:
 @pytest.fixture(scope="module")
 def built(tmp_path_factory, registered_lamina) -> Path:
     folder = tmp_path_factory.mktemp("production") / "Größe & Lack, 漆"
-    production_scene.build(folder, backend="nodes")
+    production_scene.build(folder, backend="nodes", osl=False)
     return folder
 
 
