@@ -18,6 +18,7 @@ MODULES = (
     "addon/exchange/conversion",
     "addon/exchange/mask_bake",
     "addon/exchange/materialx_import",
+    "addon/exchange/selection_export",
     "addon/exchange/sources",
     "addon/exchange/textures",
     "addon/jobs/prefetch",

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from support.coats import CLAY, GLAZE, METAL, VARNISH, WOOD
+from support.coats import CLAY, GLAZE, METAL, MILK, VARNISH, WOOD
 from support.goniometer import SUN_THETA_DEG, beckmann_sampling_bias, highlight_window, parity, tolerance
 
 from lamina.addon.blender.versions import HAS_DIELECTRIC
@@ -102,8 +102,9 @@ LIVE = pytest.mark.parametrize(
         (GLAZE, METAL, {(0, "Tint"): (0.3, 0.8, 0.02)}),
         (VARNISH, METAL, {(None, "Reflectance"): (0.02, 0.5, 0.97), (None, "Edge Color"): (0.2, 0.9, 0.5)}),
         (VARNISH, CLAY, {(None, "Slope Deviation"): 42.0, (None, "Color"): (0.6, 0.1, 0.9)}),
+        (MILK, WOOD, {(0, "Density"): 1.7, (0, "Scatter Color"): (0.3, 0.85, 0.05)}),
     ],
-    ids=["roughness and thickness", "tint and base color", "index", "tint over a metal", "metal", "rough base"],
+    ids=["roughness and thickness", "tint and base color", "index", "tint over a metal", "metal", "rough base", "a medium's density and color"],
 )
 
 

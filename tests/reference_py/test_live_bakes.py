@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.coats import CLAY, GLAZE, METAL, VARNISH, WOOD
+from support.coats import CLAY, GLAZE, METAL, MILK, VARNISH, WOOD
 
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.lobes import cache
@@ -55,7 +55,7 @@ def test_live_values_do_not_make_another_bake(monkeypatch):
     assert key_of(stack, "baked", live=live) != key_of(with_layer(stack, ior=1.7), "baked", live=live)
 
 
-RANGES = {"roughness": (0.05, 0.9), "thickness": (0.05, 3.0), "ior": (1.2, 2.2), "sigma_deg": (0.0, 60.0)}
+RANGES = {"roughness": (0.05, 0.9), "thickness": (0.05, 3.0), "ior": (1.2, 2.2), "sigma_deg": (0.0, 60.0), "density": (0.05, 12.0)}
 VALUES = 4
 
 
@@ -79,6 +79,9 @@ def drawn(rng, stack: Stack, live) -> Stack:
         (VARNISH, CLAY, [(None, "color")], 0.006, 1.6),  # bakes of each alone became closer, this did not
         (VARNISH, WOOD, [(0, "ior")], 0.004, 1.1),
         (VARNISH, WOOD, [(0, "tint"), (None, "color")], 0.006, 1.6),
+        (MILK, METAL, [(0, "density")], 0.004, 1.45),
+        (MILK, METAL, [(0, "scatter_color")], 0.004, 1.2),
+        (MILK, WOOD, [(0, "density"), (0, "scatter_color")], 0.0105, 1.6),
     ],
 )
 def test_values_are_as_right_as_constants(layer, base, live, albedo, shape):

@@ -13,12 +13,24 @@ import bpy
 import numpy as np
 
 from ....reference_py.errors import LaminaError
-from ....reference_py.lobes.axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, IndexAxis, NumberAxis, ReflectanceAxis, ThicknessAxis
+from ....reference_py.lobes.axes import (
+    HALF_DEPTH,
+    REFLECTANCE_OFFSET,
+    Axis,
+    DepthAxis,
+    EdgeAxis,
+    IndexAxis,
+    NumberAxis,
+    ReflectanceAxis,
+    ScatterColorAxis,
+    ThicknessAxis,
+)
 from ....reference_py.lobes.live_grid import MIN_ALPHA
 from ....reference_py.lobes.live_tables import POWER, LiveTable, LiveTables, rooted
 from ....reference_py.lobes.view_table import KNOTS
 from ....reference_py.material.place import Place
 from ....reference_py.optics.interface import TINT_FLOOR, optical_depth
+from ....reference_py.optics.scattering import FIT
 from ..inputs import place_input
 from ..working_space import into_working, primaries
 from .node_builder import Builder
@@ -184,16 +196,26 @@ class LiveNodes:
         if isinstance(axis, IndexAxis):
             return [build.math("DIVIDE", build.math("SUBTRACT", first, 1.0), build.math("ADD", first, 1.0))] * 4
         if isinstance(axis, ThicknessAxis):
-            return [build.math("DIVIDE", first, build.math("ADD", first, 1.0))] * 4
+            value = build.math("MAXIMUM", first, 0.0)
+            return [build.math("DIVIDE", value, build.math("ADD", value, axis.half(self._tables.stack)))] * 4
         if isinstance(axis, DepthAxis):
             channels = [build.math("DIVIDE", depth, build.math("ADD", depth, HALF_DEPTH)) for depth in self._depths(axis)]
         elif isinstance(axis, ReflectanceAxis):
             channels = [build.math("LOGARITHM", build.math("ADD", c, REFLECTANCE_OFFSET), math.e) for c in self._channels(first)]
         elif isinstance(axis, EdgeAxis):
             channels = [build.math("SUBTRACT", 1.0, build.math("SQRT", build.math("SUBTRACT", 1.0, c))) for c in self._channels(first)]
+        elif isinstance(axis, ScatterColorAxis):
+            channels = [self._whiteness(c) for c in self._channels(first)]
         else:
             raise LaminaError(f"no stock nodes follow the axis {type(axis).__name__}")
         return [*channels, build.math("MULTIPLY", reduce(lambda a, b: build.math("ADD", a, b), channels), 1.0 / 3.0)]
+
+    def _whiteness(self, color):
+        """`ScatterColorAxis` of one channel."""
+        build, (a, b) = self._build, FIT
+        middle = build.math("MULTIPLY_ADD", color, b, 1.0 + a)
+        under_root = build.math("MULTIPLY_ADD", middle, middle, build.math("MULTIPLY_ADD", color, 4.0 * a, -4.0 * a))
+        return build.math("MULTIPLY_ADD", build.math("SUBTRACT", middle, build.math("SQRT", under_root)), -0.5 / a, 1.0)
 
     def _depths(self, axis: DepthAxis) -> list:
         build, (tint, thickness) = self._build, (Place(axis.layer, name) for name in ("tint", "thickness"))

@@ -4,13 +4,25 @@
 import numpy as np
 
 from ....reference_py.errors import LaminaError
-from ....reference_py.lobes.axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, IndexAxis, NumberAxis, ReflectanceAxis, ThicknessAxis
+from ....reference_py.lobes.axes import (
+    HALF_DEPTH,
+    REFLECTANCE_OFFSET,
+    Axis,
+    DepthAxis,
+    EdgeAxis,
+    IndexAxis,
+    NumberAxis,
+    ReflectanceAxis,
+    ScatterColorAxis,
+    ThicknessAxis,
+)
 from ....reference_py.lobes.live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy
 from ....reference_py.lobes.lobe import DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS
 from ....reference_py.material.place import Place
 from ....reference_py.material.schema import COLOR, SCHEMA
 from ....reference_py.material.stack import Stack
+from ....reference_py.optics.scattering import FIT
 from .block import Block, Closure, numbers
 from .emit_tables import clamped_color
 from .view_frame import FRAME_FUNCTIONS, Frame
@@ -76,7 +88,7 @@ class _Writer:
             self._index = first
             return (name,) * 2
         if isinstance(axis, ThicknessAxis):
-            self._say(f"float {name} = {first} / ({first} + 1.0);")
+            self._say(f"float {name} = max({first}, 0.0);", f"{name} /= {name} + {axis.half(stack):.9g};")
             return (name,) * 2
         if isinstance(axis, DepthAxis):
             self.functions.append("medium.h")
@@ -85,6 +97,13 @@ class _Writer:
             self._say(f"color {name} = log(clamp({first}, color(0.0), color(1.0)) + {REFLECTANCE_OFFSET:g});")
         elif isinstance(axis, EdgeAxis):
             self._say(f"color {name} = 1.0 - sqrt(1.0 - clamp({first}, color(0.0), color(1.0)));")
+        elif isinstance(axis, ScatterColorAxis):
+            a, b = FIT
+            bounded = f"clamp({first}, color(0.0), color(1.0))"
+            self._say(
+                f"color {name} = {1.0 + a:g} + {b:g} * {bounded};",
+                f"{name} = 1.0 - ({name} - sqrt({name} * {name} - {4.0 * a:g} * (1.0 - {bounded}))) * {0.5 / a:.9g};",
+            )
         else:
             raise LaminaError(f"no shader follows the axis {type(axis).__name__}")
         return name, f"mean_of({name})"
