@@ -16,7 +16,7 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 FIRST_HALF := $(shell cat tests/first_half.txt)
 QUICK := -q -m "not blender and not slow"
 
-.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes bake-errors start felt branches surroundings numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures matrix licences clean
+.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes bake-errors start felt branches budget surroundings house numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures release matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -27,6 +27,7 @@ help:
 	@echo "make bench     print how fast the reference models are"
 	@echo "make zip       build the extension into dist/"
 	@echo "make validate  build it and check it with Blender's own tool"
+	@echo "make release   build and validate it, and put its notes and the listing for Blender's extensions platform into dist/listing"
 	@echo "make blends    build the .blend files of demo_blend/ anew"
 	@echo "make scenes    render the pictures of the demo scenes into figures/scenes (half an hour)"
 	@echo "make thumbnails  render the presets' pictures into addon/presets"
@@ -50,9 +51,11 @@ help:
 	@echo "make bake-errors  compare the errors of all bakes of chart tiers with those of a former commit (twenty minutes)"
 	@echo "make start     measure what the extension adds to Blender's start (two minutes on a quiet machine; LAMINA_BLENDER names a Blender)"
 	@echo "make felt      measure what a hand waits for: opening a file of 200 materials, a preset, a layer (two minutes on a quiet machine)"
+	@echo "make budget    measure what a material costs with OSL and without, beside Principled: nodes, text, start, shading, growth (ten minutes on a quiet machine)"
 	@echo "make branches  measure what both branches of a material cost beside one alone (five minutes on a quiet machine)"
 	@echo "make gpu       hold ten presets on this machine's graphics card against the model (three minutes, no network; LAMINA_BLENDER names a Blender from blender.org)"
 	@echo "make surroundings  render one file in its four surroundings (LAMINA_BLENDER names a Blender that has EEVEE)"
+	@echo "make house     count how the code hangs together, beside what it was before it was rebuilt (a minute)"
 	@echo "make numbers   put the numbers of the tables into README.md and docs/ (a test compares)"
 	@echo "make fuzz      throw 100000 broken inputs at every reader"
 	@echo "make faults    put deliberate faults into a copy, one at a time, and say which the tests catch (three minutes)"
@@ -118,6 +121,9 @@ zip: $(READY) docs
 validate: zip
 	$(RUN) tools/extension.py validate dist/*.zip
 
+release: validate
+	$(RUN) tools/release.py dist/listing dist/*.zip
+
 blends: $(READY)
 	$(RUN) -m lamina.demo_blend.build_presets
 	$(RUN) -m lamina.demo_blend.scenes build
@@ -132,7 +138,7 @@ assets: $(READY)
 	$(RUN) -m lamina.demo_blend.assets
 
 charts: $(READY)
-	for chart in lobes presets tiers error stress suite scattering; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
+	for chart in lobes presets tiers error stress suite scattering peers; do $(VENV)/bin/lamina chart $$chart -o figures || exit 1; done
 	$(VENV)/bin/lamina figures --out figures/paper
 
 $(VENV)/mitsuba: $(READY) requirements/mitsuba.txt
@@ -200,12 +206,18 @@ start: $(READY)
 branches: $(READY)
 	$(RUN) tests/benchmarks/branches.py figures/branches.csv
 
+budget: $(READY)
+	$(RUN) tests/benchmarks/budget.py figures/budget.csv
+
 surroundings: $(READY)
 	$(RUN) tests/benchmarks/surroundings.py figures/surroundings.png figures/surroundings.csv
 
 gpu:
 	@test -n "$(LAMINA_BLENDER)" || { echo "make gpu: LAMINA_BLENDER names no Blender; give the program of a folder from blender.org: make gpu LAMINA_BLENDER=/path/to/blender"; exit 2; }
 	@"$(LAMINA_BLENDER)" --background --factory-startup --python-exit-code 1 --python tests/benchmarks/gpu.py -- figures/gpu.csv $(DEVICES)
+
+house: zip
+	$(RUN) -m lamina.study.house
 
 numbers: $(READY)
 	$(RUN) -m lamina.study.numbers
@@ -227,6 +239,7 @@ $(DOCS)/ready: requirements/docs.txt
 
 manual-pictures: zip
 	$(RUN) tests/window/manual.py dist/lamina-*.zip docs/pictures
+	cp docs/pictures/first_hour_car_paint.jpg tools/listing/featured.jpg
 
 sliders: $(READY)
 	$(VENV)/bin/lamina chart sliders -o docs/pictures

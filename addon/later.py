@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What Blender need not import when it starts: modules that are imported when something of them is first asked for.
 
-What registers classes, draws and listens imports these as modules (`from ..material import reading`), never names out
+Once an artist sees the panel they are read one by one between the window's events (`read_soon`), so that the first click
+waits for none. What registers classes, draws and listens imports these as modules (`from ..material import reading`), never names out
 of them, and so costs Blender's start neither numpy nor the reference. Where `import_later` was not called, as on the
 command line, they are imported as ever.
 """
 
 import sys
+from collections.abc import Callable
 from importlib import import_module
 from importlib.util import find_spec, module_from_spec
 from types import ModuleType
@@ -16,10 +18,13 @@ MODULES = (
     "addon/exchange/conversion",
     "addon/exchange/mask_bake",
     "addon/exchange/materialx_import",
+    "addon/exchange/selection_export",
     "addon/exchange/sources",
     "addon/exchange/textures",
     "addon/jobs/prefetch",
     "addon/library/preset_assets",
+    "addon/library/preset_process",
+    "addon/material/chosen",
     "addon/material/elements",
     "addon/material/entry",
     "addon/material/hand_over",
@@ -54,6 +59,10 @@ MODULES = (
 )
 
 
+# Seconds between two of them: events of the window come first.
+_BETWEEN = 0.02
+
+
 class _Unread(ModuleType):
     """A module whose text is run when a name is asked for that it has not.
 
@@ -63,9 +72,27 @@ class _Unread(ModuleType):
     def __getattr__(self, name: str):
         if name.startswith("__"):
             raise AttributeError(name)
-        self.__class__ = ModuleType
-        self.__spec__.loader.exec_module(self)
+        _read(self)
         return getattr(self, name)
+
+
+def _read(module: ModuleType) -> None:
+    module.__class__ = ModuleType
+    module.__spec__.loader.exec_module(module)
+
+
+def read_soon() -> Callable[[], float | None]:
+    """A timer that reads one unread module whenever it is called. Returns the seconds to the next call, None once all are read."""
+    package = __package__.rpartition(".")[0]
+    names = [f"{package}.{path.replace('/', '.')}" for path in MODULES]
+
+    def read_one() -> float | None:
+        unread = [name for name in names if type(sys.modules.get(name)) is _Unread]
+        if unread:
+            _read(sys.modules[unread[0]])
+        return _BETWEEN if len(unread) > 1 else None
+
+    return read_one
 
 
 def import_later() -> None:

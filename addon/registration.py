@@ -5,7 +5,7 @@ import bpy
 
 from ..reference_py.lobes.cache import keep_in
 from .blender.user_folders import cache_folder
-from .jobs import bakes, fitting, older_groups, staleness, stamp_note
+from .jobs import bakes, fitting, older_groups, saving, staleness, stamp_note
 from .library import asset_library, preset_icons
 from .material import properties, seen_color
 from .operators import (
@@ -54,6 +54,7 @@ def register() -> None:
     asset_library.register()
     keys.register()
     bpy.types.TOPBAR_MT_file_import.append(exchange_operators.show_import)
+    bpy.types.TOPBAR_MT_file_export.append(exchange_operators.show_export)
     keep_in(cache_folder(), lambda message: print(f"Lamina: {message}"))
     for handlers, handler in (*older_groups.handlers(), *staleness.handlers(), *stamp_note.handlers(), *bakes.handlers()):
         handlers.append(handler)
@@ -64,6 +65,8 @@ def unregister() -> None:
         handlers.remove(handler)
     bakes.stop()
     fitting.stop()
+    saving.stop()
+    bpy.types.TOPBAR_MT_file_export.remove(exchange_operators.show_export)
     bpy.types.TOPBAR_MT_file_import.remove(exchange_operators.show_import)
     keys.unregister()
     asset_library.unregister()

@@ -22,7 +22,7 @@ from ..reference_py.fit.solve import least_squares
 from ..reference_py.lobes.methods import cost, make_lobe_set
 from .charts.output import print_table
 from .constants_file import rounded, write_constants
-from .pareto.surfaces import load_surface
+from .pareto.surface_types import load_surface
 from .tables import FIGURES, read_table, write_table
 
 FILE = Path(cost.__file__)

@@ -19,7 +19,7 @@ from ..reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, Ta
 from ..reference_py.material.stack import Stack
 from ..reference_py.optics.microfacet import GGX
 from .pareto.bench import Stage, ball, sun_stage, with_material
-from .pareto.materials import glossy_material, group_material, table_material
+from .pareto.compared_materials import glossy_material, group_material, table_material
 
 SIZE, SAMPLES = 128, 16
 # (diffuse, mirrors, glossy lobes)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Is f of `adding` right where view and light both graze the surface? By direction, with the walks of `position_free` as judge.
+"""Is f of `adding` right where view and light both graze the surface? By direction, with the walks of `position_free` as judge; of one surface over black,
+where these miss rare and bright facets and do not know it, those of `two_ended`.
 
 Errors are relative to f itself: beside the peak of such a view, a hundred times as bright, they would not show.
 """
@@ -12,10 +13,12 @@ import numpy as np
 from ..reference_py.material import presets
 from ..reference_py.material.stack import Stack
 from ..reference_py.optics.frame import spherical
+from ..reference_py.optics.optical_stack import OpticalStack
 from ..reference_py.registry import make_model
+from .two_ended import reflected_f
 
 THETA_O_DEG, THETA_I_DEG, AZIMUTHS_DEG = (76.0, 83.0, 86.0), (75.0, 79.0, 85.0), (60.0, 150.0, 177.0)
-WALKS = 1 << 15
+WALKS, TWO_ENDED_WALKS = 1 << 15, 1 << 21
 SEEN = 1e-3
 """A direction counts if its f cos is above this share of the mean over the hemisphere."""
 STATED, SIGMAS = 0.035, 4.0
@@ -35,6 +38,9 @@ STACKS = {
     "clean_copper": presets.load("clean_copper"),
     "frosted_paint": presets.load("frosted_paint"),
 }
+
+
+OVER_BLACK = ("black_plastic", "rough_black_plastic")
 
 
 @dataclass(frozen=True)
@@ -71,7 +77,19 @@ def measured(name: str, walks: int = WALKS, seed: int = 1) -> Iterator[Direction
     degrees, wo, wi = directions()
     adding = make_model("adding", STACKS[name])
     f, mean = adding.f(wo, wi), adding.albedo(wo) / (2.0 * np.pi)
-    walked, stderr = make_model("position_free", STACKS[name], walks=walks, seed=seed).f_stderr(wo, wi)
+    walked, stderr = _two_ended(STACKS[name], wo, wi, seed) if name in OVER_BLACK else _walked(STACKS[name], wo, wi, walks, seed)
     seen = np.all(walked * wi[:, 2:] > SEEN * mean, axis=1)
     for row in zip(degrees.tolist(), f, walked, stderr, seen.tolist()):
         yield Direction(name, tuple(row[0]), *row[1:])
+
+
+def _walked(stack: Stack, wo, wi, walks: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    return make_model("position_free", stack, walks=walks, seed=seed).f_stderr(wo, wi)
+
+
+def _two_ended(stack: Stack, wo, wi, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """The same of one surface over black."""
+    interface, rng = OpticalStack.of(stack).interfaces[0], np.random.default_rng(seed)
+    pairs = [reflected_f(interface.eta, interface.alpha, interface.distribution, *pair, TWO_ENDED_WALKS, rng) for pair in zip(wo, wi)]
+    f, stderr = (np.repeat(np.array(part)[:, None], 3, axis=1) for part in zip(*pairs))
+    return f, stderr

@@ -181,6 +181,10 @@ def field(blender: str, verdict: str | None = None) -> str:
     return str(len(where("field", blender=blender, **({"verdict": verdict} if verdict else {}))))
 
 
+def house(what: str, when: str) -> str:
+    return where("house", what=what)[0][when]
+
+
 # --- batches, farms, work that grows ---
 
 
@@ -222,6 +226,12 @@ def within(noise: str, of: str, most: float) -> str:
 def glaze_error(name: str, glaze: str, thickness: str) -> str:
     """Over white."""
     return percent(cell("tint_spectrum", name, glaze=glaze, base="white", thickness=thickness))
+
+
+def closures_error(surface: str, closures: str, blender: str, digits: int = 0) -> str:
+    """Of the worst view."""
+    (row,) = where("closures", surface=surface, closures=closures, blender=blender)
+    return percent(max(float(value) for name, value in row.items() if name.startswith("error_")), digits)
 
 
 def blue_paint(one: str, other: str, suffix: str = "") -> str:
@@ -305,6 +315,10 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "field 5.3": partial(field, "5.3"),
     "field limits": partial(field, "4.5", "limit"),
     "field limits 5.3": partial(field, "5.3", "limit"),
+    **{f"house {name} {when}": partial(house, what, when)
+       for name, what in (("nodes", "folders and top files in the import graph"), ("circles", "of them in a circle"), ("rooms", "files from a lobe set to its OSL text"),
+                          ("returns", "calls back into one of them"), ("kinds", "comparisons with a kind's name"))
+       for when in ("before", "now")},
     "killed pictures": lambda: rows("killed_batch")[-1]["pictures_there"],
     "killed times": lambda: word(len(where("killed_batch", how="killed"))),
     "farm task": lambda: plain(line(rows("farm_tasks"), "pictures_per_task", "seconds_per_task")[1], 1) + " s",
@@ -351,5 +365,12 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "glaze in rgb, blue": partial(glaze_error, "rgb_blue", "amber", "5"),
     "narrow glaze in rgb, blue": partial(glaze_error, "rgb_blue", "narrow yellow", "2"),
     "glaze as spectrum": partial(glaze_error, "spectrum_blue", "amber", "5"),
+    "layer over paint": lambda: closures_error("smooth coat over paint", "cycles layer", "5.3"),
+    "lamina over paint": lambda: closures_error("smooth coat over paint", "lamina", "all", 1),
+    "film in 5.3": lambda: closures_error("film on a rough dielectric", "cycles dielectric_bsdf", "5.3", 1),
+    "film by lamina": lambda: closures_error("film on a rough dielectric", "lamina", "all", 1),
+    "copper under thick amber": lambda: span([float(r[f"delta_e_{tint}"]) for r in where("spectral", thickness="5") for tint in ("rgb", "tint_spectrum")], 1),
+    "blue paint cloudy": lambda: plain(cell("fit_blue_paint", "rms_log", model="adding, 1 cloudy layer over lambert"), 4),
+    "blue paint two cloudy": lambda: plain(cell("fit_blue_paint", "rms_log", model="adding, 2 cloudy layers over lambert"), 4),
     "blue paint asked": lambda: plain(cell("fit_blue_paint", "rms_log", model=GGX) / 1.5, 4),
 })  # fmt: skip

@@ -12,6 +12,10 @@ import pytest
 SLOW = Path(__file__).with_name("slow.txt")
 QUICK = 0.2
 
+# One thread for numpy's matrices, here and in all that tests start: they are small, and two halves of the suite whose threads wait
+# for each other by spinning took a third more CPU and twice the time. Before numpy is read, which asks once.
+os.environ |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+
 # A shell lets its background jobs, and so all that tests start, ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 

@@ -13,8 +13,9 @@ from math import isfinite
 import bpy
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.material.schema import COLOR, FLOAT, NORMAL, Parameter
+from ...reference_py.material.schema import COLOR, FLOAT, Parameter
 from ..blender import environment
+from ..blender.texture_limit import texture_limit
 from ..jobs import bakes
 from ..material import state
 from ..material.backend import AUTO, NODES, OSL, branches_here
@@ -32,6 +33,7 @@ from ..material.script_node import is_untouched
 from ..material.shader_node import shader_of, surface_of
 from ..shader.inputs import BASE, layer_owner
 from ..shader.nodes.node_groups import is_untouched as group_is_untouched
+from ..shader.nodes.node_groups import tables_size
 from .check_mends import MENDS
 
 # A note is of what does not show in this scene.
@@ -65,7 +67,7 @@ CODES = {
     "link_broken": (ERROR, "{layer}: the link to {label} is broken", "Remove the Link"),
     "link_muted": (WARNING, "{layer}: the link to {label} is muted", "Unmute"),
     "image_missing": (ERROR, "{layer}: {label} has a texture without an image", "Remove the Link"),
-    "normal_ignored": (WARNING, "{layer}: stock nodes leave its normal out", ""),
+    "tables_shrunk": (WARNING, "Simplify's texture limit of {limit} px shrinks the tables of the stock nodes, which are {size} px: their values are wrong", "Raise the Limit"),
     "texture_ignored": (WARNING, "{layer}: {label} has a texture or animation, which stock nodes cannot follow: they show {shown}", ""),
     "value_rests": (WARNING, "{layer}: the texture or animation of {label} has no effect, as it is given by {given}", ""),
     "usd_misled": (WARNING, "USD export takes the node {node}, which was there before; delete it if it is of no use", ""),
@@ -113,7 +115,12 @@ def find(material: bpy.types.Material, scene: bpy.types.Scene, preferences: bpy.
         found = [Finding("not_editable", {"reason": str(error)})]
     if material.node_tree is None:
         return found
-    found += [*_machine(material, scene, preferences), *_elements(material), *_shader(material), *_stock(material, not why_stock_nodes(scene, preferences))]
+    found += [
+        *_machine(material, scene, preferences),
+        *_elements(material),
+        *_shader(material),
+        *_stock(material, scene, not why_stock_nodes(scene, preferences)),
+    ]
     if before := usd_takes(material):
         found.append(Finding("usd_misled", {"node": before.name}, before.name, is_note=True))
     return sorted(found, key=lambda f: (ERROR, WARNING, NOTE).index(f.level))
@@ -287,11 +294,14 @@ def _hiding(tree, surface) -> Iterator[Finding]:
         yield Finding("output_rests", {"output": active.name}, active.name)
 
 
-def _stock(material, osl_shows: bool) -> Iterator[Finding]:
+def _stock(material, scene, osl_shows: bool) -> Iterator[Finding]:
     """What the stock nodes do not show, a note where a script is what shows."""
-    if node_with(material, NODES) is None:
+    stock = node_with(material, NODES)
+    if stock is None:
         return
     beside = node_with(material, OSL) is not None
+    if stock.node_tree is not None and (size := tables_size(stock.node_tree)) > (limit := texture_limit(scene)):
+        yield Finding("tables_shrunk", {"limit": int(limit), "size": size}, is_note=beside and osl_shows)
     try:
         # of a bake that is on its way, both branches stand in
         if beside and shader_of(material) == node_with(material, OSL) and state.is_settled(material) and state.lags(material):
@@ -336,15 +346,11 @@ def _ignored(material, is_note: bool) -> Iterator[Finding]:
         mean = mean_name(node_of(element).inputs[label])
         taken = f"the mean of {mean}" if mean else "its value at this frame"
         yield Finding("texture_ignored", {"layer": element.name, "label": label, "shown": taken}, node_of(element).name, label, is_note)
-    stack = stack_of(material)
-    for element, values in zip((*shown, lamina.base), (*stack.layers, stack.base)):
-        if values.has(NORMAL):
-            yield Finding("normal_ignored", {"layer": element.name}, node_of(element).name, is_note=is_note)
 
 
 def _ignored_names(material) -> list[str]:
     """What stock nodes leave out, in words."""
     try:
-        return [f"the {f.words['label'].lower() if f.label else 'normal'} of {f.words['layer']}" for f in _ignored(material, True)]
+        return [f"the {f.words['label'].lower()} of {f.words['layer']}" for f in _ignored(material, True)]
     except LaminaError:
         return []

@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 
 from ...reference_py.material.schema import COLOR, FLOAT
+from ..blender.texture_limit import allow
 from ..jobs import bakes
 from ..material import material as materials
 from ..material import state
@@ -78,7 +79,7 @@ def _let_lamina_show(material, _scene, finding) -> None:
     other.target = "ALL"
     if other in list(tree.nodes)[list(tree.nodes).index(own) :]:
         last = tree.nodes.new(own.bl_idname)
-        last.location = own.location.x, own.location.y - _BELOW
+        last.location = own.location_absolute.x, own.location_absolute.y - _BELOW
         for socket, twin in zip(own.inputs, last.inputs):
             for link in socket.links:
                 tree.links.new(link.from_socket, twin)
@@ -167,6 +168,10 @@ def _into_range(material, _scene, finding) -> None:
     socket.default_value = float(value) if parameter.type == FLOAT else (*value, 1.0) if parameter.type == COLOR else tuple(value)
 
 
+def _raise_limit(_material, scene, finding) -> None:
+    allow(scene, finding.words["size"])
+
+
 MENDS = {
     "backend_missing": _use_automatic,
     "osl_missing": _regenerate,
@@ -193,5 +198,6 @@ MENDS = {
     "link_broken": _remove_link,
     "link_muted": _unmute_link,
     "image_missing": _remove_link,
+    "tables_shrunk": _raise_limit,
     "out_of_range": _into_range,
 }

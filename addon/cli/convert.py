@@ -1,30 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Command that converts a stack, or an object's material, to Principled or a surface of MaterialX, and a MaterialX file to a stack."""
 
-import json
 from pathlib import Path
 
 from ...reference_py.atomic import require_writable, write_text
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange import SUFFIX
-from ...reference_py.exchange.conversion import Converted
-from ...reference_py.exchange.layer_graph import LayeredMaterial
-from ...reference_py.exchange.layer_graph_writing import LayerGraph, to_layers
-from ...reference_py.exchange.materialx import Material, layers_to_mtlx, load_mtlx, to_mtlx
-from ...reference_py.exchange.openpbr import to_surface
-from ...reference_py.exchange.principled import to_principled
+from ...reference_py.exchange.materialx import AnyMaterial, load_mtlx
 from ...reference_py.exchange.report import shown
-from ...reference_py.exchange.surfaces import SURFACES
+from ...reference_py.exchange.targets import TARGETS, convert_to, suffix_of, text_of
 from ...reference_py.material.stack import Stack
 from ..session import blender, say
 from .numbers import load_stack
-
-PRINCIPLED = "principled"
-NODES = {"openpbr": "open_pbr_surface", "standard_surface": "standard_surface", "gltf_pbr": "gltf_pbr"}
-"""Nodes of MaterialX that a stack becomes, by what --to calls them."""
-LAYERS = "layers"
-"""A graph of MaterialX's BSDFs."""
-TARGETS = (PRINCIPLED, *NODES, LAYERS)
 
 
 def convert(options) -> None:
@@ -36,18 +23,10 @@ def convert(options) -> None:
         return
     if not options.to:
         raise LaminaError(f"convert {options.source}: give --to {', '.join(TARGETS)}; only a {SUFFIX} file needs none")
-    _require_suffix(options.output, ".json" if options.to == PRINCIPLED else SUFFIX)
+    _require_suffix(options.output, suffix_of(options.to))
     stack, notes = _source(options)
-    converted: LayerGraph | Converted
-    if options.to == LAYERS:
-        converted = to_layers(stack)
-        text = layers_to_mtlx(converted.tree, stack.name)
-    elif options.to == PRINCIPLED:
-        converted = to_principled(stack)
-        text = json.dumps({"values": converted.values, "report": converted.report.lines()}, indent=2) + "\n"
-    else:
-        converted = to_surface(SURFACES[NODES[options.to]], stack)
-        text = to_mtlx(converted.values, stack.name, NODES[options.to])
+    converted = convert_to(options.to, stack)
+    text = text_of(options.to, converted, stack.name)
     for name, value in converted.values.items():
         print(f"{name:30} {shown(value)}")
     print(*notes, sep="\n", end="\n" if notes else "")
@@ -99,7 +78,7 @@ def _import(options) -> None:
     say("convert")(f"wrote {options.output}")
 
 
-def _with_means(material: Material | LayeredMaterial) -> tuple[Material | LayeredMaterial, list[str]]:
+def _with_means(material: AnyMaterial) -> tuple[AnyMaterial, list[str]]:
     """A material with the means of its images as values, as a stack file has no textures, and what no image gave."""
     files = {given: image for given, image in material.images.items() if Path(image.file).is_file() and not image.is_normal}
     notes = [f"lost: {given} image {image.file}: there is no such file" for given, image in material.images.items() if not Path(image.file).is_file()]

@@ -37,7 +37,7 @@ def fit(options) -> None:
         if Path(path).resolve() == Path(options.file).resolve():
             raise LaminaError(f"{option} {path}: this is what is read; choose another name")
         require_writable(path)
-    require_choices(options.layers, options.base, options.model, options.samples)
+    require_choices(options.layers, options.base, options.model, options.samples, options.cloudy)
     if options.report:
         _require_matplotlib()
     if options.theta is not None and not (len(options.theta) <= _MOST_ANGLES and all(0.0 <= angle <= STEEPEST_DEG for angle in options.theta)):
@@ -46,7 +46,7 @@ def fit(options) -> None:
     for sentence in measurement.found:
         report(sentence)
     selection = select(
-        measurement, options.layers, options.base, options.model, options.samples, options.seed, tenths(report), report,
+        measurement, options.layers, options.base, options.model, options.samples, options.seed, tenths(report), report, options.cloudy,
     )  # fmt: skip
     result = outcome(measurement, selection)
     if not result["explains"]:
@@ -96,7 +96,7 @@ def _require_matplotlib() -> None:
 
 
 def _draw(options, measurement: Measurement, best, stack: Stack | None) -> None:
-    from ...reference_py.fit.report import INCIDENT_DEG, picture
+    from ...reference_py.fit.fit_picture import INCIDENT_DEG, picture
 
     truth = None
     if stack is not None and options.wavelength is None:

@@ -149,6 +149,7 @@ def build_parser() -> argparse.ArgumentParser:
     fit.add_argument("-o", "--output", metavar="STACK.json", help="stack file to write")
     fit.add_argument("--layers", type=_layers, default="auto", metavar="auto|N", help="count of layers (default: the fewest that the data support)")
     fit.add_argument("--base", default="auto", metavar="KIND", help="auto, lambert, oren_nayar or conductor (default: %(default)s)")
+    fit.add_argument("--cloudy", action="store_true", help="try a medium that scatters above the base too, which takes minutes")
     fit.add_argument("--wavelength", type=float, metavar="NM", help="fit one wavelength alone, as a grey stack")
     fit.add_argument("--steepest", type=_between(10, 89), metavar="DEG", help="largest angle from the normal that is used (default: 85)")
     fit.add_argument("--model", default="adding", help="model that is fitted (default: %(default)s, the truth that auto renders)")

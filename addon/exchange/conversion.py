@@ -8,6 +8,7 @@ import bpy
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.principled import PLACES, from_principled, to_principled
 from ...reference_py.exchange.report import LOST, Report
+from ...reference_py.material.qualities import DEFAULT_METHOD
 from ...reference_py.material.stack import Stack
 from ..material import material as materials
 from ..material.backend import NODES, OSL
@@ -17,12 +18,15 @@ from ..material.node_copy import own_actions
 from ..material.principled_node import COLOR, PRINCIPLED, has_linked_color, is_layer, link_through, linked_places, parameter_of, show_stack
 from ..material.reading import measured_stack, require_editable
 from ..material.record import drop_record
-from ..material.roles import EEVEE, EEVEE_OUTPUT, ROLE, SWITCH, TEST, Roles
+from ..material.roles import EEVEE, EEVEE_OUTPUT, LAYERS_FRAME, ROLE, SHADER_FRAME, SWITCH, TEST, Roles
 from ..material.shader_node import backend_of, surface_of
 from .sources import animated_parts, principled_of, read_principled
 
+# What a Principled copy has no use for.
+_GOES = (OSL, NODES, SWITCH, TEST, MIX, EEVEE, EEVEE_OUTPUT, LAYERS_FRAME, SHADER_FRAME)
 
-def to_lamina(material: bpy.types.Material) -> tuple[Report, list[str]]:
+
+def to_lamina(material: bpy.types.Material, tier: str = DEFAULT_METHOD, backend: str | None = None) -> tuple[Report, list[str]]:
     """Put the stack of its Principled node in its place. Returns the report and what the links became.
 
     Raises LaminaError, and leaves the material as it was, where there is no such node.
@@ -34,7 +38,7 @@ def to_lamina(material: bpy.types.Material) -> tuple[Report, list[str]]:
     notes = ["lost: keyframes and drivers of the Principled node stay behind"] if animated_parts(principled) else []
     stack = _with_linked_features(converted.stack, converted.owners, sources)
     name = principled.name
-    materials.apply_stack(material, stack)  # which removes the node where nothing is linked to it
+    materials.apply_stack(material, stack, tier, backend)  # which removes the node where nothing is linked to it
     with materials.changing(material):
         elements = [*material.lamina.shown_layers, material.lamina.base]
         for socket, source in sources.items():
@@ -108,8 +112,10 @@ def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
     output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
     former = surface_of(copy)
     targets = [link.to_socket for link in former.links] if former is not None else []
-    principled = roles.make(VALUES, PRINCIPLED, "", (output.location.x - 320, output.location.y))
+    principled = roles.make(VALUES, PRINCIPLED, "", (output.location_absolute.x - 320, output.location_absolute.y))
     principled.hide, principled.label = False, ""
+    for socket in principled.inputs:
+        socket.hide = False
     linked = sum(s.is_linked for e in (*lamina.shown_layers, lamina.base) for s in node_of(e).inputs)
     notes = show_stack(principled, copy, converted.values, converted.owners, converted.colors)
     if linked > len(notes):
@@ -121,7 +127,7 @@ def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
     for target in targets or [output.inputs["Surface"]]:
         tree.links.new(principled.outputs["BSDF"], target)
     values = [find_node(element) for element in (*lamina.layers, lamina.base)]
-    for node in [node for node in tree.nodes if node in values or node.get(ROLE) in (OSL, NODES, SWITCH, TEST, MIX, EEVEE, EEVEE_OUTPUT)]:
+    for node in [node for node in tree.nodes if node in values or node.get(ROLE) in _GOES]:
         tree.nodes.remove(node)
     for node in tree.nodes:
         if ROLE in node:  # a stack that is put here later makes its own

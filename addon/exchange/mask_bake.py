@@ -116,7 +116,7 @@ def _show_image(node: bpy.types.Node, name: str, pixels: np.ndarray, uv_map: str
 
 def _beside(node, kind: str, column: int) -> bpy.types.Node:
     made = node.id_data.nodes.new(kind)
-    made.select, made.hide, made.location = False, True, (node.location.x - column * _GAP, node.location.y - _FALL)
+    made.select, made.hide, made.location = False, True, (node.location_absolute.x - column * _GAP, node.location_absolute.y - _FALL)
     return made
 
 

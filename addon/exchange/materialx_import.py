@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials of MaterialX files as Lamina materials, with their images as textures."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,8 +9,7 @@ import bpy
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange.conversion import Converted
-from ...reference_py.exchange.layer_graph import LayeredMaterial
-from ...reference_py.exchange.materialx import Material, load_mtlx
+from ...reference_py.exchange.materialx import AnyMaterial, load_mtlx
 from ...reference_py.exchange.materialx_graph import Image
 from ...reference_py.exchange.report import Report
 from ...reference_py.material.stack import Stack
@@ -39,7 +39,7 @@ class Imported:
     notes: list[str]
 
 
-def import_materials(path: str) -> tuple[list[Imported], list[str]]:
+def import_materials(path: str, chosen: Callable[[bpy.types.Material], tuple[str, str]]) -> tuple[list[Imported], list[str]]:
     """A new material for every one of a file, and a sentence for each that no stack can show.
 
     Raises LaminaError, and leaves nothing behind, where the file cannot be read or none can be shown.
@@ -49,7 +49,7 @@ def import_materials(path: str) -> tuple[list[Imported], list[str]]:
         for source in load_mtlx(path):
             target = bpy.data.materials.new(source.name or "Lamina")
             try:
-                made.append(apply_material(target, source))
+                made.append(apply_material(target, source, *chosen(target)))
             except LaminaError as error:
                 bpy.data.materials.remove(target)
                 left_out.append(f"lost: {error}")
@@ -65,7 +65,7 @@ def import_materials(path: str) -> tuple[list[Imported], list[str]]:
     return made, left_out
 
 
-def apply_material(target: bpy.types.Material, source: Material | LayeredMaterial) -> Imported:
+def apply_material(target: bpy.types.Material, source: AnyMaterial, tier: str, backend: str) -> Imported:
     """Give a material the stack and the images of one of a file. Raises LaminaError, and leaves it as it was."""
     there = [given for given, image in source.images.items() if Path(image.file).is_file()]
     notes = [f"lost: {given} image {image.file}: there is no such file" for given, image in source.images.items() if given not in there]
@@ -78,7 +78,7 @@ def apply_material(target: bpy.types.Material, source: Material | LayeredMateria
         for row, given in enumerate(there):
             notes.extend(_place(material, given, places[given], source.images[given], outputs, converted, row))
 
-    materials.apply_stack(target, stack, finish=link)
+    materials.apply_stack(target, stack, tier, backend, link)
     return Imported(target, converted.report, notes)
 
 
@@ -102,7 +102,7 @@ def _place(material: bpy.types.Material, given: str, places: list[tuple[int, str
             continue
         target = node_of(element).inputs[kind.parameter(parameter).label]
         if image not in outputs:
-            outputs[image] = _texture(material.node_tree, image, target.node.location, row, notes)
+            outputs[image] = _texture(material.node_tree, image, target.node.location_absolute, row, notes)
         is_base_color = index < 0 and name == "color" and converted.colors is not None
         if is_base_color:
             link_through(outputs[image], target, converted.colors)

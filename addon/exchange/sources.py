@@ -36,13 +36,19 @@ def read_principled(node: bpy.types.Node) -> tuple[dict, dict[str, bpy.types.Nod
         if source is not None and (socket.name in DEFAULTS or socket.name in NORMALS):
             sources[socket.name] = source
         if socket.name in DEFAULTS and source is not None:
-            is_color = socket.type == "RGBA"
-            value = mean_of(source, Parameter(socket.name, COLOR if is_color else FLOAT, None, "", "", maximum=1.0 if is_color else float("inf")))
+            is_color = socket.type in ("RGBA", "VECTOR")
+            value = mean_of(source, Parameter(socket.name, COLOR if is_color else FLOAT, None, "", "", maximum=1.0 if socket.type == "RGBA" else float("inf")))
             values[socket.name] = tuple(value) if is_color else value
         elif socket.name in DEFAULTS:
-            value = socket.default_value
-            values[socket.name] = tuple(np.clip(out_of_working(tuple(value)[:3]), 0.0, None)) if socket.type == "RGBA" else float(value)
+            values[socket.name] = _value_of(socket)
     return values, sources
+
+
+def _value_of(socket: bpy.types.NodeSocket) -> float | tuple:
+    value = socket.default_value
+    if socket.type == "RGBA":
+        return tuple(np.clip(out_of_working(tuple(value)[:3]), 0.0, None))
+    return tuple(value) if socket.type == "VECTOR" else float(value)
 
 
 def animated_parts(node: bpy.types.Node) -> bool:

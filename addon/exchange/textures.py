@@ -17,6 +17,7 @@ import numpy as np
 
 from ...reference_py.atomic import output_folder
 from ...reference_py.errors import LaminaError
+from ...reference_py.exchange.matching import ColorMap
 from ...reference_py.exchange.principled import DEFAULTS, to_principled
 from ...reference_py.optics.colour import srgb_encoded
 from ..blender.images import require_pictures, write_png
@@ -35,7 +36,7 @@ CHANNELS = {
     "Coat Weight": "coat", "Coat Roughness": "coat_roughness", "Coat Normal": "coat_normal",
 }  # fmt: skip
 _ALWAYS = ("Base Color", "Roughness", "Metallic")
-_NORMALS = ("Normal", "Coat Normal")
+NORMALS = ("Normal", "Coat Normal")
 
 
 class TextureBake:
@@ -45,12 +46,7 @@ class TextureBake:
         """Raises LaminaError for an object without the material or without UVs, before any work."""
         self.material, self.item, self.size = material, item, size
         self.folder, self.files, self.report = Path(folder), [], None
-        if item is None or item.type != "MESH" or material.name_full not in [s.material.name_full for s in item.material_slots if s.material]:
-            raise LaminaError(f"material {material.name}: select a mesh that has it")
-        if item.mode != "OBJECT":
-            raise LaminaError(f"object {item.name}: leave {item.mode.title()} mode first")
-        if not item.data.uv_layers:
-            raise LaminaError(f"object {item.name} has no UV map; unwrap it first")
+        can_be_baked(material, item)
         materials.require_layered(material)
 
     def steps(self) -> Iterator[float]:
@@ -63,18 +59,16 @@ class TextureBake:
         self.report = converted.report
         linked = {socket: source for socket, _, _, source in linked_places(self.material, converted.owners)}
         values = DEFAULTS | converted.values
-        wanted = [c for c in CHANNELS if c in _ALWAYS or c in linked or (c.startswith("Coat") and c not in _NORMALS and values["Coat Weight"] > 0.0)]
+        wanted = [c for c in CHANNELS if c in _ALWAYS or c in linked or (c.startswith("Coat") and c not in NORMALS and values["Coat Weight"] > 0.0)]
         yield 0.1
         with tempfile.TemporaryDirectory(dir=folder, prefix=".bake.") as scratch, bake_studio(self.material, self.item, self.size) as studio:
             for number, channel in enumerate(wanted):
                 if channel in linked:
-                    pixels = studio.baked(linked[channel], channel in _NORMALS)
-                    if channel == "Base Color":
-                        pixels = out_of_working(pixels) if converted.colors is None else converted.colors(out_of_working(pixels))
+                    pixels = corrected(studio.baked(linked[channel], channel in NORMALS), channel, converted.colors)
                 else:
-                    value = _FLAT_NORMAL if channel in _NORMALS else values[channel]
+                    value = _FLAT_NORMAL if channel in NORMALS else values[channel]
                     pixels = np.broadcast_to(np.asarray(value, float), (self.size, self.size, 3))
-                write_png(Path(scratch, self._name(channel)), _stored(pixels, channel == "Base Color"))
+                write_png(Path(scratch, self._name(channel)), stored(pixels, channel == "Base Color"))
                 yield 0.1 + 0.9 * (number + 1) / len(wanted)
             text = json.dumps({"material": self.material.name, "values": converted.values, "report": converted.report.lines()}, indent=2)
             Path(scratch, self._name("")).write_text(text + "\n", encoding="utf-8")
@@ -88,7 +82,24 @@ class TextureBake:
         return f"{stem}_{CHANNELS[channel]}.png" if channel else f"{stem}_principled.json"
 
 
-def _stored(pixels: np.ndarray, is_color: bool) -> np.ndarray:
+def can_be_baked(material: bpy.types.Material, item: bpy.types.Object | None) -> None:
+    """Raises LaminaError for an object without the material or without UVs."""
+    if item is None or item.type != "MESH" or material.name_full not in [s.material.name_full for s in item.material_slots if s.material]:
+        raise LaminaError(f"material {material.name}: select a mesh that has it")
+    if item.mode != "OBJECT":
+        raise LaminaError(f"object {item.name}: leave {item.mode.title()} mode first")
+    if not item.data.uv_layers:
+        raise LaminaError(f"object {item.name} has no UV map; unwrap it first")
+
+
+def corrected(pixels: np.ndarray, channel: str, colors: ColorMap | None) -> np.ndarray:
+    """What was baked for one of CHANNELS; of a color, in linear Rec.709 and by the map that keeps the mean albedo, if there is one."""
+    if channel != "Base Color":
+        return pixels
+    return out_of_working(pixels) if colors is None else colors(out_of_working(pixels))
+
+
+def stored(pixels: np.ndarray, is_color: bool) -> np.ndarray:
     """8 bits: sRGB for colors, linear for data."""
     pixels = np.clip(pixels, 0.0, 1.0)
     if is_color:

@@ -20,7 +20,7 @@ from ..material import material as materials
 from ..material import osl_setting, pasted, reading, record, shader_node, state
 from ..material.marks import concern_us
 from . import conversions
-from .process import Process
+from .process import Process, worker
 
 TICK = 0.4
 
@@ -32,7 +32,7 @@ class Bake(Process):
         from ...reference_py.lobes.methods import bake_process  # that package is imported with the first bake
 
         request = bake_process.request(wanted.stack, wanted.method, wanted.live, wanted.tolerance, cache_folder())
-        super().__init__("a bake", bake_process.MODULE, request)
+        super().__init__("a bake", worker(bake_process.MODULE), request)
         self.wanted, self.key = wanted, wanted.key
 
 

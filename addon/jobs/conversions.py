@@ -11,14 +11,14 @@ from ...reference_py.exchange import hand_over as solving
 from ...reference_py.material.stack import Stack
 from ..material import hand_over, principled_node, reading
 from ..material import material as materials
-from .process import Process
+from .process import Process, worker
 
 
 class _Conversion(Process):
     """One base color in the making, in a process of its own."""
 
     def __init__(self, stack: Stack, textured: bool, key: str):
-        super().__init__("a conversion", conversion_process.MODULE, conversion_process.request(stack, textured))
+        super().__init__("a conversion", worker(conversion_process.MODULE), conversion_process.request(stack, textured))
         self.stack, self.textured, self.key = stack, textured, key
 
 

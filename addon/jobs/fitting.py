@@ -8,8 +8,9 @@ import bpy
 from ...reference_py.errors import LaminaError
 from ...reference_py.fit import fit_process, forward, metric, outcome
 from ...reference_py.material.stack import Stack
+from ..material import chosen
 from ..material import material as materials
-from .process import Process
+from .process import Process, worker
 
 TICK = 0.5
 
@@ -18,7 +19,7 @@ class Fit(Process):
     """One fit in the making, for a material or for an object that has none."""
 
     def __init__(self, target: bpy.types.ID, file: str, layers: int | str, base: str):
-        super().__init__("a fit", fit_process.MODULE, fit_process.request(file, layers, base, forward.DEFAULT_MODEL))
+        super().__init__("a fit", worker(fit_process.MODULE), fit_process.request(file, layers, base, forward.DEFAULT_MODEL))
         self.target, self.file = target.session_uid, file
         self.is_object = isinstance(target, bpy.types.Object)
 
@@ -32,7 +33,7 @@ class Fit(Process):
         stack = Stack.from_dict(self.result["stack"], Path(self.file).name)
         material = bpy.data.materials.new(Path(self.file).stem) if self.is_object else owner
         try:
-            materials.apply_stack(material, stack)
+            materials.apply_stack(material, stack, *chosen.for_new(material))
         except LaminaError:
             if self.is_object:
                 bpy.data.materials.remove(material)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One worker of `reference_py` in a process beside Blender's, and what it tells."""
+"""One worker in a process beside Blender's, and what it tells."""
 
 import json
 import os
@@ -10,25 +10,32 @@ import threading
 from ...reference_py.errors import LaminaError
 
 
+def worker(module: str) -> list[str]:
+    """The command line of a worker of `reference_py`."""
+    from ...reference_py.lobes.methods.bake_process import command  # with the first process, not with Blender's start
+
+    return command(sys.executable, module)
+
+
 class Process:
     """A worker that reads `request` and tells its progress in lines; `result` or `error` is there once it is done.
 
     Raises LaminaError, which names `what`, where no process can be started.
     """
 
-    def __init__(self, what: str, module: str, request: str):
-        from ...reference_py.lobes.methods.bake_process import ENVIRONMENT, command  # with the first process, not with Blender's start
+    def __init__(self, what: str, command: list[str], request: str):
+        from ...reference_py.lobes.methods.bake_process import ENVIRONMENT
 
         self.share, self.error, self.result = 0.0, "", None
         try:
             self._process = subprocess.Popen(
-                command(sys.executable, module), env=os.environ | ENVIRONMENT, text=True,
+                command, env=os.environ | ENVIRONMENT, text=True,
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
             )  # fmt: skip
             self._process.stdin.write(request)
             self._process.stdin.close()
         except OSError as error:
-            raise LaminaError(f"cannot start {what} with {sys.executable}: {error.strerror or error}") from None
+            raise LaminaError(f"cannot start {what} with {command[0]}: {error.strerror or error}") from None
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 

@@ -8,7 +8,7 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.cache import stack_key
 from ...reference_py.version import version
 from ..blender.dependencies import shown_objects
-from ..material import reading
+from ..material import chosen, reading
 
 LONGEST = 511  # bytes that a picture gets of a note, whatever more the scene's setting takes (4.5 to 5.2)
 # The scene's settings while it renders, by its name: whether it has a note, and which.
@@ -38,9 +38,8 @@ def _shown_materials(scene: bpy.types.Scene) -> list[bpy.types.Material]:
 
 
 def _is_wanted() -> bool:
-    addon = bpy.context.preferences.addons.get(__package__.rsplit(".", 2)[0])
-    preferences = getattr(addon, "preferences", None)
-    return getattr(preferences, "stamps_note", True)
+    preferences = chosen.own_preferences()
+    return preferences is None or preferences.stamps_note
 
 
 @persistent

@@ -27,7 +27,7 @@ def follow_eevee_output(material: bpy.types.Material, surface: bpy.types.NodeSoc
         active = [node for node in tree.nodes if node.bl_idname == _OUTPUT and node.is_active_output]
         own = tree.nodes.new(_OUTPUT)
         own[ROLE], own.target, own.name, own.hide, own.select = EEVEE_OUTPUT, "EEVEE", "Lamina EEVEE Output", True, False
-        own.label, own.location = "Lamina EEVEE", (shown.location.x, shown.location.y - _BELOW)
+        own.label, own.location = "Lamina EEVEE", (shown.location_absolute.x, shown.location_absolute.y - _BELOW)
         for node in active:
             node.is_active_output = True
     for name, source in _wanted(shown, group).items():

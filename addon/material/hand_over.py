@@ -37,7 +37,7 @@ def follow_hand_over(material: bpy.types.Material, closure: bpy.types.NodeSocket
     hand = _hand_over(stack, textured, settle)
     roles, lamina = Roles(material.node_tree), material.lamina
     is_new = roles.get(MIX) is None
-    place = closure.node.location
+    place = closure.node.location_absolute
     mix = roles.make(MIX, "ShaderNodeMixShader", "Lamina Hand-over", (place.x + _APART, place.y))
     principled = roles.make(VALUES, PRINCIPLED, "Lamina Hand-over", (place.x, place.y + _BELOW))
     roles.link(None, mix.inputs[0])

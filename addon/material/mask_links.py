@@ -102,7 +102,7 @@ def _masked(layer) -> bpy.types.NodeSocket:
 def _new(tree, what: str, socket) -> bpy.types.Node:
     node = tree.nodes.new(_TYPES[what])
     node[LINK], node.label, node.select = what, _LABELS[what], False
-    node.location = socket.node.location.x - _APART * (1 + sum(LINK in n for n in tree.nodes)), socket.node.location.y
+    node.location = socket.node.location_absolute.x - _APART * (1 + sum(LINK in n for n in tree.nodes)), socket.node.location_absolute.y
     return node
 
 

@@ -114,11 +114,12 @@ def _feeds(node) -> bool:
     return any(socket.is_linked for socket in node.outputs)
 
 
-def place_masks(node: bpy.types.Node) -> None:
-    """Put the masks of a value node that nobody has moved yet to its left."""
-    masks = [mask for socket in node.inputs if (mask := mask_node(socket)) is not None and tuple(mask.location) == (0.0, 0.0)]
+def place_masks(node: bpy.types.Node) -> list[bpy.types.Node]:
+    """Put the new masks of a value node, which lie at the origin, to its left; these masks."""
+    masks = [mask for socket in node.inputs if (mask := mask_node(socket)) is not None and tuple(mask.location_absolute) == (0.0, 0.0)]
     for row, mask in enumerate(masks):
-        mask.location = (node.location.x - _LEFT, node.location.y - row * _ROW)
+        mask.location_absolute = (node.location_absolute.x - _LEFT, node.location_absolute.y - row * _ROW)
+    return masks
 
 
 def show_baked(node: bpy.types.Node, is_baked: bool) -> None:

@@ -22,15 +22,16 @@ from ...reference_py.material.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
 from ...reference_py.material.stack import Stack
 from ..blender.versions import node_tree
 from ..shader.inputs import BASE, layer_owner
-from ..shader.nodes.stock_nodes import closure_count, eevee_stock_tables, left_out, stock_tables
+from ..shader.nodes.stock_nodes import closure_count, eevee_stock_tables, stock_tables
 from ..shader.osl.generate import generate
 from .backend import AUTO, NODES, OSL, branches_here, notice
 from .base_kind import change_kind, lost_by_change
 from .eevee_output import follow_eevee_output
 from .elements import bring_up_to_date, carry_metal, fill_element, find_node, kind_of, node_of, show_name, structure_dict
 from .hand_over import follow_hand_over
+from .layout import arrange
 from .live_values import live_in_nodes, live_values
-from .masks import give_masks, place_masks, remove_with_masks
+from .masks import give_masks, remove_with_masks
 from .osl_setting import prefer_osl
 from .properties import quietly
 from .reading import measure_means, require_editable, require_layered, stack_of
@@ -39,8 +40,6 @@ from .roles import EEVEE, node_with
 from .shader_node import Surface, backend_of, replacing_branches, shading_of, surface_of
 from .snapshot import restore, snapshot
 from .state import HELD_VALUES, SETTLED, note_of, wanted_lobes, wanted_stock
-
-_COLUMN, _ROW = 320, 240
 
 
 def apply_stack(
@@ -184,7 +183,7 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
     _keep_facts(material.lamina, shown)
     hand_over(material, settle)
     follow_eevee_output(material, surface_of(material))
-    _arrange(material.lamina, node_with(material, branches_here(material.lamina.backend)[0]))
+    arrange(material)
     keep_record(material)
 
 
@@ -221,8 +220,6 @@ def _keep_facts(lamina, shown: _Shown) -> None:
         notes.append(made.reason)
     elif not holds_values(lamina.tier) and (others := ", ".join(sorted(live_methods(made) - {lamina.tier}))):
         notes.append(f"{others}, as the tier {lamina.tier} knows no thin films")
-    if OSL not in branches_here(lamina.backend):
-        notes.append(left_out(shown.stack))
     if lamina.lobe_count > MAX_CLOSURES:
         notes.append(f"{lamina.lobe_count} closures, more than the {MAX_CLOSURES} that OptiX takes")
     lamina.note = "; ".join(filter(None, notes))
@@ -290,7 +287,7 @@ def _make_stock(surface: Surface, material, owners, lobe_set, key: str):
         tier = material.lamina.tier
         lobe_set = provisional(stack) if holds_values(tier) else make_lobe_set(stack, tier)
     tables = stock_tables(lobe_set)
-    surface.stock(eevee_stock_tables(lobe_set), owners, EEVEE)
+    surface.stock(eevee_stock_tables(lobe_set, tables), owners, EEVEE)
     _note(surface.stock(tables, owners), stack_key(stack, live_in_nodes(material, stack)), key)
     return tables
 
@@ -308,18 +305,3 @@ def _script_serves(material, lobe_set) -> bool:
     if held_values := note_of(script, HELD_VALUES, material):
         return held_values == stack_key(stack_of(material), live_values(material))
     return script.script.as_string() == generate(lobe_set).text
-
-
-def _arrange(lamina, shader) -> None:
-    """Layers in a column from the top, to the left of the shader."""
-    for row, element in enumerate([*lamina.layers, lamina.base]):
-        node = node_of(element)
-        place = (shader.location.x - _COLUMN, shader.location.y - row * _ROW)
-        mute = row < len(lamina.layers) and not lamina.shows(element)
-        # Blender looks through the whole tree after each of these, so only what differs is set
-        if tuple(node.location) != place:
-            node.location = place
-        if node.mute != mute:
-            node.mute = mute
-        place_masks(node)
-        show_name(element)

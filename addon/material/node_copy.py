@@ -51,7 +51,7 @@ def copy_sources(source: bpy.types.Node, target: bpy.types.Node) -> list[str]:
             made.is_muted = link.is_muted
     if here != there:
         for number, (name, node) in enumerate(list(copies.items())[1:], 1):
-            node.location = (target.location.x - 240 * number, target.location.y)
+            node.location = (target.location_absolute.x - 240 * number, target.location_absolute.y)
     names = {name: node.name for name, node in copies.items()}
     notes += _copy_animation(here, there, lambda path: _renamed(path, names, {source.name: places}), source.label)
     return notes

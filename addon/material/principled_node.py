@@ -89,7 +89,9 @@ def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values:
             notes.append(f"kept: {COLOR} texture: through nodes that keep the mean color")
         else:
             if parameter.name == "tint":
-                gamma = roles.make(_TINT_ROLE, "ShaderNodeGamma", "Lamina round trip", (principled.location.x - _APART, principled.location.y - 2 * _APART))
+                gamma = roles.make(
+                    _TINT_ROLE, "ShaderNodeGamma", "Lamina round trip", (principled.location_absolute.x - _APART, principled.location_absolute.y - 2 * _APART)
+                )
                 give(gamma.inputs["Gamma"], 2.0 * value_of(element, kind_of(element).parameter("thickness")))
                 roles.link(source, gamma.inputs["Color"])
                 source = gamma.outputs["Color"]
@@ -104,7 +106,7 @@ def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values:
 
 def _through_color(roles: Roles, source, target, colors: ColorMap | None, own: np.ndarray) -> bpy.types.NodeSocket:
     """Output of the map's nodes, a factor last: what goes before it is divided by it."""
-    place = target.node.location
+    place = target.node.location_absolute
     if colors is None:
         nodes = [roles.get(role) for role in _COLOR_ROLES]
     else:
@@ -153,7 +155,7 @@ def link_through(source: bpy.types.NodeSocket, target: bpy.types.NodeSocket, col
     for place in range(5):
         node = tree.nodes.new("ShaderNodeVectorMath")
         node.label, node.hide = "Lamina color", True
-        node.location = (target.node.location.x - _APART * (5 - place), target.node.location.y)
+        node.location = (target.node.location_absolute.x - _APART * (5 - place), target.node.location_absolute.y)
         nodes.append(node)
     _set_map(nodes, colors, colors.most, tree.links.new)
     for node in nodes[:2]:

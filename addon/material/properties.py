@@ -101,28 +101,36 @@ class LaminaElement(bpy.types.PropertyGroup):
 LaminaElement.__annotations__.update(structure_annotations(SCHEMA))
 
 
+def quality_property(**options) -> EnumProperty:
+    """The choice of a quality, of a material or of new ones."""
+    return EnumProperty(
+        name="Quality",
+        description="How exactly the layers are rendered, and at what cost",
+        items=[(name, QUALITY_LABELS[name], text) for name, text in QUALITIES.items()],
+        default=DEFAULT_METHOD,
+        **options,
+    )
+
+
+def backend_property(**options) -> EnumProperty:
+    """The choice of a backend, of a material or of new ones."""
+    return EnumProperty(
+        name="Backend",
+        description="What the shader is made of",
+        items=[(name, _BACKEND_LABELS[name], text) for name, text in BACKENDS.items()],
+        default=DEFAULT_BACKEND,
+        **options,
+    )
+
+
 class LaminaMaterial(bpy.types.PropertyGroup):
     """Structure of one material; empty `base.node` means that it is not a Lamina material."""
 
     layers: CollectionProperty(type=LaminaElement)
     solo: StringProperty(description="Node of the layer that alone is shown over the base; empty where all visible ones are")
     base: PointerProperty(type=LaminaElement)
-    tier: EnumProperty(
-        name="Quality",
-        description="How exactly the layers are rendered, and at what cost",
-        items=[(name, QUALITY_LABELS[name], text) for name, text in QUALITIES.items()],
-        default=DEFAULT_METHOD,
-        options=_NOT_ANIMATABLE,
-        update=_update("tier"),
-    )
-    backend: EnumProperty(
-        name="Backend",
-        description="What the shader is made of",
-        items=[(name, _BACKEND_LABELS[name], text) for name, text in BACKENDS.items()],
-        default=DEFAULT_BACKEND,
-        options=_NOT_ANIMATABLE,
-        update=_update("backend"),
-    )
+    tier: quality_property(options=_NOT_ANIMATABLE, update=_update("tier"))
+    backend: backend_property(options=_NOT_ANIMATABLE, update=_update("backend"))
     tolerance: FloatProperty(
         name="Tolerance",
         description="The largest error that the quality Automatic may show, as a share of the reflected light: 2 % is hard to see",

@@ -13,6 +13,8 @@ ROLE = "lamina_role"
 SWITCH, TEST = "switch", "test"
 # The stock nodes with EEVEE's own weights, and the output that shows them there alone.
 EEVEE, EEVEE_OUTPUT = "eevee", "eevee output"
+# The frames around the nodes of layers, and around the shader.
+LAYERS_FRAME, SHADER_FRAME = "layers frame", "shader frame"
 _TYPES = {OSL: "ShaderNodeScript", NODES: "ShaderNodeGroup"}
 
 

@@ -218,9 +218,9 @@ def _place_of(tree, old) -> tuple[float, float]:
     """Where the output is, seen from which branches have their places."""
     if old and ROLE in old[0]:
         dx, dy = _PLACES[old[0][ROLE]]
-        return old[0].location.x - dx, old[0].location.y - dy
+        return old[0].location_absolute.x - dx, old[0].location_absolute.y - dy
     output = tree.get_output_node("ALL")
-    return (output.location.x, output.location.y) if output is not None else (0.0, 0.0)
+    return (output.location_absolute.x, output.location_absolute.y) if output is not None else (0.0, 0.0)
 
 
 def _remove_preview(tree) -> None:

@@ -2,6 +2,7 @@
 """Buttons that look for what is wrong with a material and mend it. Each is one undo step."""
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ...reference_py.errors import LaminaError
@@ -15,7 +16,7 @@ def _found(context) -> list["check.Finding"]:
 
 
 def _said(finding: "check.Finding") -> str:
-    return finding.text(bpy.app.translations.pgettext_rpt)
+    return finding.text(rpt_)
 
 
 class LAMINA_OT_check(LayeredOperator, bpy.types.Operator):
@@ -30,7 +31,7 @@ class LAMINA_OT_check(LayeredOperator, bpy.types.Operator):
         for finding in found:
             self.report({"INFO" if finding.level == check.NOTE else "WARNING"}, f"Lamina: {_said(finding)}")
         if not found:
-            self.report({"INFO"}, bpy.app.translations.pgettext_rpt("Lamina: nothing is wrong with the material"))
+            self.report({"INFO"}, rpt_("Lamina: nothing is wrong with the material"))
 
 
 class LAMINA_OT_mend(LayeredOperator, bpy.types.Operator):

@@ -13,14 +13,23 @@ from ...reference_py.atomic import write_text
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange import SUFFIX, materialx, openpbr
 from ...reference_py.exchange import report as reports
-from ..exchange import conversion, materialx_import, sources
+from ..exchange import conversion, materialx_import, selection_export, sources
+from ..material import chosen, reading
 from ..material import material as materials
-from ..material import reading
 from ..material.holders import can_hold_material
 from . import material_operators as ops
 
 REPORT_TEXT = "Lamina Conversion"
 _POPUP_WIDTH = 110
+SIZES = (64, 128, 256, 512, 1024, 2048, 4096)
+"""Pixels of a picture."""
+_FORMATS = (
+    ("openpbr", "OpenPBR", "A MaterialX file with the surface OpenPBR"),
+    ("standard_surface", "Standard Surface", "A MaterialX file with Autodesk's standard surface"),
+    ("gltf_pbr", "glTF PBR", "A MaterialX file with glTF's surface"),
+    ("layers", "Graph of Layers", "A MaterialX file that says the stack itself; textures become their means"),
+    ("principled", "Principled Values", "Values of Blender's Principled BSDF as text (.json)"),
+)
 
 
 def tell(operator: bpy.types.Operator, title: str, report: "reports.Report", notes: list[str] = ()) -> None:
@@ -69,7 +78,7 @@ class LAMINA_OT_convert_principled(ops.LaminaOperator, bpy.types.Operator):
 
     def run(self, context):
         material = ops.material_of(context)
-        report, notes = conversion.to_lamina(material)
+        report, notes = conversion.to_lamina(material, *chosen.for_new(material))
         tell(self, rpt_("{material} to Lamina").format(material=material.name), report, notes)
         for notice in materials.make_renderable(material, context.scene):
             self.report({"INFO"}, f"Lamina: {notice}")
@@ -123,6 +132,53 @@ class LAMINA_OT_export_mtlx(ops.LayeredOperator, ExportHelper, bpy.types.Operato
         tell(self, Path(self.filepath).name, converted.report, materialx_import.lost_textures(material))
 
 
+class LAMINA_OT_export_materials(ops.LaminaOperator, bpy.types.Operator):
+    bl_idname = "lamina.export_materials"
+    bl_label = "Export Lamina Materials"
+    bl_description = "Write every Lamina material of the selected objects to a file of its own, for other programs, and say what was lost"
+    bl_options = {"REGISTER"}
+
+    directory: bpy.props.StringProperty(name="Folder", description="Folder that the files are written to", subtype="DIR_PATH")
+    filter_folder: bpy.props.BoolProperty(default=True, options={"HIDDEN"})
+    target: bpy.props.EnumProperty(name="Format", description="What each material becomes", items=_FORMATS, default="openpbr")
+    pictures: bpy.props.BoolProperty(
+        name="Textures", description="Bake what textures feed over the object's UV map, as pictures that the file names; without, their means are written"
+    )
+    size: bpy.props.EnumProperty(name="Size", description="Width and height of each picture", items=[(str(n), f"{n} px", "") for n in SIZES], default="1024")
+    reports: bpy.props.BoolProperty(name="Reports", description="Write beside each file what was kept, approximated and lost", default=True)
+
+    @classmethod
+    def poll(cls, context):
+        if selection_export.layered_materials(context.selected_objects):
+            return True
+        cls.poll_message_set(tip_("No selected object has a Lamina material"))
+        return False
+
+    def invoke(self, context, _event):
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def draw(self, _context):
+        for name in ("target", "pictures", "size", "reports"):
+            row = self.layout.row()
+            row.active = name != "size" or self.pictures
+            row.prop(self, name)
+
+    def run(self, context):
+        if not self.directory:
+            raise LaminaError("choose a folder for the materials")
+        wish = selection_export.Wish(self.target, self.pictures, int(self.size), self.reports)
+        folder = Path(bpy.path.abspath(self.directory))
+        done = list(selection_export.export(context.selected_objects, folder, wish))
+        tell_lines(
+            self, rpt_("{count} materials in {folder}").format(count=len(done), folder=folder), [f"{name}: {line}" for name, lines in done for line in lines]
+        )
+        for name, lines in done:
+            for line in lines:
+                if line.startswith("lost: left out"):
+                    self.report({"WARNING"}, f"Lamina: {name}: {line}")
+
+
 class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator):
     bl_idname = "lamina.import_mtlx"
     bl_label = "Import MaterialX"
@@ -141,7 +197,7 @@ class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator
         target = material or bpy.data.materials.new(source.name or "Lamina")
         gave_way = ops.what_gives_way(target)
         try:
-            imported = materialx_import.apply_material(target, source)
+            imported = materialx_import.apply_material(target, source, *chosen.for_new(target))
         except Exception:
             if material is None:
                 bpy.data.materials.remove(target)
@@ -168,7 +224,7 @@ class LAMINA_OT_import_materials(ops.LaminaOperator, ImportHelper, bpy.types.Ope
         return super().invoke(context, event)
 
     def run(self, context):
-        made, lines = materialx_import.import_materials(self.filepath)
+        made, lines = materialx_import.import_materials(self.filepath, chosen.for_new)
         item = context.object
         if can_hold_material(item) and item.is_editable and item.data.is_editable and item.active_material is None:
             item.active_material = made[0].material
@@ -192,6 +248,11 @@ class LAMINA_FH_materialx(bpy.types.FileHandler):
         return context.area is not None and context.area.type == "VIEW_3D"
 
 
+def show_export(menu: bpy.types.Menu, _context) -> None:
+    """Lamina's entry of File > Export."""
+    menu.layout.operator(LAMINA_OT_export_materials.bl_idname, text="Lamina Materials (.mtlx, .json)")
+
+
 def show_import(menu: bpy.types.Menu, _context) -> None:
     """Lamina's entry of File > Import."""
     menu.layout.operator(LAMINA_OT_import_materials.bl_idname, text="MaterialX as Lamina Materials (.mtlx)")
@@ -208,6 +269,7 @@ class LAMINA_MT_exchange(bpy.types.Menu):
         layout.separator()
         layout.operator(LAMINA_OT_import_mtlx.bl_idname, text="Import MaterialX...", icon="IMPORT")
         layout.operator(LAMINA_OT_export_mtlx.bl_idname, text="Export MaterialX...", icon="EXPORT")
+        layout.operator(LAMINA_OT_export_materials.bl_idname, text="Export Selection...")
         layout.separator()
         layout.operator("lamina.bake_textures", text="Bake to Textures...", icon="RENDER_STILL")
 
@@ -217,6 +279,7 @@ CLASSES = (
     LAMINA_OT_principled_copy,
     LAMINA_OT_principled_copies,
     LAMINA_OT_export_mtlx,
+    LAMINA_OT_export_materials,
     LAMINA_OT_import_mtlx,
     LAMINA_OT_import_materials,
     LAMINA_FH_materialx,

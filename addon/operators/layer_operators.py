@@ -14,6 +14,9 @@ from .material_operators import LayeredOperator, material_of
 
 _ROW_HEIGHT = 20  # pixels of a list's row at scale 1
 
+# Of the material that has it: the layer that is carried, and where it would be dropped.
+_carried: dict[str, tuple[int, int]] = {}
+
 # Without a window there is no clipboard, so the text is kept here too.
 _copied = ""
 
@@ -39,7 +42,7 @@ class LAMINA_OT_layer_add_ready(LayeredOperator, bpy.types.Operator):
 
     @classmethod
     def description(cls, _context, properties):
-        return bpy.app.translations.pgettext_tip(ready_layers.label_and_source(properties.ready)[1])
+        return tip_(ready_layers.label_and_source(properties.ready)[1])
 
     def run(self, context):
         material = material_of(context)
@@ -104,6 +107,11 @@ class LAMINA_OT_layer_move(SelectedLayerOperator, bpy.types.Operator):
         layers.move_layer(material, index, to)
 
 
+def carried_in(material: bpy.types.Material) -> tuple[int, int] | None:
+    """Place of the layer of a material that is carried, and the one that it gets if it is dropped now."""
+    return _carried.get(material.name_full)
+
+
 class RowOperator(LayeredOperator):
     """An operator on the layer of a row of the list."""
 
@@ -127,7 +135,10 @@ class LAMINA_OT_layer_solo(RowOperator, bpy.types.Operator):
 
 
 class LAMINA_OT_layer_drag(RowOperator, bpy.types.Operator):
-    """Blender's lists cannot be dragged by an add-on, so a layer is carried: a click takes it, the next one drops it."""
+    """Blender's lists cannot be dragged by an add-on, so a layer is carried: a click takes it, the next one drops it.
+
+    Until then the list has a bar at the row above or below which it would be dropped, and the material stays as it is.
+    """
 
     bl_idname = "lamina.layer_drag"
     bl_label = "Carry Layer"
@@ -144,7 +155,8 @@ class LAMINA_OT_layer_drag(RowOperator, bpy.types.Operator):
         except LaminaError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self._start_y, self._start, self._material = event.mouse_y, self.index, material.name_full
+        self._start_y, self._material = event.mouse_y, material.name_full
+        _carried[self._material] = self.index, self.index
         name = material.lamina.layers[self.index].name
         context.window_manager.modal_handler_add(self)
         context.window.cursor_modal_set("SCROLL_Y")
@@ -152,6 +164,7 @@ class LAMINA_OT_layer_drag(RowOperator, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def cancel(self, context):
+        _carried.pop(self._material, None)
         context.window.cursor_modal_restore()
         context.workspace.status_text_set(None)
 
@@ -159,27 +172,32 @@ class LAMINA_OT_layer_drag(RowOperator, bpy.types.Operator):
         material = bpy.data.materials[self._material]
         if event.type in {"ESC", "RIGHTMOUSE"}:
             self.cancel(context)
-            layers.move_layer(material, self.index, self._start)
+            _redraw(context)
             return {"CANCELLED"}
         if event.type in {"LEFTMOUSE", "RET"} and event.value == "PRESS":
+            to = _carried[self._material][1]
             self.cancel(context)
-            return {"FINISHED"} if self.index != self._start else {"CANCELLED"}
+            return self._drop(material, to)
         if event.type == "MOUSEMOVE":
-            self._carry(context, material, event.mouse_y)
+            rows = round((self._start_y - event.mouse_y) / (_ROW_HEIGHT * context.preferences.system.ui_scale))
+            _carried[self._material] = self.index, max(0, min(self.index + rows, len(material.lamina.layers) - 1))
+            _redraw(context)
         return {"RUNNING_MODAL"}
 
-    def _carry(self, context, material, mouse_y: int) -> None:
-        rows = round((self._start_y - mouse_y) / (_ROW_HEIGHT * context.preferences.system.ui_scale))
-        to = max(0, min(self._start + rows, len(material.lamina.layers) - 1))
+    def _drop(self, material, to: int) -> set[str]:
         if to == self.index:
-            return
+            return {"CANCELLED"}
         try:
             layers.move_layer(material, self.index, to)
-            self.index = to
         except LaminaError as error:
             self.report({"ERROR"}, str(error))
-        if context.area is not None:
-            context.area.tag_redraw()
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+def _redraw(context) -> None:
+    if context.area is not None:
+        context.area.tag_redraw()
 
 
 class LAMINA_OT_layer_copy(LayeredOperator, bpy.types.Operator):

@@ -16,7 +16,7 @@ from ...reference_py.material.schema import LAMBERT, SCHEMA
 from ...reference_py.material.stack import Stack
 from ..jobs import bakes
 from ..library import user_presets
-from ..material import entry, live_values, osl_setting, reading
+from ..material import chosen, entry, live_values, osl_setting, reading
 from ..material import material as materials
 from ..material.holders import can_hold_material
 
@@ -119,7 +119,7 @@ class StackOperator(LaminaOperator):
         return material_of(context)
 
     def apply(self, material: bpy.types.Material, stack: Stack) -> None:
-        materials.apply_stack(material, stack)
+        materials.apply_stack(material, stack, *chosen.for_new(material))
 
     def run(self, context):
         stack = self.stack()

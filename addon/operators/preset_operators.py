@@ -10,11 +10,12 @@ from bpy.props import StringProperty
 from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
 from ..blender.user_folders import presets_folder
+from ..jobs import saving
 from ..library import asset_library, preset_assets, user_presets
 from ..library.preset_catalogues import CATALOGUES, OWN, catalogue_id
 from ..library.preset_icons import preset_icon, user_preset_icon
+from ..material import chosen, reading
 from ..material import material as materials
-from ..material import reading
 from . import material_operators as ops
 
 _DIALOG_WIDTH = 400  # pixels: for the sentences of what a preset leaves out
@@ -29,7 +30,7 @@ def _source(before: str) -> str:
 class LAMINA_OT_save_preset(ops.LayeredOperator, bpy.types.Operator):
     bl_idname = "lamina.save_preset"
     bl_label = "Save as Preset"
-    bl_description = "Keep the material's visible layers and base with their textures as a preset and asset of yours; its picture takes a few seconds"
+    bl_description = "Keep the material's visible layers and base with their textures as a preset and asset of yours; its picture is rendered beside the window"
     bl_options = {"REGISTER"}
 
     name: StringProperty(name="Name", description="Name of the preset: letters, digits, spaces, - and _", maxlen=user_presets.LONGEST)
@@ -48,6 +49,11 @@ class LAMINA_OT_save_preset(ops.LayeredOperator, bpy.types.Operator):
         stack = reading.measured_stack(material)
         stack = replace(stack, name=self.name.strip(), source=_source(stack.source))
         sentences = preset_assets.left_out(material)
+        if not bpy.app.background:
+            saving.start(material, self.name, stack, catalogue_id(OWN))
+            for sentence in sentences:
+                self.report({"INFO"}, f"Lamina: {sentence}")
+            return
         name, why = preset_assets.save(material, self.name, stack, catalogue_id(OWN))
         asset_library.show_own()
         for sentence in sentences:
@@ -55,6 +61,16 @@ class LAMINA_OT_save_preset(ops.LayeredOperator, bpy.types.Operator):
         if why:
             self.report({"WARNING"}, rpt_("Lamina: the preset has no picture: {reason}").format(reason=why))
         self.report({"INFO"}, rpt_("Lamina: preset {name} saved in {folder}").format(name=presets.label(name), folder=presets_folder()))
+
+
+class LAMINA_OT_cancel_preset(ops.LaminaOperator, bpy.types.Operator):
+    bl_idname = "lamina.cancel_preset"
+    bl_label = "Cancel Saving"
+    bl_description = "Stop saving the preset; nothing of it is left"
+    bl_options = {"REGISTER"}
+
+    def run(self, _context):
+        saving.cancel()
 
 
 class LAMINA_OT_apply_user_preset(ops.StackOperator, bpy.types.Operator):
@@ -70,10 +86,10 @@ class LAMINA_OT_apply_user_preset(ops.StackOperator, bpy.types.Operator):
     def apply(self, material, stack) -> None:
         asset = user_presets.asset_of(self.name)
         if not asset.is_file():
-            materials.apply_stack(material, stack)
+            materials.apply_stack(material, stack, *chosen.for_new(material))
             return
         with preset_assets.asset_of(asset) as source:
-            materials.apply_stack(material, stack, finish=lambda target: preset_assets.dress(source, target))
+            materials.apply_stack(material, stack, *chosen.for_new(material), finish=lambda target: preset_assets.dress(source, target))
 
 
 class LAMINA_OT_remove_preset(ops.LaminaOperator, bpy.types.Operator):
@@ -125,4 +141,4 @@ def draw_presets(layout) -> None:
         layout.menu(LAMINA_MT_remove_preset.__name__, icon="REMOVE")
 
 
-CLASSES = (LAMINA_OT_save_preset, LAMINA_OT_apply_user_preset, LAMINA_OT_remove_preset, LAMINA_MT_remove_preset)
+CLASSES = (LAMINA_OT_save_preset, LAMINA_OT_cancel_preset, LAMINA_OT_apply_user_preset, LAMINA_OT_remove_preset, LAMINA_MT_remove_preset)

@@ -8,9 +8,8 @@ from bpy.props import EnumProperty, StringProperty
 from ...reference_py.errors import LaminaError
 from ..exchange import textures
 from . import material_operators as ops
-from .exchange_operators import tell
+from .exchange_operators import SIZES, tell
 
-SIZES = (64, 128, 256, 512, 1024, 2048, 4096)
 _TICK = 0.05
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.coverage import Patch
 from ...reference_py.material.place import Place
-from ...reference_py.material.schema import ANISOTROPY, LAMBERT, SCHEMA, VECTOR, Parameter, Schema
+from ...reference_py.material.schema import ANISOTROPY, LAMBERT, NORMAL, SCHEMA, VECTOR, Parameter, Schema
 from ...reference_py.material.stack import Base, Layer, Stack
 
 BASE = "Base"
@@ -43,6 +43,12 @@ def owners_of(patch: Patch) -> list[str]:
 def base_color_input(owner: str) -> ShaderInput:
     """The color of a Lambert base, which is the material's or an opaque layer."""
     return ShaderInput(owner + LAMBERT.parameter("color").osl_name, owner, LAMBERT.parameter("color"))
+
+
+def normal_input(place: Place, owners: Sequence[str]) -> ShaderInput:
+    """The own normal of one of these owners' layers, or of the base."""
+    owner, (parameter,) = owners[-1 if place.layer is None else place.layer], NORMAL.parameters
+    return ShaderInput(owner + parameter.osl_name, owner, parameter)
 
 
 def place_input(stack: Stack, place: Place, owners: Sequence[str]) -> ShaderInput:

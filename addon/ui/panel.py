@@ -4,8 +4,11 @@
 The list is the first thing in it, and nothing above it comes or goes: whoever clicks a row hits it.
 """
 
+from functools import cache
+
 import bpy
 
+from .. import later
 from ..material import elements
 from ..material.holders import can_hold_material
 from ..operators import material_operators as ops
@@ -16,6 +19,9 @@ from .panel_feedback import draw_shader, draw_status, draw_unlayered_status, sho
 from .panel_layers import draw_layers, draw_row_buttons
 from .panel_values import draw_element
 
+# Seconds after the panel is first drawn, all of which is shown by then.
+_SEEN = 0.3
+
 
 class LAMINA_MT_presets(bpy.types.Menu):
     bl_label = "Presets"
@@ -24,6 +30,13 @@ class LAMINA_MT_presets(bpy.types.Menu):
         draw_presets(self.layout)
         self.layout.operator(ops.LAMINA_OT_import_stack.bl_idname, text="Import...", icon="IMPORT")
         self.layout.operator(LAMINA_OT_fit_measurement.bl_idname, text="Fit Measurement...", icon="RNDCURVE")
+
+
+@cache
+def _read_the_rest() -> None:
+    """The first time that the panel is seen: what a click needs is read before it comes."""
+    if not bpy.app.background:
+        bpy.app.timers.register(later.read_soon(), first_interval=_SEEN)
 
 
 class LAMINA_PT_material(bpy.types.Panel):
@@ -43,6 +56,7 @@ class LAMINA_PT_material(bpy.types.Panel):
         return can_hold_material(getattr(context, "object", None))
 
     def draw(self, context):
+        _read_the_rest()
         header, layout = self.layout.panel("lamina")
         header.label(text=self.bl_label)
         header.menu(LAMINA_MT_presets.__name__, text="Presets", icon="PRESET")

@@ -8,7 +8,7 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.lobes import methods
 from ...reference_py.material.qualities import AUTO
 from ..check import check
-from ..jobs import bakes, fitting
+from ..jobs import bakes, fitting, saving
 from ..material import hand_over, reading, roles, shader_node, state
 from ..material.backend import NODES, OSL, branches_here, notice
 from ..operators import check_operators as check_ops
@@ -51,6 +51,9 @@ def _draw_line(row, material, problem: str) -> None:
         row.operator(ops.LAMINA_OT_cancel_bake.bl_idname, text="", icon="CANCEL")
     elif fitting.running() is not None:
         draw_fit(row)
+    elif saving.running() is not None:
+        row.progress(factor=saving.running().share, text=iface_("Saving the preset"))
+        row.operator("lamina.cancel_preset", text="", icon="CANCEL")
     elif problem:
         row.label(text=problem[0].upper() + problem[1:], translate=False)
     elif soloed is not None:

@@ -10,6 +10,7 @@ from bpy.props import BoolProperty
 
 from ...reference_py.lobes import cache
 from ..blender.user_folders import cache_folder, presets_folder
+from ..material.properties import backend_property, quality_property
 from ..operators.folder_operators import LAMINA_OT_clear_cache
 
 # The manual as `make docs` builds it and the extension ships it.
@@ -22,6 +23,8 @@ _known: tuple[float, float] = (-_KNOWN_FOR, 0.0)
 class LaminaPreferences(bpy.types.AddonPreferences):
     bl_idname = __package__.rsplit(".", 2)[0]
 
+    tier: quality_property()
+    backend: backend_property()
     stamps_note: BoolProperty(
         name="Materials in the Stamp's Note",
         description="Write names, errors and hashes of the Lamina materials of a render into the metadata of its picture",
@@ -46,6 +49,11 @@ def draw_preferences(layout, owner) -> None:
     row = row.row()
     row.enabled = folder.is_dir()
     row.operator("wm.path_open", text="", icon="FILE_FOLDER").filepath = str(folder)
+    layout.label(text="New Materials")
+    column = layout.column()
+    column.use_property_split = True
+    column.prop(owner, "tier")
+    column.prop(owner, "backend")
     layout.prop(owner, "stamps_note")
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A stack as slots of a model that other programs render, and back: places, base color and report together."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,9 +10,9 @@ from ..errors import LaminaError
 from ..material.schema import THIN_FILM
 from ..material.stack import Stack
 from .appearance import Appearance
-from .matching import TOLERANCE, Albedos, ColorMap, color_key, color_map, compared, mean, recolored, solve, truth
+from .matching import TOLERANCE, Albedos, ColorMap, color_key, color_map, compared, mean, solve, truth, with_color
 from .report import APPROXIMATED, LOST, Loss, Report, shown
-from .slots import BASE, MOST_REFLECTANCE, Slots, from_stack, to_stack
+from .slots import BASE, MOST_REFLECTANCE, Body, Slots, from_stack, to_stack
 
 # A mean albedo that is further off than this could not be reached.
 _REACHED = 5e-4
@@ -61,7 +61,24 @@ def slots_to_stack(slots: Slots, original: Albedos, look: Appearance, name: str,
     most = MOST_REFLECTANCE if slots.is_metal else 1.0
     stack, color, report = matched(stack, truth, stack.base[color_key(stack.base)], most, look, name, losses)
     colors = color_map(original, truth(stack), most) if textured else None
-    return Converted(replace(stack, base=recolored(stack.base, color)), {}, slots, owners, report, colors)
+    return Converted(with_color(stack, color), {}, slots, owners, report, colors)
+
+
+def with_body(slots: Slots, free_path: float, g: float, textured: bool, names: Sequence[str], values: dict, losses: list[Loss]) -> Slots:
+    """Slots whose diffuse base is a medium without end, of a mean free path in thicknesses; what becomes of the inputs `names` goes to the losses.
+
+    `textured`: whether an image has the color, which only a diffuse base follows.
+    """
+    features = slots.gloss.features if slots.gloss else {}
+    if textured or features or slots.sigma_deg:
+        why = "which follows a texture of the color" if textured else f"under {'a rough diffuse base' if not features else ' and '.join(features)}"
+        how = f"as a diffuse base of the color, {why}"
+        losses += [Loss(name, values[name], APPROXIMATED, how) for name in names]
+        return slots
+    body = Body.of(free_path, g)
+    told_as = f"a medium without end of the color, of density {body.density:.4g} and forwardness {body.g:.3g}; it spreads no light sideways"
+    losses += [Loss(name, values[name], APPROXIMATED, told_as) for name in names]
+    return replace(slots, body=body)
 
 
 def matched(

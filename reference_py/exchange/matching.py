@@ -19,7 +19,7 @@ from ..optics.frame import spherical
 from ..optics.interface import Microfacets
 from ..registry import make_model
 from .report import Match
-from .slots import Slots
+from .slots import Slots, is_body
 
 _X, _W = np.polynomial.legendre.leggauss(6)
 COSINES = 0.5 * (_X + 1.0)
@@ -39,14 +39,21 @@ Albedos = Callable[[np.ndarray], np.ndarray]
 
 
 def truth(stack: Stack) -> Albedos:
-    """Albedos of a stack by the exact model; None is its own color. Anisotropy counts by its mean width; films and normals do not count."""
+    """Albedos of a stack by the exact model; None is its own color, and what scatters above a base of its own color has that too. Anisotropy counts by its mean width; films and normals do not count."""
     plain = replace(stack, layers=tuple(_plain(e) for e in stack.layers), base=_plain(stack.base))
 
     def albedos(color=None):
-        base = plain.base if color is None else recolored(plain.base, color)
-        return make_model("adding", replace(plain, base=base), nodes=_NODES).albedo(_WO)
+        return make_model("adding", plain if color is None else with_color(plain, color), nodes=_NODES).albedo(_WO)
 
     return albedos
+
+
+def with_color(stack: Stack, color) -> Stack:
+    """A stack whose base, and a medium on it that goes on without end, have another color."""
+    base = recolored(stack.base, color)
+    if not stack.layers or not is_body(stack.layers[-1], stack.base):
+        return replace(stack, base=base)
+    return replace(stack, layers=(*stack.layers[:-1], stack.layers[-1].with_values(scatter_color=base["color"])), base=base)
 
 
 def recolored(base: Base, color) -> Base:

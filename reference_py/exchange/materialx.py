@@ -7,23 +7,27 @@ import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
 from ..errors import LaminaError
 from ..material.json_input import read_text
 from ..optics.colour import known_spaces
-from .bsdf_tree import SURFACE, Tree
+from .bsdf_tree import SURFACE, Mixed, Tree
 from .conversion import Converted
 from .layer_graph import LayeredMaterial, read_layered
 from .layer_graph_writing import add_surface
 from .materialx_document import Document
-from .materialx_graph import Graph, Image, Unread
+from .materialx_graph import Graph, Image, Unread, input_of
+from .mixed_surfaces import MixedSurfaces
 from .openpbr import PLACES, from_surface
 from .report import APPROXIMATED, LOST, Loss, Report, image_loss, shown
 from .surfaces import SURFACES, Surface
 
 _VERSION = "1.39"
+# Mixes of mixes.
+_MOST_MIXES = 8
 _MATERIAL, _INCLUDE, _MOST_FILES = "surfacematerial", "xi:include", 32
 # Inputs that are vectors in space: what says nothing where no image feeds it.
 _FRAMES = frozenset({
@@ -88,16 +92,49 @@ class Material:
         return replace(converted, report=report)
 
 
-def to_mtlx(values: dict, name: str, node: str = "open_pbr_surface") -> str:
-    """The text of a file with one material. `values` by the surface's own names; colors are linear Rec. 709."""
+@dataclass(frozen=True)
+class Picture:
+    """An image file that feeds an input: a color in sRGB, tangent space normals, or a value."""
+
+    file: str
+    is_color: bool
+    is_normal: bool
+
+
+AnyMaterial = Material | LayeredMaterial | MixedSurfaces
+
+
+def to_mtlx(values: dict, name: str, node: str = "open_pbr_surface", pictures: Mapping[str, Picture] = MappingProxyType({})) -> str:
+    """The text of a file with one material. `values` by the surface's own names; colors are linear Rec. 709. `pictures` feed inputs in their place."""
 
     def add(root: ElementTree.Element, surface_name: str) -> None:
+        for parameter, picture in pictures.items():
+            _add_picture(root, parameter, picture)
         surface = ElementTree.SubElement(root, node, name=surface_name, type="surfaceshader")
         for parameter, value in values.items():
+            if parameter in pictures:
+                continue
             kind, text = ("color3", ", ".join(f"{v:.7g}" for v in value)) if isinstance(value, tuple) else ("float", f"{value:.7g}")
             ElementTree.SubElement(surface, "input", name=parameter, type=kind, value=text)
+        for parameter, picture in pictures.items():
+            ElementTree.SubElement(surface, "input", name=parameter, type=_kind(picture), nodename=f"{parameter}_picture")
 
     return _file(name, add)
+
+
+def _kind(picture: Picture) -> str:
+    return "color3" if picture.is_color else "vector3" if picture.is_normal else "float"
+
+
+def _add_picture(root: ElementTree.Element, parameter: str, picture: Picture) -> None:
+    """The node that gives an input's values."""
+    name = f"{parameter}_picture"
+    image = ElementTree.SubElement(root, "image", name=f"{name}_file" if picture.is_normal else name, type=_kind(picture))
+    space = {"colorspace": "srgb_texture"} if picture.is_color else {}
+    ElementTree.SubElement(image, "input", name="file", type="filename", value=picture.file, **space)
+    if picture.is_normal:
+        node = ElementTree.SubElement(root, "normalmap", name=name, type="vector3")
+        ElementTree.SubElement(node, "input", name="in", type="vector3", nodename=f"{name}_file")
 
 
 def layers_to_mtlx(tree: Tree, name: str) -> str:
@@ -117,7 +154,7 @@ def _file(name: str, add: Callable[[ElementTree.Element, str], None]) -> str:
     return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
-def load_mtlx(path: str | os.PathLike) -> list[Material | LayeredMaterial]:
+def load_mtlx(path: str | os.PathLike) -> list[AnyMaterial]:
     """The materials of a file, then those of files that it includes; images are paths.
 
     Raises LaminaError in one line for what is no MaterialX file, has no surface that is known, or a value that is none.
@@ -131,26 +168,56 @@ def load_mtlx(path: str | os.PathLike) -> list[Material | LayeredMaterial]:
     return _required(found, others, str(path))
 
 
-def from_mtlx(text: str, where: str = "MaterialX") -> list[Material | LayeredMaterial]:
+def from_mtlx(text: str, where: str = "MaterialX") -> list[AnyMaterial]:
     """The materials of a text, without what it includes."""
     return _required(*_materials(Document(text, where)), where)
 
 
-def _materials(document: Document, folder: Path | None = None) -> tuple[list[Material | LayeredMaterial], list[str]]:
+def _materials(document: Document, folder: Path | None = None) -> tuple[list[AnyMaterial], list[str]]:
     """Those that can be read, their images below a folder, and the surfaces of the others."""
-    found: list[Material | LayeredMaterial] = []
+    found: list[AnyMaterial] = []
     others = []
     for name, node in _surfaces(document):
-        if node.tag in SURFACES:
-            found.append(_material(document, name, node, folder))
-        elif node.tag == SURFACE:
-            found.append(read_layered(document, name, node, folder))
-        else:
+        read = _read(document, name, node, folder)
+        if read is None:
             others.append(node.tag)
+        else:
+            found.append(read)
     return found, others
 
 
-def _required(found: list[Material | LayeredMaterial], others: list[str], where: str) -> list[Material | LayeredMaterial]:
+def _read(document: Document, name: str, node: ElementTree.Element, folder: Path | None, depth: int = 0) -> AnyMaterial | None:
+    """The material of a surface; None where it, or one of two that are mixed, is not known."""
+    if node.tag in SURFACES:
+        return _material(document, name, node, folder)
+    if node.tag == SURFACE:
+        return read_layered(document, name, node, folder)
+    if node.tag != "mix" or node.get("type") != "surfaceshader":
+        return None
+    if depth > _MOST_MIXES:
+        raise LaminaError(f"{document.where}: {name} mixes mixes more than {_MOST_MIXES} deep, or in a circle")
+    graph, losses = Graph(document), []
+    linked = [graph.node(given) if (given := input_of(node, side)) is not None else None for side in ("bg", "fg")]
+    parts = [_read(document, one[0].get("name", name), one[0], folder, depth + 1) if one else None for one in linked]
+    if None in parts:
+        return None
+    found, image, share = graph.value(given) if (given := input_of(node, "mix")) is not None else np.zeros(1), None, 0.5
+    if isinstance(found, Image):
+        image = found if folder is None else replace(found, file=str(folder / found.file))
+    elif isinstance(found, Unread):
+        losses.append(Loss("mix", "linked", LOST, f"{found.why}; an even mix stands in"))
+    else:
+        share = float(np.clip(found[0], 0.0, 1.0))
+    first, second = parts
+    if isinstance(first, LayeredMaterial) and isinstance(second, LayeredMaterial) and (first.emission, first.opacity) == (second.emission, second.opacity):
+        tree = Mixed(first.tree, second.tree, share, image, node.get("name", "mix"))
+        return replace(first, name=name, tree=tree, losses=(*losses, *first.losses, *second.losses))
+    if image is not None:
+        losses.append(Loss("mix", "linked", LOST, "an image says where: an even mix stands in"))
+    return MixedSurfaces(name, first, second, share, tuple(losses))
+
+
+def _required(found: list[AnyMaterial], others: list[str], where: str) -> list[AnyMaterial]:
     if not found:
         names = ", ".join(sorted(set(others)))[:80] or "no surface"
         raise LaminaError(f"{where}: has none of the surfaces that can be read, {', '.join(SURFACES)}, {SURFACE} of BSDFs; it has {names}")

@@ -14,10 +14,10 @@ from ..models.baselines.parts import metal_colors
 from ..optics.diffuse import fujii_roughness
 from ..optics.optical_stack import OpticalStack
 from .appearance import Appearance, appearance, body_color, specular_index
-from .conversion import Converted, is_default, require_finite, slots_to_stack, stack_to_slots, told
+from .conversion import Converted, is_default, require_finite, slots_to_stack, stack_to_slots, told, with_body
 from .matching import mean
 from .report import APPROXIMATED, KEPT, LOST, Loss, Report
-from .slots import BASE, COAT, GLOSS, Slots, edge_of_f82, sigma_of_fujii
+from .slots import BASE, COAT, GLOSS, SUBSURFACE, Slots, edge_of_f82, sigma_of_fujii
 from .slots import Surface as Interface
 from .surfaces import OPENPBR, SURFACES, Surface, geometric_roughness, open_roughness
 
@@ -51,8 +51,11 @@ def to_openpbr(stack: Stack) -> Converted:
     return to_surface(_OPEN, stack)
 
 
-def to_surface(surface: Surface, stack: Stack) -> Converted:
-    """Values by the surface's own names, as bright as the stack. Raises LaminaError for a surface that is not written."""
+def to_surface(surface: Surface, stack: Stack, textured: bool = False) -> Converted:
+    """Values by the surface's own names, as bright as the stack. `textured`: with a map for textures of the base color, which takes seconds.
+
+    Raises LaminaError for a surface that is not written.
+    """
     if surface.node not in WRITERS:
         raise LaminaError(f"{surface.node} is read, not written; choose {', '.join(WRITERS)}")
     write = WRITERS[surface.node]
@@ -64,11 +67,12 @@ def to_surface(surface: Surface, stack: Stack) -> Converted:
 
         return albedos
 
-    slots, owners, report, _ = stack_to_slots(stack, surface.title, rendered, room=frozenset({"anisotropy"}))
+    room = {"anisotropy", SUBSURFACE} if surface.own("subsurface_weight") in surface.defaults else {"anisotropy"}
+    slots, owners, report, colors = stack_to_slots(stack, surface.title, rendered, frozenset(room), textured)
     losses: list[Loss] = []
     values = write(slots, losses)
     amended = {loss.parameter for loss in losses}
-    return Converted(stack, values, slots, owners, Report((*(o for o in report.losses if o.parameter not in amended), *losses), report.match))
+    return Converted(stack, values, slots, owners, Report((*(o for o in report.losses if o.parameter not in amended), *losses), report.match), colors)
 
 
 def _to_openpbr(slots: Slots, losses: list[Loss]) -> dict:
@@ -84,6 +88,9 @@ def _to_openpbr(slots: Slots, losses: list[Loss]) -> dict:
         values |= {"specular_ior": slots.gloss.eta * _above(slots)} | _rough("specular", slots.gloss.roughness, features, losses)
     else:
         values |= {"specular_weight": 0.0}
+    if slots.body:
+        values |= {"subsurface_weight": 1.0, "subsurface_color": tuple(slots.color), "subsurface_radius": 1.0 / slots.body.density}
+        values |= {"subsurface_radius_scale": (1.0, 1.0, 1.0), "subsurface_scatter_anisotropy": slots.body.g}
     if slots.sigma_deg:
         values["base_diffuse_roughness"] = float(fujii_roughness(slots.sigma_deg))
     if features.get("film_thickness"):
@@ -117,6 +124,9 @@ def _to_standard(slots: Slots, losses: list[Loss]) -> dict:
         values |= {"specular_IOR": slots.gloss.eta, "specular_roughness": slots.gloss.roughness} | _brushed("specular", features)
     else:
         values |= {"specular": 0.0}
+    if slots.body:
+        values |= {"subsurface": 1.0, "subsurface_color": tuple(slots.color), "subsurface_radius": (1.0, 1.0, 1.0)}
+        values |= {"subsurface_scale": 1.0 / slots.body.density, "subsurface_anisotropy": slots.body.g}
     if slots.sigma_deg:
         values["diffuse_roughness"] = float(np.radians(slots.sigma_deg))
     if features.get("film_thickness"):
@@ -181,7 +191,7 @@ def from_surface(surface: Surface, values: dict, name: str = "", textured: bool 
     v = DEFAULTS | {"specular_rotation": 0.0, "coat_rotation": 0.0} | surface.to_open(own)
     if "coat_weight" in used:  # where a texture says where the coat is, the input's own value says nothing
         v["coat_weight"] = 1.0
-    reader = _Reader(surface, own, v, used)
+    reader = _Reader(surface, own, v, textured)
     reader.limit_index()
     look = appearance(v, surface.rules)
     reader.say_lost(look)
@@ -200,9 +210,10 @@ def from_surface(surface: Surface, values: dict, name: str = "", textured: bool 
 class _Reader:
     """Puts values by OpenPBR's names `v` into slots; what it says of them is in `losses`, by the surface's own names."""
 
-    def __init__(self, surface: Surface, own: dict, v: dict, used: frozenset[str]):
-        self._surface, self._own, self.v, self._used = surface, own, v, used
+    def __init__(self, surface: Surface, own: dict, v: dict, textured: bool):
+        self._surface, self._own, self.v, self._textured = surface, own, v, textured
         self._is_metal = v["base_metalness"] >= 0.5
+        self._has_body = bool(v["subsurface_weight"]) and not v["geometry_thin_walled"] and not self._is_metal
         self.losses: list[Loss] = []
 
     def _say(self, name: str, fate: str, how: str) -> None:
@@ -224,6 +235,8 @@ class _Reader:
             how = _NO_PLACE.get(name, "light goes through the thin wall")
             self._say(name, LOST, f"{how}; that is {100.0 * float(np.sum(mean(light))) / max(whole, 1e-9):.1f} % of its light")
         for name, value in self._own.items():
+            if self._has_body and name.startswith("subsurface"):
+                continue
             main = next((self.v.get(m, 1.0) for part, m in _OF.items() if name.startswith(part)), 0.0)
             if main and name not in (*_READ, *self._surface.names.values()) and not is_default(name, self._own, self._surface.defaults):
                 self.losses.append(Loss(name, value, LOST, "a stack has no place for it"))
@@ -251,13 +264,14 @@ class _Reader:
         self._say("specular_weight", APPROXIMATED, f"as an index of {eta:.4g} to what is above")
         sigma = sigma_of_fujii(v["base_diffuse_roughness"])
         self._say("base_diffuse_roughness", APPROXIMATED if sigma == 90.0 else KEPT, f"as a slope deviation of {sigma:.4g} degrees")
-        if v["subsurface_weight"]:
-            how = "light that spreads below the surface counts as a diffuse base of this color, as a dense medium looks"
-            self._say("subsurface_weight", APPROXIMATED, how)
-            self._say("subsurface_color", APPROXIMATED, how)
         color = np.clip((1.0 - v["transmission_weight"]) * body_color(v), 0.0, 1.0)
         gloss = None if abs(eta - 1.0) < 1e-9 and not features.get("film_thickness") else Interface(eta, roughness, features)
-        return Slots(tuple(color), sigma_deg=sigma, gloss=gloss, **coat)
+        slots = Slots(tuple(color), sigma_deg=sigma, gloss=gloss, **coat)
+        if not self._has_body:
+            return slots
+        names = [name for name in self._own if name.startswith("subsurface")]
+        free_path = float(np.mean(v["subsurface_radius"] * np.asarray(v["subsurface_radius_scale"])))
+        return with_body(slots, free_path, v["subsurface_scatter_anisotropy"], self._textured, names, self._own, self.losses)
 
     def _metal(self, roughness: float, features: dict, coat: dict) -> Slots:
         v = self.v

@@ -9,26 +9,28 @@ from ..models.baselines.parts import metal_colors
 from ..optics.diffuse import fujii_roughness
 from ..optics.optical_stack import OpticalStack
 from .appearance import Appearance, Rules, appearance
-from .conversion import Converted, lost_if, require_finite, slots_to_stack, stack_to_slots, told
+from .conversion import Converted, lost_if, require_finite, slots_to_stack, stack_to_slots, told, with_body
 from .matching import rendered_by
 from .report import APPROXIMATED, KEPT, LOST, Loss, Report
-from .slots import BASE, COAT, GLOSS, Slots, Surface, edge_of_f82, effective_ior, sigma_of_fujii
+from .slots import BASE, COAT, GLOSS, SUBSURFACE, Slots, Surface, edge_of_f82, effective_ior, sigma_of_fujii
 from .surfaces import OPENPBR
 
 NAME = "Principled"
 DEFAULTS = {
     "Base Color": (0.8, 0.8, 0.8), "Metallic": 0.0, "Roughness": 0.5, "IOR": 1.5, "Alpha": 1.0, "Diffuse Roughness": 0.0,
-    "Subsurface Weight": 0.0, "Specular IOR Level": 0.5, "Specular Tint": (1.0, 1.0, 1.0), "Anisotropic": 0.0,
+    "Subsurface Weight": 0.0, "Subsurface Radius": (1.0, 0.2, 0.1), "Subsurface Scale": 0.05, "Subsurface Anisotropy": 0.0, "Specular IOR Level": 0.5, "Specular Tint": (1.0, 1.0, 1.0), "Anisotropic": 0.0,
     "Anisotropic Rotation": 0.0, "Transmission Weight": 0.0, "Coat Weight": 0.0, "Coat Roughness": 0.03, "Coat IOR": 1.5,
     "Coat Tint": (1.0, 1.0, 1.0), "Sheen Weight": 0.0, "Emission Strength": 0.0, "Thin Film Thickness": 0.0, "Thin Film IOR": 1.33,
 }  # fmt: skip
 _NO_PLACE = {
-    "Subsurface Weight": "a base has no light that spreads below it", "Transmission Weight": "light goes through it, and a stack is opaque: its base is black there",
+    "Transmission Weight": "light goes through it, and a stack is opaque: its base is black there",
     "Sheen Weight": "a stack has no sheen", "Emission Strength": "a stack does not emit; add an Emission node", "Alpha": "a stack is opaque; mix with a Transparent node",
 }  # fmt: skip
 _OPEN_NAMES = {
     "transmission_weight": "Transmission Weight", "fuzz_weight": "Sheen Weight", "emission_luminance": "Emission Strength", "geometry_opacity": "Alpha",
 }  # fmt: skip
+_TEXTURED = {"Subsurface Weight": "light spreads below the whole surface or not at all", **_NO_PLACE}
+_BODY_NAMES = ("Subsurface Weight", "Subsurface Radius", "Subsurface Scale", "Subsurface Anisotropy")
 # What a stack says something about; the rest of the node is its user's.
 WRITTEN = {socket: default for socket, default in DEFAULTS.items() if socket not in _NO_PLACE}
 # Where the inputs of the node are in a stack: socket, slots in order of preference, parameter. Base Color goes through a map.
@@ -43,7 +45,7 @@ PLACES = (
 
 def to_principled(stack: Stack, textured: bool = False) -> Converted:
     """Socket values as bright as the stack. `textured`: with a map for textures of the base color, which takes seconds."""
-    slots, owners, report, colors = stack_to_slots(stack, NAME, lambda slots: rendered_by(PrincipledCoat.name, slots), textured=textured)
+    slots, owners, report, colors = stack_to_slots(stack, NAME, lambda slots: rendered_by(PrincipledCoat.name, slots), frozenset({SUBSURFACE}), textured)
     return Converted(stack, values_of(slots), slots, owners, report, colors)
 
 
@@ -61,6 +63,9 @@ def values_of(slots: Slots) -> dict:
         values |= {"IOR": gloss.eta, "Roughness": gloss.roughness}
     else:
         values |= {"Specular IOR Level": 0.0}
+    if slots.body:
+        values |= {"Subsurface Weight": 1.0, "Subsurface Radius": (1.0, 1.0, 1.0), "Subsurface Scale": 1.0 / slots.body.density}
+        values["Subsurface Anisotropy"] = max(slots.body.g, 0.0)
     if slots.sigma_deg:
         values["Diffuse Roughness"] = float(fujii_roughness(slots.sigma_deg))
     names = {parameter: socket for socket, _, parameter in PLACES if parameter in features}
@@ -75,8 +80,7 @@ def from_principled(values: dict, name: str = "", textured: bool = False, used: 
     values = DEFAULTS | {k: v for k, v in values.items() if k in DEFAULTS}
     require_finite(values, NAME)
     losses: list[Loss] = []
-    losses += [Loss(socket, "texture", LOST, why) for socket, why in _NO_PLACE.items() if socket in used]
-    losses.append(Loss("Subsurface Weight", values["Subsurface Weight"], APPROXIMATED, "as a diffuse base, as a dense medium looks"))
+    losses += [Loss(socket, "texture", LOST, why) for socket, why in _TEXTURED.items() if socket in used]
     is_metal = values["Metallic"] >= 0.5
     if 0.0 < values["Metallic"] < 1.0:
         losses.append(Loss("Metallic", values["Metallic"], LOST, f"a base is metal or not; it is {'metal' if is_metal else 'diffuse'}"))
@@ -85,6 +89,8 @@ def from_principled(values: dict, name: str = "", textured: bool = False, used: 
     if "Metallic" in used:
         losses.append(Loss("Metallic", "texture", LOST, "a base is metal or not; the socket's own value decides"))
     slots = _slots(values, is_metal, used, losses)
+    if values["Subsurface Weight"] and not is_metal:
+        slots = with_body(slots, _free_path(values), values["Subsurface Anisotropy"], "Base Color" in used, _BODY_NAMES, values, losses)
     rendered, opaque = rendered_by(PrincipledCoat.name, slots), 1.0 if is_metal else 1.0 - values["Transmission Weight"]
 
     def original(color):
@@ -96,6 +102,11 @@ def from_principled(values: dict, name: str = "", textured: bool = False, used: 
     done = slots_to_stack(slots.with_color(opaque * np.asarray(slots.color)), original, look, name, "Converted from a Principled BSDF", losses, textured)
     report = Report(tuple(told([*done.report.losses], values, DEFAULTS)), done.report.match)
     return Converted(done.stack, values, done.slots, done.owners, report, done.colors)
+
+
+def _free_path(values: dict) -> float:
+    """Mean free path of light below the surface, in Blender's units."""
+    return float(np.mean(values["Subsurface Radius"]) * values["Subsurface Scale"])
 
 
 def _by_openpbr(values: dict) -> dict:

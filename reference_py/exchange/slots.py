@@ -24,6 +24,10 @@ _HALF = 0.5
 _ONE_WAY = 0.5
 # Sockets take any number; below this one nothing but total reflection is left.
 _LEAST_IOR = 0.2
+# Reduced optical depth of a layer that stands for a medium without end; its base has the medium's color besides.
+_OPAQUE = 20.0
+_LIMITS = {p.name: p for p in SCATTERING.parameters}
+SUBSURFACE = "subsurface"
 _WHITE = 1e-9  # optical depth below which a medium is clear
 
 
@@ -34,6 +38,25 @@ class Surface:
     eta: float
     roughness: float
     features: dict = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Body:
+    """A medium without end below the gloss, of the slots' color: its density per thickness, and how forward it scatters."""
+
+    density: float
+    g: float
+
+    @classmethod
+    def of(cls, free_path: float, g: float) -> "Body":
+        """That of a mean free path in thicknesses, dense enough that nothing shows through."""
+        g = float(np.clip(g, *(_LIMITS["scatter_g"].minimum, _LIMITS["scatter_g"].maximum)))
+        return cls(float(np.clip(1.0 / max(free_path, 1e-9), _OPAQUE / (1.0 - max(g, 0.0)), _LIMITS["density"].maximum)), g)
+
+    @property
+    def values(self) -> dict:
+        """Of a layer, but for its color."""
+        return {"density": self.density, "scatter_g": self.g}
 
 
 @dataclass(frozen=True)
@@ -54,6 +77,8 @@ class Slots:
     coat_tint: tuple = (1.0, 1.0, 1.0)
     """What two perpendicular crossings of the coat leave."""
     coat_weight: float = 1.0
+    body: Body | None = None
+    """Of a diffuse base: whether it stands for a medium that scatters."""
 
     @property
     def is_metal(self) -> bool:
@@ -137,7 +162,7 @@ class Placed:
 def from_stack(stack: Stack, name: str, room: frozenset[str] = frozenset()) -> Placed:
     """Put a stack into slots of the model called `name`; its base color is still that of the stack.
 
-    `room`: what this model's coat has of the features beside the others, such as "anisotropy". One clear layer over a
+    `room`: what this model has beside the others: "anisotropy" of its coat, "subsurface". One clear layer over a
     diffuse base is its gloss, any other top layer the coat; a layer that covers less than half and is no coat is left out. An
     opaque layer that covers half or more is the base.
     """
@@ -166,9 +191,13 @@ def from_stack(stack: Stack, name: str, room: frozenset[str] = frozenset()) -> P
         )
     if gloss:
         slots = replace(slots, gloss=Surface(gloss[1]["ior"] / above, gloss[1]["roughness"], _features(gloss[1])))
+    if SUBSURFACE in room and layers and is_body(layers[-1][1], base.base):
+        slots = replace(slots, body=Body(layers[-1][1]["density"] * layers[-1][1]["thickness"], layers[-1][1]["scatter_g"]))
     for index, layer in layers:
         role = next((r for r, i in owners.items() if i == index), None)
-        losses += _layer_losses(f"layer {index}", layer, role, tinted and not coat, name, room, (index, layer) in working)
+        losses += _layer_losses(
+            f"layer {index}", layer, role, tinted and not coat, name, room, (index, layer) in working, slots.body is not None and index == layers[-1][0]
+        )
     return Placed(slots, tuple(losses), owners)
 
 
@@ -185,6 +214,11 @@ def _above_base(stack: Stack, losses: list[Loss], name: str) -> tuple[list[tuple
             return layers, index, Stack((), layer.as_base())
         layers.append((index, layer))
     return layers, -1, Stack((), stack.base)
+
+
+def is_body(layer: Layer, base: Base) -> bool:
+    """Whether a layer's medium goes on without end: its base has its color."""
+    return "scatter_color" in layer and "color" in base and np.allclose(layer["scatter_color"], base["color"], atol=1e-6)
 
 
 def _is_there(index: int, layer: Layer, losses: list[Loss], name: str, is_coat: bool) -> bool:
@@ -229,7 +263,7 @@ def _distribution_loss(where: str, element: Layer | Base, name: str) -> list[Los
     return [Loss(f"{where} distribution", element["distribution"], LOST, f"{name} has GGX, whose highlights have longer tails")]
 
 
-def _layer_losses(where: str, layer: Layer, role: str | None, in_color: bool, name: str, room, works: bool) -> list[Loss]:
+def _layer_losses(where: str, layer: Layer, role: str | None, in_color: bool, name: str, room, works: bool, is_body: bool) -> list[Loss]:
     """What became of a layer's parameters; `in_color`: there is no coat whose tint could hold the media."""
     losses = []
     white = np.max(optical_depth(layer["tint"], layer["thickness"])) <= _WHITE
@@ -257,7 +291,8 @@ def _layer_losses(where: str, layer: Layer, role: str | None, in_color: bool, na
             ]
     if layer.has(SCATTERING):
         given = (p.name for p in SCATTERING.parameters if p.name in layer)
-        losses += [Loss(f"{where} {key}", layer[key], APPROXIMATED, "in the base color alone, such that the mean albedo stays") for key in given]
+        how = "as light below the surface, which spreads there and not here" if is_body else "in the base color alone, such that the mean albedo stays"
+        losses += [Loss(f"{where} {key}", layer[key], APPROXIMATED, how) for key in given]
     if layer.has(NORMAL):
         losses.append(Loss(f"{where} normal", "", KEPT if role else LOST, f"as the {role}'s" if role else "goes with its interface"))
     return losses
@@ -283,6 +318,10 @@ def to_stack(slots: Slots, name: str, source: str, losses: list[Loss]) -> tuple[
         n = ior_in_range(n * slots.gloss.eta, "IOR", losses)
         owners[GLOSS] = len(rows)
         rows.append({"kind": "dielectric", "name": "Gloss", "ior": n, "roughness": slots.gloss.roughness, **slots.gloss.features})
+    if slots.body:
+        if not slots.gloss:
+            rows.append({"kind": "dielectric", "name": "Subsurface", "ior": n, "roughness": 0.0})
+        rows[-1] |= {"scatter_color": list(slots.color), **slots.body.values}
     if slots.is_metal:
         reflectance, edge = artist_color(*(n * part for part in metal_index(slots.color, slots.edge)))
         base = {

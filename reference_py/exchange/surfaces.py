@@ -105,7 +105,8 @@ def _of_standard(v: dict) -> dict:
         "base_weight": v["base"], "base_color": v["base_color"] if is_metal else tuple(np.power(v["base_color"], gamma)),
         "base_diffuse_roughness": float(fujii_roughness(min(np.degrees(v["diffuse_roughness"]), 90.0))), "base_metalness": v["metalness"],
         "specular_weight": v["specular"], "specular_roughness": rough, "specular_roughness_anisotropy": anisotropy, "specular_ior": v["specular_IOR"],
-        "transmission_weight": v["transmission"], "subsurface_weight": v["subsurface"],
+        "transmission_weight": v["transmission"], "subsurface_weight": v["subsurface"], "subsurface_radius": v["subsurface_scale"],
+        "subsurface_radius_scale": v["subsurface_radius"], "subsurface_scatter_anisotropy": v["subsurface_anisotropy"],
         "subsurface_color": tuple(np.power(v["subsurface_color"], gamma)), "fuzz_weight": v["sheen"], "fuzz_color": v["sheen_color"],
         "fuzz_roughness": v["sheen_roughness"], "coat_weight": coat, "coat_roughness": coat_rough, "coat_roughness_anisotropy": coat_anisotropy,
         "coat_ior": v["coat_IOR"], "thin_film_weight": float(v["thin_film_thickness"] > 0.0),
@@ -164,7 +165,7 @@ def _of_disney(v: dict) -> dict:
         "specular_ior": v["ior"] if v["specTrans"] >= 0.5 else _ior_of_f0(_DISNEY_F0 * v["specular"]),
         "specular_color": _WHITE if is_metal else tuple(np.minimum(1.0 + v["specularTint"] * (tint - 1.0), 1.0)),
         "transmission_weight": v["specTrans"], "transmission_color": v["baseColor"], "subsurface_weight": v["subsurface"],
-        "subsurface_color": v["baseColor"], "fuzz_weight": v["sheen"], "fuzz_color": tuple(np.minimum(1.0 + v["sheenTint"] * (tint - 1.0), 1.0)),
+        "subsurface_color": v["baseColor"], "subsurface_radius_scale": v["subsurfaceDistance"], "fuzz_weight": v["sheen"], "fuzz_color": tuple(np.minimum(1.0 + v["sheenTint"] * (tint - 1.0), 1.0)),
         "coat_weight": v["clearcoat"], "coat_ior": 1.5, "coat_roughness": 1.0 - v["clearcoatGloss"],
     }  # fmt: skip
 

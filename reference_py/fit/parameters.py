@@ -3,7 +3,8 @@
 
 Kinds, names and bounds come from the schema. Not free are `thickness`, since only tint ** thickness matters, and the
 ways to give a metal other than by its colors. Colors and tints are the squares of their coordinates, as dark ones
-matter like bright ones once f is compressed.
+matter like bright ones once f is compressed. The density of a medium that scatters is a share of all, as thicknesses
+hide what is below, and its colors stand for the tint.
 """
 
 from dataclasses import dataclass
@@ -12,12 +13,13 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import LaminaError
-from ..material.schema import COLOR, DIELECTRIC, SCHEMA, Kind, Parameter
+from ..material.schema import COLOR, DIELECTRIC, SCATTERING, SCHEMA, Kind, Parameter
 from ..material.stack import Stack
 
 BASES = tuple(SCHEMA.bases)
 _METAL_BY = ("reflectance", "edge_color")
 _FIXED = ("thickness",)
+_SCATTERING = [p for p in SCATTERING.parameters if p.name in ("scatter_color", "density", "scatter_g")]
 
 
 @dataclass(frozen=True)
@@ -27,18 +29,22 @@ class Structure:
     layers: int
     base: str
     distributions: tuple[str, ...]
+    cloudy: bool = False
+    """Whether the medium above the base scatters."""
 
     @classmethod
-    def of(cls, layers: int, base: str, distribution: str = "ggx") -> "Structure":
-        """All surfaces alike. Raises LaminaError on an unknown base."""
+    def of(cls, layers: int, base: str, distribution: str = "ggx", cloudy: bool = False) -> "Structure":
+        """All surfaces alike. Raises LaminaError on an unknown base, and where no layer could be cloudy."""
+        if cloudy and not layers:
+            raise LaminaError("fit: without a layer nothing above the base is cloudy; choose layers 1 or more")
         kind = SCHEMA.base(base, "fit")
         surfaces = layers + any(p.name == "distribution" for p in kind.parameters)
-        return cls(layers, base, (distribution,) * surfaces)
+        return cls(layers, base, (distribution,) * surfaces, cloudy)
 
     @property
     def name(self) -> str:
         """In words, such as "2 layers over conductor"."""
-        return f"{self.layers} layer{'s' * (self.layers != 1)} over {self.base}"
+        return f"{self.layers} {'cloudy ' * self.cloudy}layer{'s' * (self.layers != 1)} over {self.base}"
 
 
 @dataclass(frozen=True)
@@ -59,11 +65,40 @@ class Group:
         """In words, such as "roughness of layer 0"."""
         return f"{self.parameter.name} of {self.where}"
 
+    @property
+    def is_depth(self) -> bool:
+        """Whether its coordinate is a share of all depths, up to what a slider has."""
+        return self.parameter.name == "density"
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The least and the largest value."""
+        return self.parameter.minimum, self.parameter.slider_maximum if self.is_depth else self.parameter.maximum
+
     def coordinate(self, value):
         """Coordinates of values in the schema's units, limited to its range."""
-        p = self.parameter
-        u = (np.clip(value, p.minimum, p.maximum) - p.minimum) / (p.maximum - p.minimum)
+        low, high = self.range
+        value = np.clip(value, low, high)
+        if self.is_depth:
+            return value / (1.0 + value) * (1.0 + high) / high
+        u = (value - low) / (high - low)
         return np.sqrt(u) if self.is_color else u
+
+    def value(self, u):
+        """The inverse of `coordinate`."""
+        low, high = self.range
+        if self.is_depth:
+            share = u * high / (1.0 + high)
+            return share / (1.0 - share)
+        return low + (high - low) * (np.square(u) if self.is_color else u)
+
+    def slope(self, u):
+        """The derivative of `value`."""
+        low, high = self.range
+        if self.is_depth:
+            share = high / (1.0 + high)
+            return share / np.square(1.0 - u * share)
+        return (high - low) * (2.0 * u if self.is_color else np.ones(len(u)))
 
 
 @dataclass(frozen=True)
@@ -77,10 +112,13 @@ class Parameters:
     def groups(self) -> tuple[Group, ...]:
         """The free parameters of the layers from the top, then of the base, with their places in the vector."""
         s = self.structure
-        elements = [(f"layer {i}", DIELECTRIC) for i in range(s.layers)] + [("the base", SCHEMA.bases[s.base])]
+        elements = [(f"layer {i}", _free(DIELECTRIC)) for i in range(s.layers)] + [("the base", _free(SCHEMA.bases[s.base]))]
+        if s.cloudy:
+            where, free = elements[-2]
+            elements[-2] = where, [p for p in free if p.name != "tint"] + _SCATTERING
         groups, start = [], 0
-        for where, kind in elements:
-            for parameter in _free(kind):
+        for where, free in elements:
+            for parameter in free:
                 size = self.channels if parameter.type == COLOR else 1
                 groups.append(Group(where, parameter, tuple(range(start, start + size))))
                 start += size
@@ -101,21 +139,19 @@ class Parameters:
         """(p,) values in the schema's units of coordinates (p,) in 0 to 1."""
         out = np.empty(len(x))
         for g in self.groups:
-            u, p = x[list(g.index)], g.parameter
-            out[list(g.index)] = p.minimum + (p.maximum - p.minimum) * (np.square(u) if g.is_color else u)
+            out[list(g.index)] = g.value(x[list(g.index)])
         return out
 
     def slopes(self, x: np.ndarray) -> np.ndarray:
         """(p,) derivative of `values`."""
         out = np.empty(len(x))
         for g in self.groups:
-            u, p = x[list(g.index)], g.parameter
-            out[list(g.index)] = (p.maximum - p.minimum) * (2.0 * u if g.is_color else np.ones(len(u)))
+            out[list(g.index)] = g.slope(x[list(g.index)])
         return out
 
     def ranges(self) -> np.ndarray:
         """(p,) width of each value's range."""
-        return np.concatenate([[g.parameter.maximum - g.parameter.minimum] * len(g.index) for g in self.groups])
+        return np.concatenate([[g.range[1] - g.range[0]] * len(g.index) for g in self.groups])
 
     def coordinates(self, stack: Stack) -> np.ndarray:
         """The vector (p,) of a stack of this structure; the inverse of `stack`."""

@@ -22,6 +22,9 @@ USUAL = {
     "edge_color": (0.3, 1.0),
     "sigma_deg": (5.0, 40.0),
     "color": (0.5, 1.8),
+    "scatter_color": (0.3, 0.95),
+    "density": (0.2, 3.0),
+    "scatter_g": (-0.2, 0.7),
 }
 # Residual per unit of a coordinate, as far as what is fitted can be trusted: the stand-in errs by percents, the model by
 # half a percent, and what is polished is hardly pulled.

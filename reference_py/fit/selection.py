@@ -18,7 +18,7 @@ from ..material.schema import CONDUCTOR, DIELECTRIC
 from . import AUTO
 from .certainty import independent_pairs, noise_and_misfit
 from .fitting import SAMPLES, Fit, Progress, corrected, polished, rough_fits, share_of, space_mapping_step, subsampled
-from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, require_fittable, stand_in
+from .forward import CLOUDY_MODEL, DEFAULT_MODEL, MODEL_ERROR, QUICK, require_fittable, stand_in
 from .metric import Metric, percent
 from .parameters import BASES, Parameters, Structure
 from .readers.measurement import Measurement
@@ -26,6 +26,8 @@ from .readers.measurement import Measurement
 DISTRIBUTIONS = DIELECTRIC.parameter("distribution").choices
 MOST_LAYERS, LEAST_SAMPLES = 8, 50
 _AUTO_LAYERS = 3
+# Of fits with a medium that scatters, and the bases that are tried below it.
+_CLOUDY_STARTS, _BELOW_CLOUDS = 2, ("lambert", CONDUCTOR.name)
 _LOOK_STEPS, _STARTS, _MORE_STARTS = 1, 3, 2
 # Further steps of the best base before counts of layers are compared, and the most of the chosen fit.
 _COMPARED_STEPS, _LAST_STEPS = 2, 4
@@ -77,13 +79,15 @@ def preferred(found: Collection[Fit], against: Fit | None = None) -> Fit:
     return best if gain > max(noise_and_misfit(best)[0], MODEL_ERROR) else other
 
 
-def require_choices(layers: int | str, base: str, model: str, samples: int) -> None:
+def require_choices(layers: int | str, base: str, model: str, samples: int, cloudy: bool = False) -> None:
     """Raise LaminaError for what `select` does not take."""
     require_fittable(model)
     if layers != AUTO and not (isinstance(layers, int) and 0 <= layers <= MOST_LAYERS):
         raise LaminaError(f"layers {layers!r}: choose {AUTO} or 0 to {MOST_LAYERS}")
     if base not in (AUTO, *BASES):
         raise LaminaError(f"unknown base {base!r}; choose {AUTO}, {', '.join(BASES)}")
+    if cloudy and (model != CLOUDY_MODEL or layers == 0):
+        raise LaminaError(f"a cloudy layer goes with the model {CLOUDY_MODEL} and at least one layer, not with {model} and {layers} layers")
     if samples < LEAST_SAMPLES:
         raise LaminaError(f"samples {samples}: choose at least {LEAST_SAMPLES}")
 
@@ -97,16 +101,17 @@ def select(
     seed: int = 0,
     progress: Progress | None = None,
     report: Report | None = None,
+    cloudy: bool = False,
 ) -> Selection:
-    """Fit a measurement. `layers` and `base` are chosen where they are "auto".
+    """Fit a measurement. `layers` and `base` are chosen where they are "auto"; `cloudy` tries a medium that scatters above the base as well, which takes minutes.
 
     `progress` gets the share that is done, `report` sentences. Raises LaminaError on a bad choice.
     """
-    require_choices(layers, base, model, samples)
+    require_choices(layers, base, model, samples, cloudy)
     if len(measurement.f) < LEAST_SAMPLES:
         raise LaminaError(f"{measurement.source}: {len(measurement.f)} pairs of directions are too few to fit; at least {LEAST_SAMPLES}")
     search = _Search(subsampled(measurement, samples, seed), model, np.random.default_rng(seed))
-    say, done = report or (lambda text: None), progress or (lambda share: None)
+    say, done = report or (lambda text: None), share_of(progress, 0.0, 0.5 if cloudy else 1.0) or (lambda share: None)
     last = _AUTO_LAYERS if layers == AUTO else layers
     bases = BASES if base == AUTO else (base,)
     # few layers that were not asked for are fitted as well: more are found from them
@@ -127,10 +132,11 @@ def select(
     chosen = tried[-1]
     if layers == AUTO and len(tried) > 1 and not supported(tried[-1], tried[-2]):
         chosen = tried[-2]
-    best = polished(search.with_best_surfaces(chosen), share_of(progress, begun, 1.0), steps=_LAST_STEPS)
+    best = polished(search.with_best_surfaces(chosen), share_of(done, begun, 1.0), steps=_LAST_STEPS)
     done(1.0)
     tried = [best if fit is chosen else _containing(fit, best) for fit in tried]
-    return Selection(best, tuple(tried), _reason(best, tried, layers))
+    plain = Selection(best, tuple(tried), _reason(best, tried, layers))
+    return search.cloudy(plain, bases if base != AUTO else _BELOW_CLOUDS, share_of(progress, 0.5, 1.0)) if cloudy else plain
 
 
 def _containing(more: Fit, less: Fit | None) -> Fit:
@@ -186,6 +192,25 @@ class _Search:
 
     def _quick(self, structure: Structure, x: np.ndarray, steps: int) -> Fit:
         return corrected(self.metric, structure, self.model, x, steps, options=QUICK.get(self.model, {}))
+
+    def cloudy(self, plain: Selection, bases: tuple[str, ...], progress: Progress | None) -> Selection:
+        """The choice with a medium that scatters above the base, where the data ask for one; else the plain one, and what could not be told."""
+        best, found = plain.best, []
+        for number, base in enumerate(bases):
+            top = best.structure.distributions[0] if best.structure.distributions else DISTRIBUTIONS[0]
+            structure = Structure.of(max(best.structure.layers, 1), base, top, cloudy=True)
+            known = [(best.parameters, best.x, structure.layers - best.structure.layers)]
+            rough = rough_fits(self.metric, structure, self.model, _CLOUDY_STARTS, self.rng, known)[0]
+            found.append(corrected(self.metric, structure, self.model, rough.x))
+            if progress is not None:
+                progress((number + 1) / len(bases))
+        clouds = min(found, key=lambda fit: fit.error)
+        tried = (*plain.tried, *found)
+        brings = f"brings the error from {percent(best.error)} to {percent(clouds.error)}"
+        if not supported(clouds, best):
+            reason = f"{plain.reason}; a cloudy layer cannot be told from a plain one by these data: {clouds.structure.name} {brings}"
+            return Selection(best, tried, reason)
+        return Selection(clouds, tried, f"a medium that scatters above the base {brings}")
 
     def closer(self, fit: Fit) -> Fit:
         """A quick fit continued; more layers begin from it."""

@@ -13,14 +13,18 @@ from typing import ClassVar
 import numpy as np
 
 from ..material.place import Place
-from ..material.schema import CONDUCTOR
+from ..material.schema import CONDUCTOR, DIELECTRIC, SCATTERING
 from ..material.stack import Stack
 from ..optics.interface import optical_depth
+from ..optics.scattering import color_of_similarity, similarity_of_color
 
 # Added to a metal's reflectance before its logarithm is taken: about what a layer above reflects.
 REFLECTANCE_OFFSET = 0.05
 # The optical depth that is half-way of all.
 HALF_DEPTH = 1.2
+# Of a density or a thickness: less is none, and its other factor is not seen.
+_LEAST_FACTOR = 1e-3
+_MOST = {p.name: p.maximum for p in (*DIELECTRIC.parameters, *SCATTERING.parameters)}
 _MOST_REFLECTANCE = CONDUCTOR.parameter("reflectance").maximum
 
 
@@ -117,16 +121,23 @@ class IndexAxis(Axis):
 
 @dataclass(frozen=True)
 class ThicknessAxis(Axis):
-    """The thickness of a medium that scatters, as a share of all."""
+    """The thickness of a medium that scatters, or its density, as a share of all."""
+
+    def half(self, stack: Stack) -> float:
+        """The value of optical depth 1, which is half-way of all."""
+        layer = self.live[0].element(stack)
+        other = layer["thickness"] if self.live[0].name == "density" else layer["density"] if "density" in layer else max(layer["extinction"])
+        return 1.0 / max(float(other), _LEAST_FACTOR)
 
     def coordinate(self, stack: Stack) -> np.ndarray:
         """As in `Axis`."""
-        thickness = np.asarray(self.live[0].value(stack), float)
-        return thickness / (thickness + 1.0)
+        value = np.maximum(np.asarray(self.live[0].value(stack), float), 0.0)
+        return value / (value + self.half(stack))
 
     def at(self, stack: Stack, coordinate: float) -> Stack:
         """As in `Axis`."""
-        return self.live[0].with_value(stack, float(coordinate / (1.0 - coordinate)))
+        value = self.half(stack) * coordinate / (1.0 - coordinate)
+        return self.live[0].with_value(stack, float(min(value, _MOST[self.live[0].name])))
 
 
 @dataclass(frozen=True)
@@ -178,4 +189,19 @@ class EdgeAxis(Axis):
         return self.live[0].with_value(stack, (float(1.0 - (1.0 - coordinate) ** 2),) * 3)
 
 
-AXES = {axis.__name__: axis for axis in (NumberAxis, IndexAxis, ThicknessAxis, DepthAxis, ReflectanceAxis, EdgeAxis)}
+@dataclass(frozen=True)
+class ScatterColorAxis(Axis):
+    """The color of a medium that scatters, by what two media of equal reflectance have in common: 0 is black, 1 white (van de Hulst)."""
+
+    is_color = True
+
+    def coordinate(self, stack: Stack) -> np.ndarray:
+        """As in `Axis`."""
+        return 1.0 - similarity_of_color(np.asarray(self.live[0].value(stack), float))
+
+    def at(self, stack: Stack, coordinate: float) -> Stack:
+        """As in `Axis`."""
+        return self.live[0].with_value(stack, (float(np.clip(color_of_similarity(1.0 - coordinate), 0.0, 1.0)),) * 3)
+
+
+AXES = {axis.__name__: axis for axis in (NumberAxis, IndexAxis, ThicknessAxis, DepthAxis, ReflectanceAxis, EdgeAxis, ScatterColorAxis)}

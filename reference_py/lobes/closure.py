@@ -23,6 +23,8 @@ from .lobe import DielectricCurve, DiffuseLobe, FilmCurve, GlossyLobe, SchlickCu
 WEIGHT_CUTOFF = 1e-5
 # Directions per view, as rings about the lobe's axis and places on each: for an energy, and for a ratio of energies.
 ENERGY_RULE, _SHARE_RULE = (192, 32), (64, 16)
+# Directions at once: more would not fit into a processor's cache.
+_IN_CACHE = 4096
 
 
 def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
@@ -146,12 +148,9 @@ def unit_energy(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, rul
     cos_o = np.asarray(cos_theta_o, float)
     if is_specular_lobe(lobe):
         return fresnel(lobe, cos_o) * np.ones(3)
-    shapes, views, result = _shapes(lobe, cos_o), _views(lobe, cos_o, phi), np.empty(cos_o.shape + (3,))
     u1, u2, weights = _rings(*rule)
-    for i in range(len(cos_o)):  # all at once would not fit into a processor's cache
-        energy, cos_ih = _throughput(lobe.distribution, *shapes[:, i : i + 1], views[i : i + 1], u1, u2)
-        result[i] = (energy[0] * weights) @ fresnel(lobe, cos_ih[0]) / np.sum(weights)
-    return result
+    energy, cos_ih = _throughput(lobe.distribution, _shapes(lobe, cos_o), _views(lobe, cos_o, phi), u1, u2)
+    return ((energy * weights)[:, None] @ fresnel(lobe, cos_ih))[:, 0] / np.sum(weights) * np.ones(3)
 
 
 def fresnel_share(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -> np.ndarray:
@@ -171,7 +170,7 @@ def fresnel_share(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -
     specular = is_specular(np.sqrt(alpha_x * alpha_y))
     u1, u2, weights = _rings(*_SHARE_RULE)
     alphas = np.where(specular, 1.0, alpha_x), np.where(specular, 1.0, alpha_y)
-    energy, cos_ih = _throughput(lobe.distribution, *alphas, tilt, _views(lobe, cos_o, phi), u1, u2)
+    energy, cos_ih = _throughput(lobe.distribution, np.stack([*alphas, tilt]), _views(lobe, cos_o, phi), u1, u2)
     energy *= weights
     share = (energy[:, None] @ fresnel(lobe, cos_ih))[:, 0] / np.sum(energy, axis=1)[:, None]
     return np.where(specular[:, None], at_view, share)
@@ -200,9 +199,18 @@ def _views(lobe: GlossyLobe, cos_o: np.ndarray, phi) -> np.ndarray:
     return np.stack([sin_o * np.cos(turn), sin_o * np.sin(turn), cos_o], axis=-1)
 
 
-def _throughput(distribution: str, alpha_x, alpha_y, tilt, wo: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _throughput(distribution: str, shapes: np.ndarray, wo: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """What light carries of a lobe's energy that GGX visible normals for u1, u2 (m,) mirror to views (n, 3), and its cosine to
-    these normals, both (n, m). The lobe has weight 1 and no curve; its shape is (n,)."""
+    these normals, both (n, m). The lobe has weight 1 and no curve; `shapes` (3, n) are as `_shapes` has them."""
+    energy, cos_ih = np.empty((len(wo), len(u1))), np.empty((len(wo), len(u1)))
+    at_once = max(1, _IN_CACHE // len(u1))
+    for i in range(0, len(wo), at_once):
+        part = slice(i, i + at_once)
+        energy[part], cos_ih[part] = _throughput_at_once(distribution, *shapes[:, part], wo[part], u1, u2)
+    return energy, cos_ih
+
+
+def _throughput_at_once(distribution: str, alpha_x, alpha_y, tilt, wo: np.ndarray, u1: np.ndarray, u2: np.ndarray):
     cos_t, sin_t = np.cos(tilt), np.sin(tilt)
     in_lobe_frame = cos_t * wo[:, 0] - sin_t * wo[:, 2], wo[:, 1], cos_t * wo[:, 2] + sin_t * wo[:, 0]
     alpha_x, alpha_y, cos_t, sin_t, ox, oy, oz = (np.repeat(v, len(u1)) for v in (alpha_x, alpha_y, cos_t, sin_t, *in_lobe_frame))

@@ -18,6 +18,7 @@ from ..material.stack import Stack
 from .axes import Axis, IndexAxis, Scale
 from .closure import unit_energy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
+from .own_normals import BELOW, DIFFUSE, TOP, normals_of_fits
 from .view_table import BASE_COLOR, KNOTS, MIN_COS_O, BaseColorTable, DiffuseTable, GlossyTable, TableLobes, interpolate, knot_cosines
 
 # Less is nothing to Cycles.
@@ -53,11 +54,20 @@ class LiveLobe:
     shape: np.ndarray | None = None
     fresnel: DielectricCurve | None = None
     unit: np.ndarray | None = None
+    normal: Place | None = None
+    """The own normal that it is about (`own_normals`), None for the surface's."""
 
     @property
     def is_specular(self) -> bool:
         """Whether it is a mirror at every knot."""
         return isinstance(self.energy, LogEnergy)
+
+    @property
+    def kind(self) -> str:
+        """What it is (`own_normals`)."""
+        if self.is_diffuse:
+            return DIFFUSE
+        return TOP if self.fresnel is not None or self.is_specular else BELOW
 
     @property
     def is_diffuse(self) -> bool:
@@ -100,8 +110,9 @@ class LiveLobes:
         return next((axis for axis in self.axes if isinstance(axis, IndexAxis)), None)
 
     def with_values_of(self, stack: Stack) -> "LiveLobes":
-        """The same for a stack's own live values."""
-        return replace(self, stack=stack)
+        """The same for a stack's own live values and normals."""
+        normals = normals_of_fits(stack, [lobe.kind for lobe in self.grid])
+        return replace(self, stack=stack, grid=tuple(replace(lobe, normal=normal) for lobe, normal in zip(self.grid, normals)))
 
     @property
     def lobe_count(self) -> int:
@@ -161,13 +172,13 @@ def _with_index(lobe: LiveLobe, eta: float) -> LiveLobe:
 
 def _lobe(lobe: LiveLobe, weight, shape, cos_theta_o):
     if lobe.is_specular:
-        return GlossyLobe(lobe.distribution, weight, *(np.zeros_like(cos_theta_o) for _ in range(3)))
+        return GlossyLobe(lobe.distribution, weight, *(np.zeros_like(cos_theta_o) for _ in range(3)), normal=lobe.normal)
     if lobe.is_diffuse:
-        return DiffuseLobe(weight)
+        return DiffuseLobe(weight, normal=lobe.normal)
     root_x, root_y, slope = np.moveaxis(shape, -1, 0)
     alpha_x, alpha_y = (np.clip(np.square(np.maximum(root, 0.0)), MIN_ALPHA, 1.0) for root in (root_x, root_y))
     tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)))
-    return GlossyLobe(lobe.distribution, weight, alpha_x, alpha_y, tilt, lobe.fresnel)
+    return GlossyLobe(lobe.distribution, weight, alpha_x, alpha_y, tilt, lobe.fresnel, normal=lobe.normal)
 
 
 @dataclass(frozen=True)

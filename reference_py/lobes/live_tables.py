@@ -43,6 +43,7 @@ class LiveTable:
     fresnel: DielectricCurve | None = None
     through: np.ndarray | None = None
     back: np.ndarray | None = None
+    normal: Place | None = None
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,7 @@ class LiveTables:
                 color = np.clip(self.stack.base["color"], 0.0, 1.0)
                 weight = weight + energy(table.through) * color / (1.0 - energy(table.back) * color)
             if table.distribution is None:
-                result.append(DiffuseLobe(weight))
+                result.append(DiffuseLobe(weight, normal=table.normal))
                 continue
             if table.unit is not None:
                 weight = weight / shared(table.unit)
@@ -110,7 +111,7 @@ class LiveTables:
             fresnel = table.fresnel
             if fresnel is not None and self.index is not None:
                 fresnel = DielectricCurve(self.index.live[0].value(self.stack))
-            result.append(GlossyLobe(table.distribution, weight, root_x**2, root_y**2, tilt, fresnel))
+            result.append(GlossyLobe(table.distribution, weight, root_x**2, root_y**2, tilt, fresnel, normal=table.normal))
         return result
 
     def _at(self, table: np.ndarray, coordinates: list[float]) -> np.ndarray:
@@ -135,6 +136,10 @@ def live_tables(lobe_set: LiveLobes, keep_dielectrics: bool = False) -> LiveTabl
 
 
 def _table(grid: "_Grid", lobe_set: LiveLobes, lobe: LiveLobe, total: np.ndarray, keep_dielectrics: bool) -> LiveTable:
+    return replace(_without_normal(grid, lobe_set, lobe, total, keep_dielectrics), normal=lobe.normal)
+
+
+def _without_normal(grid: "_Grid", lobe_set: LiveLobes, lobe: LiveLobe, total: np.ndarray, keep_dielectrics: bool) -> LiveTable:
     if isinstance(lobe.energy, LogEnergy):
         energy = grid.exponential(lobe.energy)
         return LiveTable(energy, lobe.distribution, np.zeros_like(energy))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..material.place import Place
 from ..optics.diffuse import OREN_NAYAR_POWER, oren_nayar_shares
 from ..optics.interface import Interface, Microfacets
 from ..optics.thin_film import Film
@@ -40,6 +41,7 @@ class GlossyLobe:
     weight (..., 3); alpha_x along and alpha_y across the plane of incidence; `tilt` turns the lobe's normal
     by that angle in radians towards the viewer; `fresnel` acts on the half vector. With a `frame`, alpha_x is along
     the direction that is this angle in radians from the tangent, and there is no tilt.
+    `normal` is the own normal of an element that the lobe is about (`own_normals`), None for the surface's.
     """
 
     distribution: str
@@ -49,19 +51,21 @@ class GlossyLobe:
     tilt: np.ndarray = np.float64(0.0)
     fresnel: SchlickCurve | DielectricCurve | FilmCurve | None = None
     frame: float | None = None
+    normal: Place | None = None
 
 
 @dataclass(frozen=True)
 class DiffuseLobe:
     """Lambert of albedo `weight` (..., 3), or, where `color` (..., 3) is given, weight times Oren-Nayar of it.
 
-    `power` is that of `optics.diffuse.oren_nayar`.
+    `power` is that of `optics.diffuse.oren_nayar`, `normal` as in `GlossyLobe`.
     """
 
     weight: np.ndarray
     color: tuple[float, float, float] | np.ndarray | None = None
     sigma_deg: float = 0.0
     power: int = OREN_NAYAR_POWER
+    normal: Place | None = None
 
 
 # Color of a lobe that meets one facet alone: what meets more has this share of it.

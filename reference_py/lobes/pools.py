@@ -83,11 +83,11 @@ def _identity(patch: Patch, number: int, i: int, lobe) -> Hashable:
 
 
 def _width(lobe_set, i: int) -> float:
-    """How wide a lobe is, in the mean over views and live values."""
+    """How wide a lobe is, as roughness, in the mean over views and live values: a needle is far from what is twice as wide."""
     if isinstance(lobe_set, LiveLobes | LiveTables):
         lobes = lobe_set.grid if isinstance(lobe_set, LiveLobes) else lobe_set.tables
-        return float(np.mean(np.square(lobes[i].shape[..., :2])))
-    return float(np.mean(lobe_set.tables[i].shape[:, :2]))
+        return float(np.mean(lobes[i].shape[..., :2]))
+    return float(np.mean(np.sqrt(lobe_set.tables[i].shape[:, :2])))
 
 
 def _by_width(lobes: Mapping[int, list[tuple[float, int]]], room: int) -> dict[tuple[int, int], int]:

@@ -98,15 +98,17 @@ def _is_oren_nayar(lobe) -> bool:
 def _table(lobe: GlossyLobe | DiffuseLobe, weight: np.ndarray, axis: float | None):
     if isinstance(lobe, GlossyLobe):
         shape = *_at_knots(lobe.alpha_x, lobe.alpha_y), _slope(lobe.tilt)
-        return GlossyTable(lobe.distribution, weight, np.stack(shape, axis=-1), lobe.fresnel, lobe.frame, axis)
-    return DiffuseTable(weight, axis)
+        return GlossyTable(lobe.distribution, weight, np.stack(shape, axis=-1), lobe.fresnel, lobe.frame, axis, lobe.normal)
+    return DiffuseTable(weight, axis, lobe.normal)
 
 
 def _oren_nayar_table(lobes: list[tuple[DiffuseLobe, float | None]], power: int) -> OrenNayarTable | DiffuseTable:
     """One lobe of the energy of several whose facets are equally inclined and whose axes are the same."""
     energy = sum(lobe.weight * oren_nayar_albedo(knot_cosines(), lobe.color, lobe.sigma_deg, lobe.power) for lobe, _ in lobes)
-    sigma_deg, axis = lobes[0][0].sigma_deg, lobes[0][1]
-    return OrenNayarTable(oren_nayar_color(knot_cosines(), energy, sigma_deg, power), sigma_deg, power, axis) if sigma_deg else DiffuseTable(energy, axis)
+    (first, axis), *_ = lobes
+    if not first.sigma_deg:
+        return DiffuseTable(energy, axis, first.normal)
+    return OrenNayarTable(oren_nayar_color(knot_cosines(), energy, first.sigma_deg, power), first.sigma_deg, power, axis, first.normal)
 
 
 def _at_knots(*values) -> list[np.ndarray]:

@@ -5,6 +5,7 @@ Knots are even in sqrt(cos_theta_o), which is dense at grazing where energies tu
 A tilt is kept as its tangent over sin(theta_o), which is smooth at the normal.
 Where weights depend on the azimuth of the view, a table has one sheet for each of AZIMUTHS; between them all is linear in the
 cosine from the axis of symmetry, `axis` in radians from the tangent. That is good to .7 % of a weight up to 80 degrees.
+`normal` is the own normal that a table is about (`own_normals`), None for the surface's.
 """
 
 from dataclasses import dataclass, replace
@@ -15,6 +16,7 @@ from ..material.place import Place
 from ..material.stack import Stack
 from ..optics.diffuse import OREN_NAYAR_POWER
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
+from .own_normals import BELOW, DIFFUSE, TOP, normals_of_fits
 
 KNOTS = 24
 # Cosines of the view's azimuth from the axis, on places of a ramp's 256: dense where energies turn.
@@ -66,13 +68,19 @@ class GlossyTable:
     fresnel: DielectricCurve | None = None
     frame: float | None = None
     axis: float | None = None
+    normal: Place | None = None
+
+    @property
+    def is_mirror(self) -> bool:
+        """Whether it is one at every view."""
+        return not np.any(self.shape)
 
     def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> GlossyLobe:
         """The lobe at views of cosine cos_theta_o (...) and azimuth phi (...)."""
         alpha_x, alpha_y, slope = np.moveaxis(interpolate(self.shape, cos_theta_o), -1, 0)
         tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)))
         weight = weight_at(self.weight, cos_theta_o, phi, self.axis)
-        return GlossyLobe(self.distribution, weight, alpha_x, alpha_y, tilt, self.fresnel, self.frame)
+        return GlossyLobe(self.distribution, weight, alpha_x, alpha_y, tilt, self.fresnel, self.frame, self.normal)
 
 
 @dataclass(frozen=True)
@@ -81,10 +89,11 @@ class DiffuseTable:
 
     weight: np.ndarray
     axis: float | None = None
+    normal: Place | None = None
 
     def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> DiffuseLobe:
         """The lobe at views of cosine cos_theta_o (...) and azimuth phi (...)."""
-        return DiffuseLobe(weight_at(self.weight, cos_theta_o, phi, self.axis))
+        return DiffuseLobe(weight_at(self.weight, cos_theta_o, phi, self.axis), normal=self.normal)
 
 
 @dataclass(frozen=True)
@@ -95,10 +104,11 @@ class OrenNayarTable:
     sigma_deg: float
     power: int = OREN_NAYAR_POWER
     axis: float | None = None
+    normal: Place | None = None
 
     def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> DiffuseLobe:
         """The lobe at views of cosine cos_theta_o (...) and azimuth phi (...)."""
-        return DiffuseLobe(np.ones(3), weight_at(self.weight, cos_theta_o, phi, self.axis), self.sigma_deg, self.power)
+        return DiffuseLobe(np.ones(3), weight_at(self.weight, cos_theta_o, phi, self.axis), self.sigma_deg, self.power, self.normal)
 
 
 @dataclass(frozen=True)
@@ -114,6 +124,7 @@ class BaseColorTable:
     through: np.ndarray
     back: np.ndarray
     color: np.ndarray
+    normal: Place | None = None
 
     @property
     def weight(self) -> np.ndarray:
@@ -123,7 +134,7 @@ class BaseColorTable:
 
     def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> DiffuseLobe:
         """The lobe at views of cosine cos_theta_o (...) and azimuth phi (...)."""
-        return DiffuseLobe(interpolate(self.weight, cos_theta_o))
+        return DiffuseLobe(interpolate(self.weight, cos_theta_o), normal=self.normal)
 
 
 @dataclass(frozen=True)
@@ -140,8 +151,10 @@ class TableLobes:
         return (BASE_COLOR,) if any(isinstance(table, BaseColorTable) for table in self.tables) else ()
 
     def with_values_of(self, stack: Stack) -> "TableLobes":
-        """The same for a stack's own live values."""
-        return TableLobes(tuple(replace(t, color=np.array(stack.base["color"])) if isinstance(t, BaseColorTable) else t for t in self.tables))
+        """The same for a stack's own live values and normals."""
+        normals = normals_of_fits(stack, [_kind(table) for table in self.tables])
+        tables = [replace(table, normal=normal) for table, normal in zip(self.tables, normals)]
+        return TableLobes(tuple(replace(t, color=np.array(stack.base["color"])) if isinstance(t, BaseColorTable) else t for t in tables))
 
     @property
     def lobe_count(self) -> int:
@@ -152,3 +165,10 @@ class TableLobes:
         """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
         cos_o = np.clip(np.asarray(cos_theta_o, float), MIN_COS_O, 1.0)
         return [table.lobe(cos_o, phi) for table in self.tables]
+
+
+def _kind(table) -> str:
+    """What a fitted lobe is (`own_normals`)."""
+    if not isinstance(table, GlossyTable):
+        return DIFFUSE
+    return TOP if table.fresnel is not None or table.is_mirror else BELOW

@@ -11,7 +11,7 @@ class Model(Protocol):
 
     What directions may be, and what becomes of those that are not, is the same for all (`optics.frame`).
     Most models can be sampled: `sample(wo, rng)` gives (wi, valid), (..., 3) and (...), and `pdf(wo, wi)` the density (...) of wi in
-    1/sr. Samples that are not valid have value 0 and count as samples. Those that draw random numbers are `stochastic`, and
+    1/sr; the truths draw theirs of simple lobes (`optics.quadrature.LobeMixture`). Samples that are not valid have value 0 and count as samples. Those that draw random numbers are `stochastic`, and
     have `f_stderr` and `albedo_stderr`.
     """
 

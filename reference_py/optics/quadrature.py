@@ -3,15 +3,17 @@
 
 Quasi-random points are warped by one strategy per lobe width (facet normals of the distribution, reflected)
 and one cosine strategy, combined by the balance heuristic (Veach95). Narrow lobes cost no more than wide ones.
+`LobeMixture` draws random directions of the same strategies: samples for an f of which no better ones are known.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from . import microfacet
-from .frame import dot, half_vector, reflect
+from .frame import DOWN, dot, half_vector, reflect
 
 # The golden ratio's part below 1, and Roberts' R2 sequence: the generalised golden ratio of two dimensions.
 GOLDEN = 0.5 * (5.0**0.5 - 1.0)
@@ -88,3 +90,34 @@ def _mixture_density(wo, wi, lobes) -> np.ndarray:
         for distribution, alpha in lobes:
             density = density + microfacet.distribution(wh[:, 2], alpha, distribution) * jacobian
     return density
+
+
+@dataclass(frozen=True)
+class LobeMixture:
+    """Light directions from the cosine and from facets of each (distribution, alpha) of `lobes`, one strategy as likely as another."""
+
+    lobes: tuple[tuple[str, float], ...]
+
+    @classmethod
+    def of(cls, surfaces: Sequence[tuple[str, float]]) -> "LobeMixture":
+        """That of the rough surfaces of a stack."""
+        return cls(tuple(sorted(set(surfaces))))
+
+    def sample(self, wo: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+        """wi (n, 3) and valid (n,) for views (n, 3); what is not valid points straight down."""
+        strategy = rng.integers(len(self.lobes) + 1, size=len(wo))
+        u1, u2 = rng.random((2, len(wo)))
+        wi = cosine_directions(u1, u2)
+        for k, (distribution, alpha) in enumerate(self.lobes):
+            here = strategy == k
+            wi[here] = reflect(wo[here], facet_normals(u1[here], u2[here], alpha, distribution))
+        valid = (wo[:, 2] > 0.0) & (wi[:, 2] > 0.0)
+        wi[~valid] = DOWN
+        return wi, valid
+
+    def pdf(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """Density (n,) in 1/sr of `sample`; 0 below the horizon."""
+        above = (wo[:, 2] > 0.0) & (wi[:, 2] > 0.0)
+        result = np.zeros(len(wo))
+        result[above] = _mixture_density(wo[above], wi[above], self.lobes) / (len(self.lobes) + 1)
+        return result

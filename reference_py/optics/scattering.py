@@ -12,7 +12,7 @@ from .slab import half_space_albedo
 
 # Fit of the spherical albedo of a half space over s = sqrt((1 - albedo) / (1 - g albedo)): van de Hulst, "Multiple Light Scattering"
 # (1980), as Christensen15 prints it. It starts the exact inversion.
-_FIT = (0.139, 1.17)
+FIT = (0.139, 1.17)
 _CLOSE, _ROUNDS = 1e-10, 100
 
 
@@ -50,7 +50,7 @@ def albedo_of_color(color: tuple[float, ...], g: float) -> tuple[float, ...]:
     wanted = np.array(color, float)
     target = wanted
     for _ in range(_ROUNDS):
-        s = _fit_inverse(target)
+        s = similarity_of_color(target)
         albedo = (1.0 - s * s) / (1.0 - g * s * s)
         miss = wanted - half_space_albedo(albedo, g)
         if np.max(np.abs(miss)) < _CLOSE:
@@ -59,7 +59,14 @@ def albedo_of_color(color: tuple[float, ...], g: float) -> tuple[float, ...]:
     return tuple(np.where(wanted >= 1.0, 1.0, np.where(wanted <= 0.0, 0.0, albedo)).tolist())
 
 
-def _fit_inverse(color: np.ndarray) -> np.ndarray:
-    a, b = _FIT
+def similarity_of_color(color: np.ndarray) -> np.ndarray:
+    """s = sqrt((1 - albedo) / (1 - g albedo)), from 1 of black to 0 of white, of a half space's spherical albedo, by the fit: whatever g is."""
+    a, b = FIT
     middle = 1.0 + a + b * color
     return np.clip((middle - np.sqrt(np.maximum(middle**2 - 4.0 * a * (1.0 - color), 0.0))) / (2.0 * a), 0.0, 1.0)
+
+
+def color_of_similarity(s: np.ndarray) -> np.ndarray:
+    """The inverse of `similarity_of_color`."""
+    a, b = FIT
+    return (1.0 - s) * (1.0 - a * s) / (1.0 + b * s)

@@ -98,7 +98,7 @@ def _measure(report: Report) -> list[tuple[str, ...]]:
     import numpy as np
 
     from ..pareto.bench import ball, corner, sun_stage, with_material
-    from ..pareto.materials import glossy_material, script_material
+    from ..pareto.compared_materials import glossy_material, script_material
     from ..pareto.methods import GLOSSY
     from ..pareto.timing import filling_costs
 

@@ -20,9 +20,9 @@ from ...addon.rendering.settings import add_object, measurement_settings, render
 from ...addon.session import blender
 from ...reference_py.atomic import require_writable
 from ...reference_py.material import presets
-from ..pareto.surfaces import load_surface
+from ..pareto.surface_types import load_surface
 from ..tables import Report, write_table
-from ..viewport.eevee import blender_version, eevee_pictures
+from ..viewport.eevee_pictures import blender_version, eevee_pictures
 from .output import print_table
 
 THETA_DEG = (0.0, 15.0, 30.0, 45.0, 55.0, 65.0, 72.0, 78.0, 83.0, 86.0)

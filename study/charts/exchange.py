@@ -12,8 +12,7 @@ import numpy as np
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange import SUFFIX
-from ...reference_py.exchange.layer_graph import LayeredMaterial
-from ...reference_py.exchange.materialx import Material, load_mtlx
+from ...reference_py.exchange.materialx import AnyMaterial, load_mtlx
 from ...reference_py.exchange.report import APPROXIMATED, LOST
 from ..colorimetry import colour_science, delta_e_2000, xyz_of_linear
 from ..tables import Report, write_table
@@ -59,7 +58,7 @@ def row_of(path: Path) -> list[str]:
     return [path.name, material.name, material.node, *counts, *(f"{n:.2f}" for n in numbers), "yes" if unsaid else "no"]
 
 
-def _off(path: Path, material: Material | LayeredMaterial) -> dict[str, float]:
+def _off(path: Path, material: AnyMaterial) -> dict[str, float]:
     """CIEDE2000 between the colors of a file as they were read and as colour-science reads them, by input."""
     colour = colour_science()
     root = ElementTree.parse(path).getroot()

@@ -10,12 +10,12 @@ import numpy as np
 from ...reference_py.atomic import require_writable
 from ...reference_py.fit.baseline_fits import BASELINE_MODELS, fit_baseline
 from ...reference_py.fit.compare import compare
+from ...reference_py.fit.fit_picture import picture
 from ...reference_py.fit.fitting import corrected, fit_structure, rough_fits, subsampled
 from ...reference_py.fit.forward import evaluate
 from ...reference_py.fit.metric import METRICS, Metric, shape_error
 from ...reference_py.fit.parameters import Structure
 from ...reference_py.fit.readers.sampled import sample_model
-from ...reference_py.fit.report import picture
 from ...reference_py.fit.selection import select
 from ...reference_py.material import presets
 from ...reference_py.models.baselines.lafortune import lobes as lafortune_lobes
@@ -45,6 +45,8 @@ _RECOVERY_COLUMNS = (
     "cpu_s",
 )
 _METRIC_STACKS = 10
+# Of fits with a medium that scatters.
+_CLOUDY_STARTS = 2
 _WAVELENGTH_NM, _STEEP_DEG = 550.0, 65.0
 
 
@@ -178,6 +180,8 @@ def _blue_paint(folder: Path, report: Report) -> None:
     rows += [(r.name, str(r.parameters), f"{r.error:.4f}", f"{r.shape:.4f}") for r in compared]
     for layers in (2, 3):
         rows.append(_paint_row(metric, fit_structure(measurement, Structure.of(layers, "oren_nayar"), "weidlich_wilkie")))
+    for layers in (1, 2):
+        rows.append(_paint_row(metric, fit_structure(measurement, Structure.of(layers, "lambert", cloudy=True), starts=_CLOUDY_STARTS)))
     rows.append(("any sum of lobes of stacks", "-", f"{least_error(metric):.4f}", "-"))
     rows += _where_it_is_hard(metric)
     columns = ("model", "parameters", "rms_log", "shape_error")

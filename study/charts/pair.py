@@ -33,12 +33,12 @@ def _render(path: Path, report: Report) -> list[tuple[str, str, str]]:
     from ...addon.blender.images import write_png
     from ...addon.material.material import apply_stack, refresh
     from ...addon.rendering.sheet import Tile, compose
-    from ..pareto.appearance import Surroundings, ball_picture, difference, encoded, shown
+    from ..pareto.ball_picture import Surroundings, ball_picture, difference, encoded, shown
     from ..pareto.bench import ball, studio_stage, with_material
-    from ..pareto.materials import layer_text, script_material
-    from ..pareto.measure import widths_of
+    from ..pareto.columns import widths_of
+    from ..pareto.compared_materials import layer_text, script_material
+    from ..pareto.explicit_slab import slab_objects
     from ..pareto.reflectance import TruthReflectance
-    from ..pareto.slab import slab_objects
 
     stack = presets.load(SURFACE)
     report("truth")

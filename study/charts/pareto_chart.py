@@ -10,7 +10,7 @@ from ...reference_py.atomic import require_writable
 from ..colorimetry import colour_science
 from ..pareto.draw import draw
 from ..pareto.quality import Quality
-from ..pareto.surfaces import SURFACES, label, load_surface
+from ..pareto.surface_types import SURFACES, label, load_surface
 from ..tables import Report, write_table
 from .output import print_table, pyplot, save_picture
 
@@ -31,7 +31,7 @@ def chart(folder: Path, report: Report, surface: Sequence[str] = tuple(SURFACES)
     quality = replace(quality, rounds=rounds)
     rows = []
     with blender(lambda text: None):
-        from ..pareto.measure import measure
+        from ..pareto.columns import measure
 
         for i, (name, stack) in enumerate(stacks.items()):
             share = f"{100 * i // len(stacks):3} % {name}"

@@ -35,7 +35,7 @@ _HEADING = (
     "outside: how far the truth leaves 0 to 1 in red or blue, as colors outside Rec.709 do",
 )
 COLUMNS = ("glaze", "base", "thickness", *(f"{how}_{channel}" for how in ("rgb", "spectrum") for channel in ("red", "green", "blue")), "outside")
-_ALBEDO = {"nodes": 16}
+ALBEDO_OPTIONS = {"nodes": 16}
 
 
 def chart(folder: Path, report: Report) -> None:
@@ -66,6 +66,6 @@ def compare(transmittance: np.ndarray, base: str, thickness: float) -> tuple[np.
         Stack.from_dict({"layers": [{"kind": "dielectric", "ior": 1.5, "roughness": 0.0, "thickness": thickness, **tint}], "base": BASES[base]})
         for tint in ({"tint": in_rgb}, {"tint_spectrum": given})
     )
-    truth = make_model("adding", spectral_stack(spectral, WAVELENGTH_NM), **_ALBEDO).albedo(views) @ rgb_weights(WAVELENGTH_NM)
-    errors = [np.abs(make_model("adding", s, **_ALBEDO).albedo(views) - truth) / np.abs(truth) for s in (rgb, spectral)]
+    truth = make_model("adding", spectral_stack(spectral, WAVELENGTH_NM), **ALBEDO_OPTIONS).albedo(views) @ rgb_weights(WAVELENGTH_NM)
+    errors = [np.abs(make_model("adding", s, **ALBEDO_OPTIONS).albedo(views) - truth) / np.abs(truth) for s in (rgb, spectral)]
     return np.max(errors, axis=1), float(max(np.max(truth) - 1.0, -np.min(truth), 0.0))

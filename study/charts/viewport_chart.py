@@ -41,10 +41,10 @@ def _measure(names: Sequence[str], sheet: Path, report: Report) -> tuple[tuple[s
     from ...addon.blender.images import write_png
     from ...addon.material.backend import require_osl
     from ...addon.rendering.sheet import Tile, compose
-    from ..pareto.appearance import Surroundings, ball_normals, difference, encoded, shown
+    from ..pareto.ball_picture import Surroundings, ball_normals, difference, encoded, shown
     from ..pareto.bench import ball, with_material
-    from ..viewport.eevee import blender_version, eevee_pictures
-    from ..viewport.samples import lit_stage, samples
+    from ..viewport.compared import lit_stage, samples
+    from ..viewport.eevee_pictures import blender_version, eevee_pictures
 
     require_osl()
     heading = ("lamina chart viewport", f"EEVEE of Blender {blender_version()}, {EEVEE_SAMPLES} samples",

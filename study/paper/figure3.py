@@ -14,10 +14,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...reference_py.fit.plot import new_figure
+from ...reference_py.fit.drawing import new_figure
 from ...reference_py.registry import make_model
-from .appearance import band_means, band_names, hue_difference, lightness_chroma_hue, xyz_of_spectra
 from .data import FigureData, Statement
+from .seen_colors import band_means, band_names, hue_difference, lightness_chroma_hue, xyz_of_spectra
 from .show import show_map, show_sphere
 from .sphere import Picture, render
 from .varnish import BANDS, WAVELENGTH_NM, optical_depth, spectral_varnish

@@ -3,9 +3,9 @@
 
 import numpy as np
 
-from ...reference_py.fit.plot import new_figure, style
-from .appearance import lightness_chroma_hue, saturation
+from ...reference_py.fit.drawing import new_figure, style
 from .data import FigureData, Statement, is_increasing
+from .seen_colors import lightness_chroma_hue, saturation
 from .show import show_sphere
 from .varnish import THICKNESS, varnished_sphere
 

@@ -3,10 +3,10 @@
 
 import numpy as np
 
-from ...reference_py.fit.plot import new_figure
+from ...reference_py.fit.drawing import new_figure
 from ...reference_py.material import presets
-from .appearance import band_means, band_names, lightness_chroma_hue, saturation
 from .data import FigureData, Statement, is_increasing
+from .seen_colors import band_means, band_names, lightness_chroma_hue, saturation
 from .show import show_sphere
 from .spheres import BaseOnly, preset_sphere, stack_sphere
 

@@ -3,10 +3,10 @@
 
 import numpy as np
 
-from ...reference_py.fit.plot import new_figure
+from ...reference_py.fit.drawing import new_figure
 from ...reference_py.material import presets
-from .appearance import lightness_chroma_hue
 from .data import FigureData, Statement
+from .seen_colors import lightness_chroma_hue
 from .show import show_sphere
 from .spheres import preset_sphere, stack_sphere, with_top
 

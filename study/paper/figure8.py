@@ -7,11 +7,11 @@ does not widen the silver's lobe: a sharp reflection stays under the frosting.
 
 import numpy as np
 
-from ...reference_py.fit.plot import new_figure
+from ...reference_py.fit.drawing import new_figure
 from ...reference_py.material import presets
 from ...reference_py.registry import make_model
-from .appearance import lightness_chroma_hue
 from .data import FigureData, Statement
+from .seen_colors import lightness_chroma_hue
 from .show import show_sphere
 from .spheres import preset_sphere
 

@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...reference_py.fit.plot import new_figure, style
-from ...reference_py.fit.report import INCIDENT_DEG
+from ...reference_py.fit.drawing import new_figure, style
+from ...reference_py.fit.fit_picture import INCIDENT_DEG
 from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.weidlich_wilkie import WeidlichWilkie

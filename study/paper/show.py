@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from .appearance import displayed
+from .seen_colors import displayed
 
 
 def show_sphere(axes, xyz: np.ndarray, theta_deg: np.ndarray, label: str = "") -> None:

@@ -6,13 +6,13 @@ The RGB tint is the colour that white light has after one crossing of unit thick
 
 import numpy as np
 
-from ...reference_py.fit.plot import new_figure, style
+from ...reference_py.fit.drawing import new_figure, style
 from ...reference_py.optics.colour import reflectance_to_rgb
 from ...reference_py.optics.frame import spherical
 from ...reference_py.registry import make_model
 from ..colorimetry import delta_e_2000
-from .appearance import band_means, band_names
 from .data import FigureData, Statement
+from .seen_colors import band_means, band_names
 from .show import show_sphere
 from .varnish import THICKNESS, WAVELENGTH_NM, spectral_varnish, varnished_sphere
 

@@ -14,7 +14,7 @@ from ...reference_py.models.weidlich_wilkie_sampling import component_density
 from ...reference_py.optics.frame import normalize, reflect
 from ...reference_py.optics.microfacet import is_specular
 from ...reference_py.optics.quadrature import cosine_directions, facet_normals, points
-from .environment import STUDIO, Environment
+from .lights import STUDIO, Environment
 
 # Directions that are in memory at a time: few enough for the processor's cache.
 _CHUNK = 60_000

@@ -10,7 +10,7 @@ from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.weidlich_wilkie import WeidlichWilkie
 from ...reference_py.registry import make_model
-from .appearance import xyz_of_rgb
+from .seen_colors import xyz_of_rgb
 from .sphere import Picture, render
 
 

@@ -15,7 +15,7 @@ from ...reference_py.material.stack import Stack
 from ...reference_py.optics.colour import reflectance_to_rgb, standard_wavelengths
 from ...reference_py.optics.spectral import gaussian_band, spectral_stack
 from ...reference_py.registry import make_model
-from .appearance import xyz_of_rgb, xyz_of_spectra
+from .seen_colors import xyz_of_rgb, xyz_of_spectra
 from .sphere import Picture, render
 
 THICKNESS = (0.0, 0.4, 0.8, 1.6, 3.0, 5.0, 15.0)

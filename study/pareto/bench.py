@@ -16,7 +16,7 @@ from ...addon.blender.interrupt import interruptible
 from ...addon.blender.versions import node_tree
 from ...addon.rendering.geometry import plane_mesh, sphere_mesh
 from ...addon.rendering.settings import add_object, measurement_settings, render_to, scratch_scene
-from .appearance import Surroundings
+from .ball_picture import Surroundings
 
 # A path in a slab must be able to end; one that leaves a ball at once does not notice.
 MAX_BOUNCES = 24

@@ -16,7 +16,7 @@ from ...reference_py.lobes.tabulate import tabulate
 from ...reference_py.lobes.view_table import TableLobes
 from ...reference_py.material.stack import Stack
 from ...reference_py.registry import make_model
-from .materials import glossy_material, group_material, layer_text, principled_material, script_material, table_material
+from .compared_materials import glossy_material, group_material, layer_text, principled_material, script_material, table_material
 from .reflectance import LobeReflectance, ModelReflectance, Reflectance, belcour_lobes, glossy_lobes, plain_glossy
 
 GLOSSY, SLAB, NODES = "glossy", "slab", "nodes"

@@ -17,7 +17,7 @@ from lamina.addon.material.roles import ROLE
 from lamina.addon.material.shader_node import shader_of
 from lamina.addon.material.state import is_settled, is_stale, lags, wanted_lobes
 from lamina.addon.shader.nodes.node_groups import lobe_group
-from lamina.addon.shader.nodes.stock_nodes import eevee_stock_tables
+from lamina.addon.shader.nodes.stock_nodes import eevee_stock_tables, stock_tables
 from lamina.reference_py.lobes import cache
 from lamina.reference_py.material.place import Place
 from lamina.study.suite import suite_stack
@@ -88,7 +88,8 @@ def test_eevee_shows_the_same_lobes_in_stock_nodes(window):
     preview = shown_by(owner, "EEVEE")
     assert preview.bl_idname == "ShaderNodeGroup" and shown_by(owner, "CYCLES") == shader_of(owner)
     tables = preview.node_tree.name  # a removed group's place may be the next one's
-    assert preview.node_tree == lobe_group(eevee_stock_tables(wanted_lobes(owner).make()))
+    made = wanted_lobes(owner).make()
+    assert preview.node_tree == lobe_group(eevee_stock_tables(made, stock_tables(made)))
     elements.node_of(owner.lamina.base).inputs["Color"].default_value = (0.1, 0.1, 0.1, 1.0)
     rest(owner)
     assert shown_by(owner, "EEVEE").node_tree.name != tables

@@ -216,15 +216,6 @@ def test_osl_that_was_asked_for_and_is_missing_has_a_button(owner, monkeypatch):
     assert owner.lamina.backend == "auto" and codes(owner) == ["without_osl"]
 
 
-def test_a_normal_that_stock_nodes_leave_out_is_named(owner):
-    stack = STACK.to_dict()
-    stack["layers"][0]["normal"] = [0.0, 0.0, 0.0]
-    material.apply_stack(owner, Stack.from_dict(stack), "analytic", "nodes")
-    assert codes(owner) == ["normal_ignored"]
-    material.apply_stack(owner, Stack.from_dict(stack), "analytic", "osl")
-    assert codes(owner) == []
-
-
 def test_a_note_is_of_what_does_not_show(owner):
     """Stock nodes beside a script that shows: what they leave out is said and not drawn in the panel."""
     without_osl(owner)
@@ -344,9 +335,9 @@ def test_every_code_is_tested_and_every_button_works():
         *FAULTS,
         "backend_missing",
         "node_lost",
-        "normal_ignored",
         "osl_missing",
         "stock_behind",
+        "tables_shrunk",
         "texture_ignored",
         "shader_stale",
         "not_baked",

@@ -111,6 +111,27 @@ def test_a_principled_material_becomes_a_stack_with_its_textures(plane):
     assert "lost: Sheen Weight 0.5" in told and "lost: Metallic texture" in told and "worst albedo error" in told
 
 
+def test_light_below_the_surface_becomes_a_medium_and_comes_back(plane):
+    material = principled(plane, Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=1.0, Subsurface_Radius=(1.0, 1.0, 1.0), Subsurface_Scale=0.02)
+    report, _ = conversion.to_lamina(material)
+    body = materials.stack_of(material).layers[0]
+    assert body["density"] == pytest.approx(50.0) and report.match.soft_light < 0.04
+    copy, *_ = conversion.principled_copy(material)
+    node = principled_of(copy)
+    assert node.inputs["Subsurface Weight"].default_value == 1.0 and node.inputs["Subsurface Scale"].default_value == pytest.approx(0.02)
+    assert tuple(node.inputs["Base Color"].default_value)[:3] == pytest.approx((0.8, 0.5, 0.2), abs=0.04)
+
+
+def test_an_image_of_the_color_below_the_surface_stays_an_image(plane):
+    material = principled(plane, Subsurface_Weight=1.0)
+    source = ramp(material, color=True)
+    name = source.node.name
+    material.node_tree.links.new(source, principled_of(material).inputs["Base Color"])
+    report, _ = conversion.to_lamina(material)
+    assert "density" not in materials.stack_of(material).layers[0] and name in feeding(node_of(material.lamina.base).inputs["Color"])
+    assert any("which follows a texture" in str(loss) for loss in report.losses)
+
+
 def test_converting_is_one_undo_step(plane):
     principled(plane, Roughness=0.3)
     bpy.ops.ed.undo_push(message="before")
@@ -274,6 +295,51 @@ def test_an_objects_material_is_written_outside_a_window(plane, tmp_path, capsys
     for arguments, words in ((["--object", "ball"], "has plane"), ([], "go together")):
         assert run(["convert", str(blend), *arguments, "--to", "gltf_pbr"]) == 2
         assert words in capsys.readouterr().err
+
+
+def test_a_selection_is_exported_as_the_command_line_converts_it(plane, tmp_path, capsys):
+    """Two materials of one name but for a dot are two files; an object without any is passed over."""
+    layered(plane)
+    folder = tmp_path / "out"
+    other, bare = (bpy.data.objects.new(name, plane.data.copy()) for name in ("other", "bare"))
+    for item in (other, bare):
+        bpy.context.scene.collection.objects.link(item)
+        item.data.materials.clear()
+    layered(other)
+    for item in (plane, other, bare):
+        item.select_set(True)
+    blend, own = tmp_path / "in.blend", tmp_path / "own.mtlx"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    before = counts()
+    assert bpy.ops.lamina.export_materials("EXEC_DEFAULT", directory=str(folder), target="gltf_pbr") == {"FINISHED"}
+    assert counts() == before
+    assert sorted(p.name for p in folder.iterdir()) == ["Coated.mtlx", "Coated_001.mtlx", "Coated_001_report.txt", "Coated_report.txt"]
+    assert run(["convert", str(blend), "--object", "plane", "--to", "gltf_pbr", "-o", str(own)]) == 0
+    assert own.read_text() == (folder / "Coated.mtlx").read_text()
+    report = (folder / "Coated_report.txt").read_text()
+    assert report.strip() and report.strip() in capsys.readouterr().out
+
+
+def test_an_export_names_pictures_of_what_textures_feed(plane, tmp_path):
+    material = layered(plane)
+    layer, base = node_of(material.lamina.layers[0]), node_of(material.lamina.base)
+    material.node_tree.links.new(ramp(material, color=True), base.inputs["Color"])
+    material.node_tree.links.new(ramp(material), layer.inputs["Roughness"])
+    plane.select_set(True)
+    before = counts(), sorted(n.name for n in material.node_tree.nodes)
+    given = {"directory": str(tmp_path), "target": "openpbr", "pictures": True, "size": "64"}
+    assert bpy.ops.lamina.export_materials("EXEC_DEFAULT", **given, reports=False) == {"FINISHED"}
+    assert (counts(), sorted(n.name for n in material.node_tree.nodes)) == before
+    files = sorted(p.name for p in tmp_path.iterdir())
+    assert files[0] == "Coated.mtlx" and "Coated_base_color.png" in files and len(files) == 3
+    (written,) = load_mtlx(tmp_path / "Coated.mtlx")
+    assert {Path(image.file).name for image in written.images.values()} == set(files[1:])
+    color = written.images["base_color"]
+    assert color.space == "srgb_texture" and np.ptp(read_png(tmp_path / "Coated_base_color.png")[0][..., 0].astype(int)) > 50
+    with pytest.raises(RuntimeError, match="choose a folder"):
+        bpy.ops.lamina.export_materials("EXEC_DEFAULT", directory="")
+    plane.select_set(False)
+    assert not bpy.ops.lamina.export_materials.poll()
 
 
 def test_textures_are_baked_and_the_file_is_as_before(plane, tmp_path):

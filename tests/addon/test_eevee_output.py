@@ -13,7 +13,7 @@ from lamina.addon.material.roles import EEVEE, EEVEE_OUTPUT, node_with
 from lamina.addon.material.shader_node import surface_of
 from lamina.addon.material.state import lags
 from lamina.addon.shader.nodes.node_groups import lobe_group
-from lamina.addon.shader.nodes.stock_nodes import eevee_stock_tables
+from lamina.addon.shader.nodes.stock_nodes import eevee_stock_tables, stock_tables
 from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material.stack import Stack
 
@@ -37,7 +37,8 @@ def test_eevee_alone_sees_its_own_weights(owner):
     everyone, cycles, eevee = outputs(owner)
     assert everyone == cycles != eevee == node_with(owner, EEVEE_OUTPUT) and everyone.is_active_output
     group = eevee.inputs["Surface"].links[0].from_node
-    assert group == node_with(owner, EEVEE) and group.node_tree == lobe_group(eevee_stock_tables(make_lobe_set(STACK, "analytic")))
+    made = make_lobe_set(STACK, "analytic")
+    assert group == node_with(owner, EEVEE) and group.node_tree == lobe_group(eevee_stock_tables(made, stock_tables(made)))
     assert {"ShaderNodeBsdfMetallic"} & {node.bl_idname for node in group.node_tree.nodes} == set()
     assert all(node.inputs["Roughness"].default_value == 0.0 for node in group.node_tree.nodes if node.bl_idname == "ShaderNodeBsdfDiffuse")
     assert "output_hides" not in [f.code for f in check.find(owner, bpy.context.scene, bpy.context.preferences)]

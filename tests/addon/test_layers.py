@@ -8,10 +8,13 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
+from support.layouts import Recorder
+
 from lamina.addon.material import layers, material
 from lamina.addon.material.elements import node_of
-from lamina.addon.operators.layer_operators import LAMINA_OT_layer_drag, LAMINA_OT_layer_move
-from lamina.addon.ui import keys
+from lamina.addon.operators import layer_operators
+from lamina.addon.operators.layer_operators import LAMINA_OT_layer_drag, LAMINA_OT_layer_move, carried_in
+from lamina.addon.ui import keys, panel_layers
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.material import presets, ready_layers
 from lamina.reference_py.material.schema import SCATTERING
@@ -184,15 +187,43 @@ def test_a_material_is_named_for_its_preset_until_it_has_a_name_of_its_own(blend
 
 
 def test_a_layer_is_carried_by_rows_of_the_list(blender):
-    """Down past the last layer and up past the first it stays at the end; the material follows at every row."""
+    """Past the last layer and past the first it stays at the end; the material follows when it is dropped, and not before."""
     owner = made("owner")
     layers.add_layer(owner, "dielectric", 0)
-    window = SimpleNamespace(preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)), area=None)
-    carried = SimpleNamespace(_start_y=500, _start=0, index=0, report=None)
-    for mouse_y, order in ((495, "DCP"), (482, "CDP"), (300, "CPD"), (462, "CPD"), (505, "DCP"), (900, "DCP")):
-        LAMINA_OT_layer_drag._carry(carried, window, owner, mouse_y)
-        assert "".join(layer.name[0] for layer in owner.lamina.layers) == order
-        assert owner.lamina.active_layer == carried.index == order.index("D")
+    window = SimpleNamespace(
+        preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)),
+        area=None,
+        material=owner,
+        window=SimpleNamespace(cursor_modal_set=lambda _: None, cursor_modal_restore=lambda: None),
+        workspace=SimpleNamespace(status_text_set=lambda _: None),
+        window_manager=SimpleNamespace(modal_handler_add=lambda _: None),
+    )
+    carried = SimpleNamespace(index=0, report=None, require_row=lambda _: None)
+    carried.cancel = lambda context: LAMINA_OT_layer_drag.cancel(carried, context)
+    carried._drop = lambda *arguments: LAMINA_OT_layer_drag._drop(carried, *arguments)
+    LAMINA_OT_layer_drag.invoke(carried, window, SimpleNamespace(mouse_y=500))
+    for mouse_y, to in ((495, 0), (482, 1), (300, 2), (462, 2), (505, 0), (900, 0), (455, 2)):
+        LAMINA_OT_layer_drag.modal(carried, window, SimpleNamespace(type="MOUSEMOVE", value="NOTHING", mouse_y=mouse_y))
+        assert carried_in(owner) == (0, to)
+        assert "".join(layer.name[0] for layer in owner.lamina.layers) == "DCP"
+    assert LAMINA_OT_layer_drag.modal(carried, window, SimpleNamespace(type="LEFTMOUSE", value="PRESS")) == {"FINISHED"}
+    assert "".join(layer.name[0] for layer in owner.lamina.layers) == "CPD" and owner.lamina.active_layer == 2 and carried_in(owner) is None
+
+
+def test_a_bar_is_where_a_carried_layer_would_be_dropped(blender, monkeypatch):
+    owner = made("owner")
+    context = SimpleNamespace(region=SimpleNamespace(width=400), preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)))
+
+    def drawn(index: int) -> list[str]:
+        layout = Recorder()
+        panel_layers.LAMINA_UL_layers.draw_item(None, context, layout, owner.lamina, owner.lamina.layers[index], 0, None, "active_layer", index)
+        return [icon for icon in layout.icons if "BAR" in icon]
+
+    assert drawn(0) == drawn(1) == []
+    monkeypatch.setitem(layer_operators._carried, owner.name_full, (1, 0))
+    assert drawn(0) == ["TRIA_UP_BAR"] and drawn(1) == []
+    monkeypatch.setitem(layer_operators._carried, owner.name_full, (0, 1))
+    assert drawn(0) == [] and drawn(1) == ["TRIA_DOWN_BAR"]
 
 
 def test_who_carries_a_layer_is_told_how_to_drop_it(blender):
@@ -202,13 +233,16 @@ def test_who_carries_a_layer_is_told_how_to_drop_it(blender):
         material=owner,
         window=window,
         workspace=SimpleNamespace(status_text_set=lambda text: said.append(text)),
+        area=None,
         window_manager=SimpleNamespace(modal_handler_add=lambda _: None),
     )
     carried = SimpleNamespace(index=1, require_row=lambda _: None, report=None)
     carried.cancel = lambda context: LAMINA_OT_layer_drag.cancel(carried, context)
+    carried._drop = lambda *arguments: LAMINA_OT_layer_drag._drop(carried, *arguments)
     assert LAMINA_OT_layer_drag.invoke(carried, context, SimpleNamespace(mouse_y=0)) == {"RUNNING_MODAL"}
     assert said[0] == "SCROLL_Y" and owner.lamina.layers[1].name in said[1] and "Escape" in said[1]
     for event in ({"type": "ESC", "value": "PRESS"}, {"type": "LEFTMOUSE", "value": "PRESS"}):
+        LAMINA_OT_layer_drag.invoke(carried, context, SimpleNamespace(mouse_y=0))
         said.clear()
         assert LAMINA_OT_layer_drag.modal(carried, context, SimpleNamespace(**event)) == {"CANCELLED"}
         assert said == ["restored", None]

@@ -120,7 +120,7 @@ def test_applying_again_leaves_nothing_of_the_former_stack(layered, blender):
     material.apply_stack(layered, presets.load(presets.names()[0]))
     once = len(layered.node_tree.nodes), len(blender.data.texts)
     material.apply_stack(layered, presets.load(presets.names()[0]))
-    assert (len(layered.node_tree.nodes), len(blender.data.texts)) == once == (len(layered.lamina.layers) + 10, 1)
+    assert (len(layered.node_tree.nodes), len(blender.data.texts)) == once == (len(layered.lamina.layers) + 12, 1)
 
 
 def test_add_remove_move_hide(layered):

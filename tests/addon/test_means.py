@@ -151,7 +151,7 @@ def layered(tier: str = "auto"):
 
 
 def test_stack_check_copy_and_exporters_take_the_mean(blender, tmp_path):
-    owner = layered()
+    owner = layered("analytic")
     path, mean = picture(tmp_path, 5)
     image = image_node(owner.node_tree, bpy.data.images.load(str(path)))
     rough = owner.node_tree.nodes.new("ShaderNodeValue")
@@ -165,7 +165,7 @@ def test_stack_check_copy_and_exporters_take_the_mean(blender, tmp_path):
     told = {f.label: f.text() for f in check.find(owner, bpy.context.scene, bpy.context.preferences) if f.code == "texture_ignored"}
     assert "the mean of Value" in told.get("Roughness", "the mean of Value")
     copy, _, notes = conversion.principled_copy(owner)
-    plain = layered()
+    plain = layered("analytic")
     node_of(plain.lamina.base).inputs["Color"].default_value = (*mean, 1.0)
     node_of(plain.lamina.layers[0]).inputs["Roughness"].default_value = 0.55
     materials.refresh(plain, settle=True)

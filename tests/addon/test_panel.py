@@ -303,6 +303,7 @@ def test_preferences_have_the_manual_and_what_is_kept(material, tmp_path, monkey
     monkeypatch.setattr(preferences, "_known", (-preferences._KNOWN_FOR, 0.0))
     layout = Recorder()
     preferences.draw_preferences(layout, SimpleNamespace())
+    assert "New Materials" in layout.texts()
     assert "Final looks that are kept: 2.5 MB" in layout.texts() and f"Own presets: {tmp_path / 'none'}" in layout.texts()
     manual = dict(layout.operators)["wm.url_open"].url
     assert manual.startswith("file://") and manual.endswith("/manual/index.html")

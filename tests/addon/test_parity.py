@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from support.coats import CLAY, GLAZE, METAL, MILK, VARNISH, WOOD
 from support.goniometer import SUN_THETA_DEG, beckmann_sampling_bias, highlight_window, parity, tolerance
 
 from lamina.addon.blender.versions import HAS_DIELECTRIC
@@ -92,32 +93,27 @@ def test_a_wrong_index_is_caught(blender):
     assert result.percentile_99 > 10.0 * tolerance(stack)
 
 
-METAL = {"kind": "conductor", "reflectance": [0.9, 0.6, 0.3], "edge_color": [0.9, 0.8, 0.7], "roughness": 0.4}
-ROUGH = {"kind": "oren_nayar", "color": [0.7, 0.45, 0.25], "sigma_deg": 30.0}
-
-
 LIVE = pytest.mark.parametrize(
-    "roughness, base, links",
+    "layer, base, links",
     [
-        (0.3, {"kind": "lambert"}, {(0, "Roughness"): 0.42}),
-        (0.3, {"kind": "lambert"}, {(0, "Thickness"): 1.5, (0, "Roughness"): 0.12}),
-        (0.3, {"kind": "lambert"}, {(0, "Tint"): (0.3, 0.8, 0.02), (None, "Color"): (0.6, 0.1, 0.9)}),
-        (0.3, {"kind": "lambert"}, {(0, "IOR"): 1.83}),
-        (0.0, METAL, {(0, "Tint"): (0.3, 0.8, 0.02)}),
-        (0.2, METAL, {(None, "Reflectance"): (0.02, 0.5, 0.97), (None, "Edge Color"): (0.2, 0.9, 0.5)}),
-        (0.3, ROUGH, {(None, "Slope Deviation"): 42.0, (None, "Color"): (0.6, 0.1, 0.9)}),
+        (VARNISH, WOOD, {(0, "Thickness"): 1.5, (0, "Roughness"): 0.12}),
+        (VARNISH, WOOD, {(0, "Tint"): (0.3, 0.8, 0.02), (None, "Color"): (0.6, 0.1, 0.9)}),
+        (VARNISH, WOOD, {(0, "IOR"): 1.83}),
+        (GLAZE, METAL, {(0, "Tint"): (0.3, 0.8, 0.02)}),
+        (VARNISH, METAL, {(None, "Reflectance"): (0.02, 0.5, 0.97), (None, "Edge Color"): (0.2, 0.9, 0.5)}),
+        (VARNISH, CLAY, {(None, "Slope Deviation"): 42.0, (None, "Color"): (0.6, 0.1, 0.9)}),
+        (MILK, WOOD, {(0, "Density"): 1.7, (0, "Scatter Color"): (0.3, 0.85, 0.05)}),
     ],
-    ids=["roughness", "roughness and thickness", "tint and base color", "index", "tint over a metal", "metal", "rough base"],
+    ids=["roughness and thickness", "tint and base color", "index", "tint over a metal", "metal", "rough base", "a medium's density and color"],
 )
 
 
-def _live(blender, roughness, base, links):
+def _live(blender, layer, base, links):
     """A baked material whose values come in through sockets, as from textures; those of the test lie between knots, and below the first."""
     from lamina.addon.material.elements import node_of
     from lamina.addon.material.material import apply_stack, refresh
 
     material = blender.data.materials.new("Live")
-    layer = {"kind": "dielectric", "ior": 1.5, "roughness": roughness, "tint": [0.9, 0.6, 0.3]}
     apply_stack(material, Stack.from_dict({"layers": [layer], "base": base}), "baked")
     for (number, label), value in links.items():
         color = isinstance(value, tuple)
@@ -130,7 +126,7 @@ def _live(blender, roughness, base, links):
 
 
 @LIVE
-def test_a_bake_over_live_values_equals_its_lobe_set(blender, roughness, base, links):
+def test_a_bake_over_live_values_equals_its_lobe_set(blender, layer, base, links):
     from lamina.addon.material.live_values import live_values
     from lamina.addon.material.material import stack_of
     from lamina.addon.material.roles import node_with
@@ -138,7 +134,7 @@ def test_a_bake_over_live_values_equals_its_lobe_set(blender, roughness, base, l
     from lamina.reference_py.lobes.live_grid import LiveLobes
     from lamina.reference_py.lobes.methods import make_lobe_set
 
-    material = _live(blender, roughness, base, links)
+    material = _live(blender, layer, base, links)
     assert len([socket for socket in shader_of(material).inputs if socket.is_linked]) == len(links)
     text = shader_of(material).script.as_string()
     lobe_set = make_lobe_set(stack_of(material), "baked", live=live_values(material)).lobe_set

@@ -11,8 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import production_scene, wheel_blender
-from support.commands import lamina
+from support import commands, production_scene, wheel_blender
 
 pytest.importorskip("bpy")
 
@@ -25,10 +24,19 @@ READ = {  # what a changed one of these makes of a picture: another one, or the 
 }  # fmt: skip
 
 
+def lamina(*arguments, code: int = 0) -> tuple[str, str]:
+    """What a command says, in this process, as a Blender's start costs more than most; the pictures of a batch have processes of their own."""
+    from lamina.addon.cli.main import run
+
+    with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as said:
+        assert run([str(word) for word in arguments]) == code, said.getvalue()
+    return out.getvalue(), said.getvalue()
+
+
 @pytest.fixture(scope="module")
 def built(tmp_path_factory, registered_lamina) -> Path:
     folder = tmp_path_factory.mktemp("production") / "Größe & Lack, 漆"
-    production_scene.build(folder, backend="nodes")
+    production_scene.build(folder, backend="nodes", osl=False)
     return folder
 
 
@@ -162,9 +170,9 @@ def test_changed_files_are_noticed_and_missing_ones_refused(scene):
     assert "goes on without what is missing" in said and "1 of 1 pictures are done" in said
 
 
-def task(blender_program: str, bundle: Path, out: Path) -> subprocess.CompletedProcess:
+def task(blender_program: str, bundle: Path, out: Path, pictures: str = "0") -> subprocess.CompletedProcess:
     files = bundle / "files"
-    command = [blender_program, "-b", "--python", files / "render_items.py", "--", "--items", files / "items.json", "--range", "0", "--output", out]
+    command = [blender_program, "-b", "--python", files / "render_items.py", "--", "--items", files / "items.json", "--range", pictures, "--output", out]
     return subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=300)
 
 
@@ -188,37 +196,36 @@ def test_a_bundle_has_all_that_its_scene_reads_along(scene, tmp_path):
     assert ran.returncode == 1 and "lid.png is not there" in ran.stdout and not list((tmp_path / "again").iterdir())
 
 
-def _pixels(folder: Path) -> bytes:
+def _pixels(folder: Path) -> dict[str, bytes]:
+    """Those of each picture, by its name."""
     from lamina.addon.blender import oiio
 
-    (picture,) = folder.glob("*.exr")
-    channels, _ = oiio.read(picture)
-    return np.stack([channels[c] for c in "RGB"]).tobytes()
+    def bytes_of(picture):
+        channels, _ = oiio.read(picture)
+        return np.stack([channels[c] for c in "RGB"]).tobytes()
+
+    return {picture.name: bytes_of(picture) for picture in folder.glob("*.exr")}
 
 
-@pytest.mark.parametrize("target", [production_scene.LINKED, production_scene.HALF])
-def test_batch_and_farm_take_linked_objects_as_they_are(scene, tmp_path, target):
-    job = write_job(scene, target)
+def test_batch_and_farm_take_linked_objects_as_they_are(scene, tmp_path):
+    """An object of the library's and one whose mesh is; beside one of the scene's own."""
+    targets = (production_scene.LINKED, production_scene.HALF, production_scene.CUP)
+    job = write_job(scene, scenes=[{"blend": production_scene.SCENE, "object": target, "name": target} for target in targets])
     before = {f: f.read_bytes() for f in scene.rglob("*.blend")}
     lamina("farm", job, "-o", tmp_path / "bundle")
-    lamina("batch", job, "-o", tmp_path / "here", "--no-sheet")
-    ran = task(wheel_blender.blender_program(tmp_path), tmp_path / "bundle", tmp_path / "farmed")
+    lamina("batch", job, "-o", tmp_path / "here", "--no-sheet", "--processes", 1)
+    ran = task(wheel_blender.blender_program(tmp_path), tmp_path / "bundle", tmp_path / "farmed", "0-1")
     assert ran.returncode == 0, ran.stdout + ran.stderr
-    assert _pixels(tmp_path / "farmed") == _pixels(tmp_path / "here")
-    write_job(scene, production_scene.CUP)
-    lamina("batch", scene / "job.json", "-o", tmp_path / "other", "--no-sheet")
-    assert _pixels(tmp_path / "other") != _pixels(tmp_path / "here")
+    here, farmed = _pixels(tmp_path / "here"), _pixels(tmp_path / "farmed")
+    assert len(farmed) == 2 and farmed.items() <= here.items()
+    assert len(set(here.values())) == len(here) == 3
     assert all(f.read_bytes() == content for f, content in before.items())
 
 
 def apply(scene: Path, target: str, *options, code: int = 0) -> str:
-    """What `lamina apply` says, in this process, as a Blender's start costs more than the command."""
-    from lamina.addon.cli.main import run
-
+    """What `lamina apply` says."""
     given = ("--stack", "clean_copper", "--tier", "weidlich_wilkie", "--backend", "nodes", "--object", target, "-o", scene / "new.blend")
-    with contextlib.redirect_stderr(io.StringIO()) as said:
-        assert run([str(word) for word in ("apply", scene / production_scene.SCENE, *given, *options)]) == code, said.getvalue()
-    return said.getvalue()
+    return lamina("apply", scene / production_scene.SCENE, *given, *options, code=code)[1]
 
 
 def slots_in(bpy, path: Path) -> dict[str, list[tuple[str, str]]]:
@@ -404,7 +411,7 @@ def test_an_unwritable_cache_is_told_once(tmp_path):
         ("batch", "job.json", "-o", "out", "--no-sheet"),
         ("render", "clean_copper", "--scene", "sphere", "--size", 8, "--samples", 1, "-o", "a.exr"),
     ):
-        _, said = lamina(*arguments, cwd=tmp_path, env=environment)
+        _, said = commands.lamina(*arguments, cwd=tmp_path, env=environment)
         assert said.count("what is baked cannot be kept in") == 1
 
 

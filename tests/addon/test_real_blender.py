@@ -119,7 +119,7 @@ def test_one_file_in_the_wheel_and_there_in_cycles_and_in_eevee(registered_lamin
 
     from lamina.addon.material.material import apply_stack
     from lamina.reference_py.material.stack import Stack
-    from lamina.study.viewport.eevee import eevee_pictures
+    from lamina.study.viewport.eevee_pictures import eevee_pictures
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     glaze = {"kind": "dielectric", "roughness": 0.2, "tint": [0.6, 0.8, 0.9]}

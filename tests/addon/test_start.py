@@ -13,7 +13,7 @@ pytestmark = pytest.mark.blender
 
 DATA = Path(__file__).parents[1] / "data"
 # As many as there are: who adds one raises this, and looks at the CPU time that `make start` prints.
-MOST_MODULES = 71
+MOST_MODULES = 72
 # Stays unread until it is needed, as does all of numpy that Blender has not imported itself.
 COMPUTES = (
     "reference_py.exchange.",
@@ -71,6 +71,27 @@ lamina.unregister()
 def test_a_file_without_lamina_reads_no_more():
     started, after = modules_read(WITHOUT_LAMINA)
     assert [name for name in after if name.startswith("lamina") and name not in started] == []
+
+
+# What a click on a preset needs is there before it, once the panel was seen.
+SEEN = """
+from lamina.addon.later import read_soon
+reads = 0
+timer = read_soon()
+while timer() is not None:
+    reads += 1
+assert 5 < reads < 60, reads
+seen = read()
+bpy.ops.wm.read_homefile(use_factory_startup=True)
+assert bpy.ops.lamina.apply_preset(preset="satin_varnish") == {"FINISHED"}
+started = seen
+"""
+
+
+def test_a_first_click_after_the_panel_was_seen_reads_little():
+    seen, after = modules_read(SEEN)
+    missing = [name for name in after if name.startswith("lamina") and name not in seen]
+    assert len(missing) < 10, missing
 
 
 def test_a_property_is_followed_though_nothing_was_read_before():

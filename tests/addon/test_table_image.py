@@ -6,6 +6,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
+from lamina.addon.check import check
 from lamina.addon.material import material as materials
 from lamina.addon.material.elements import node_of
 from lamina.addon.material.roles import EEVEE, node_with
@@ -100,3 +101,23 @@ def test_a_group_whose_image_was_painted_is_left_alone(blender):
     assert not is_untouched(group)
     remove_material(owner)
     assert group.name in bpy.data.node_groups and set(images()) == {group.name}
+
+
+@pytest.mark.parametrize("setting", ["texture_limit", "texture_limit_render"])
+def test_check_finds_a_limit_that_shrinks_it_and_raises_it(blender, setting):
+    owner, scene = tinted(), bpy.context.scene
+    size = max(max(image.size) for image in bpy.data.images)
+
+    def told() -> list[str]:
+        return [f.key for f in check.find(owner, scene, bpy.context.preferences) if f.code == "tables_shrunk"]
+
+    setattr(scene.cycles, setting, "128")
+    assert 128 < size <= 8192 and told() == [], "Simplify is off"
+    scene.render.use_simplify = True
+    (key,) = told()
+    check.mend(owner, scene, bpy.context.preferences, key)
+    assert told() == [] and size <= int(getattr(scene.cycles, setting)) < 2 * size, "no more than needed"
+    plain = bpy.data.materials.new("plain")
+    materials.apply_stack(plain, STACK, "baked")
+    setattr(scene.cycles, setting, "128")
+    assert not [f for f in check.find(plain, scene, bpy.context.preferences) if f.code == "tables_shrunk"], "it looks up nothing"

@@ -4,8 +4,8 @@
     felt.py [TABLE.csv]
 
 Each file is opened in processes of its own, in turns; the least of `ROUNDS`. A click is measured in a new session, the
-first one, which also imports what the session lacks, after the panel's buttons were asked whether they can be pressed
-as Blender does to draw them, and then the least of some more.
+first one, after the panel was seen: its buttons were asked whether they can be pressed as Blender does to draw them, and
+what a window then reads between its events was read. Then the least of some more.
 """
 
 import json
@@ -19,6 +19,7 @@ from pathlib import Path
 import bpy
 
 import lamina
+from lamina.addon import later
 from lamina.addon.blender.environment import ensure_osl_query_on_path
 from lamina.study.stamp import module_blender, numpy_version, stamp
 from lamina.study.tables import write_table
@@ -66,6 +67,9 @@ def clicked() -> dict[str, list[float]]:
     took: dict[str, list[float]] = {"a preset": [], "a layer": []}
     bpy.ops.lamina.convert_principled.poll()
     bpy.ops.lamina.apply_preset.poll()
+    timer = later.read_soon()
+    while timer() is not None:
+        pass
 
     def timed(what: str, act) -> None:
         start = time.process_time()

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How fast the two truths and bakes are: walks per second of `position_free`, seconds of a cold albedo of `adding` and of a bake.
+"""How fast the two truths and bakes are: walks per second of `position_free`, seconds of a cold albedo of `adding` and of a bake, and where
+Mitsuba is installed (`make mitsuba`) what the walks cost beside its explicit slabs at equal error.
 
 Processor time, not the clock's, and the best of several repeats, so that other work on the machine counts little.
 Run by `make bench`; nothing is asserted.
@@ -11,6 +12,7 @@ from multiprocessing import get_context
 
 import numpy as np
 
+from lamina.reference_py.exchange.writers.mitsuba import slab_scene
 from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
@@ -41,6 +43,9 @@ THREE_LAYERS = {
     ],
 }
 
+# Paths a pixel of 64 x 64.
+MITSUBA_SAMPLES = 16
+SLABS = ("plastic_grey_0_4", "gold_coat_0_1_metal_0_1", "three_rough")
 BAKED = ("plastic_grey_0", "plastic_tinted", "gold_coat_0_1_metal_0_1", "three_rough")
 
 
@@ -72,6 +77,41 @@ def bake(name: str) -> tuple[float, float]:
     return time.process_time() - start, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
 
 
+def seconds_to_one_percent(seconds: float, mean: np.ndarray, stderr: np.ndarray) -> float:
+    """Processor seconds that a noisy albedo of this error would take to a standard error of 1 %, in the mean of the channels."""
+    return seconds * np.mean(np.square(stderr / mean)) / 0.01**2
+
+
+def walks_to_one_percent(stack: Stack) -> float:
+    model = make_model("position_free", stack, surface="single", walks=WALKS)
+    start = time.process_time()
+    mean, stderr = model.albedo_stderr(VIEW)
+    return seconds_to_one_percent(time.process_time() - start, mean, stderr)
+
+
+def slabs_to_one_percent(mi, stack: Stack) -> float:
+    """Pixels of Mitsuba's picture are independent estimates."""
+    scene = mi.load_string(slab_scene(stack), theta=45)
+    start = time.process_time()
+    pixels = np.array(mi.render(scene, spp=MITSUBA_SAMPLES)).reshape(-1, 3)
+    seconds = time.process_time() - start
+    return seconds_to_one_percent(seconds, pixels.mean(axis=0), pixels.std(axis=0) / np.sqrt(len(pixels)))
+
+
+def beside_mitsuba() -> None:
+    try:
+        import mitsuba as mi
+    except ImportError:
+        print("beside Mitsuba's slabs: it is not installed (make mitsuba)")
+        return
+    mi.set_variant("scalar_rgb")
+    print(f"albedo at 45 degrees to 1 %, processor seconds: position_free, slabs in Mitsuba {mi.__version__}, and their quotient")
+    for name in SLABS:
+        stack = suite_stack(name)
+        ours, theirs = (min(way() for _ in range(REPEATS)) for way in (lambda: walks_to_one_percent(stack), lambda: slabs_to_one_percent(mi, stack)))
+        print(f"  {name:36} {ours:8.4f} {theirs:8.4f} {theirs / ours:6.1f}", flush=True)
+
+
 def main() -> None:
     print("position_free, walks per second of one coat over Lambert .5")
     for surface in ("single", "multiple"):
@@ -86,6 +126,7 @@ def main() -> None:
         for name in BAKED:
             seconds, megabytes = fresh.apply(bake, (name,))
             print(f"  {name:36} {seconds:8.2f} {megabytes:8.0f} MB", flush=True)
+    beside_mitsuba()
 
 
 if __name__ == "__main__":

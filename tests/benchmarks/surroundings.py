@@ -23,9 +23,9 @@ from lamina.addon.material.material import apply_stack, refresh
 from lamina.addon.rendering.settings import render_to
 from lamina.addon.rendering.studio import build_ball_scene
 from lamina.reference_py.material import presets
-from lamina.study.pareto.appearance import encoded
+from lamina.study.pareto.ball_picture import encoded
 from lamina.study.tables import write_table
-from lamina.study.viewport.eevee import blender_program, blender_version, eevee_pictures
+from lamina.study.viewport.eevee_pictures import blender_program, blender_version, eevee_pictures
 
 NAMES = ("glazed_mug", "metallic_car_paint", "patina_copper")
 SIZE, SAMPLES, EEVEE_SAMPLES, BLOCK = 160, 128, 64, 8

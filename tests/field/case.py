@@ -51,10 +51,10 @@ class Case:
         """Whether this Blender is new enough for it."""
         return bpy.app.version[:2] >= self.least
 
-    def run(self) -> Row:
-        """Do it with both materials and judge."""
+    def run(self, always: bool = True) -> Row:
+        """Do it with both materials and judge; with Principled only where that can change the verdict, unless `always`."""
         lamina = self._tried(LAMINA)
-        principled = self._tried(PRINCIPLED) if self.beside else None
+        principled = self._tried(PRINCIPLED) if self.beside and (always or (lamina.is_wrong and self.limit)) else None
         note, verdict = self.told, OK
         if lamina.is_wrong:
             verdict = FAILS

@@ -234,8 +234,6 @@ def normal_map(trial):
             for socket in _normals(trial, material):
                 material.node_tree.links.new(tilted.outputs[0], socket)
             trial.settle(material)
-            if not trial.osl:
-                trial.excuse(material, "normal_ignored")
         item = trial.show(material, plane_mesh("plane", 0.5))
         item.rotation_euler.y = 0.0 if normal else angle
         return trial.picture(osl=None if normal else True).mean
@@ -453,17 +451,17 @@ def deleted(trial):
 
 @case("fifty layers", quick=False, beside=False)
 def fifty(trial):
-    """Refused in one line, in under five seconds, and the material stays as it was."""
+    """Refused in one line, in under five seconds of CPU, and the material stays as it was."""
     import time
 
     material = trial.material()
     many = Stack.from_dict({"layers": [{"kind": "dielectric", "ior": 1.5 + 0.001 * i, "roughness": 0.1} for i in range(50)], "base": {"kind": "lambert"}})
-    begin = time.monotonic()
+    begin = time.process_time()
     with suppress(LaminaError):
         materials.apply_stack(material, many)
         trial.settle(material)
         trial.require("it works, or is refused", len(material.lamina.layers) == 50)
-    trial.require("in under five seconds", time.monotonic() - begin < 5.0)
+    trial.require("in under five seconds", time.process_time() - begin < 5.0)
     if len(material.lamina.layers) != 50:
         trial.is_same("the refused one", material, PAINT)
 

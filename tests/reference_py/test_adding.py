@@ -225,7 +225,7 @@ QUADRATURE_CASES = [
 @pytest.mark.parametrize("surface", ["multiple", "single"])
 def test_doubling_grid_and_facets_together_changes_little(material, surface, monkeypatch):
     coarse = Adding(material, surface=surface).albedo(VIEWS)
-    monkeypatch.setattr("lamina.reference_py.models.adding.model._ENERGY", Resolution(1, 32, 72))
+    monkeypatch.setattr("lamina.reference_py.models.adding.model.ENERGY", Resolution(1, 32, 72))
     np.testing.assert_allclose(coarse, Adding(material, surface=surface, nodes=64).albedo(VIEWS), rtol=1e-3)
 
 
@@ -441,3 +441,13 @@ def test_two_reflections_are_the_integral_over_the_direction_between_them(alpha)
 
 def facets_lambda(cos, alpha):
     return facets.smith_lambda(cos, alpha, "ggx")
+
+
+def test_lobes_between_the_grid_s_own_directions_are_those_of_any_directions():
+    """The first are computed for one half of the pairs alone."""
+    grid = Grid((1.0, 1.5), 12)
+    cos = grid.cosines(1.5)
+    lobe = (1.5, 0.3, "beckmann", "multiple", grid, 5)
+    curves = [lambda c: fresnel_dielectric(c, 1.0 / 1.5), np.ones_like]
+    own, any_ = operators._resolved_lobes(curves, cos, *lobe), operators._resolved_lobes(curves, cos[:-1], *lobe)
+    np.testing.assert_allclose(np.array(own)[:, :, :-1], any_, rtol=1e-9, atol=1e-12)

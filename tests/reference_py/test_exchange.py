@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Conversions: energy is kept, what is within reach comes back, and nothing is lost without a word."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,9 +10,10 @@ from lamina.addon.cli.main import run
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.exchange.matching import color_map, mean, rendered_by, truth
 from lamina.reference_py.exchange.materialx import from_mtlx, load_mtlx, to_mtlx
-from lamina.reference_py.exchange.openpbr import DEFAULTS, from_openpbr, to_openpbr
+from lamina.reference_py.exchange.openpbr import DEFAULTS, from_openpbr, to_openpbr, to_surface
 from lamina.reference_py.exchange.principled import effective_ior, from_principled, to_principled
 from lamina.reference_py.exchange.report import LOST
+from lamina.reference_py.exchange.surfaces import SURFACES
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
@@ -108,6 +111,53 @@ def test_what_a_stack_cannot_have_is_lost_by_name():
     assert not from_principled({}).report.of(LOST)
     lost = {loss.parameter for loss in from_openpbr({"fuzz_weight": 0.5, "transmission_weight": 1.0, "coat_darkening": 0.0}).report.of(LOST)}
     assert lost == {"fuzz_weight", "transmission_weight"}
+
+
+WAX = {"Base Color": (0.8, 0.5, 0.2), "Subsurface Weight": 1.0, "Subsurface Scale": 0.02, "Subsurface Radius": (1.0, 1.0, 1.0), "Subsurface Anisotropy": 0.4}
+
+
+@pytest.fixture(scope="module")
+def wax():
+    return from_principled(WAX)
+
+
+def test_light_below_the_surface_comes_in_as_a_medium_with_its_error(wax):
+    body = wax.stack.layers[0]
+    assert body["density"] == pytest.approx(50.0) and body["scatter_g"] == pytest.approx(0.4)
+    assert np.max(np.abs(wax.report.match.mean_error)) < 5e-4 and 0.0 < wax.report.match.soft_light < 0.04
+    assert "medium without end" in str(next(loss for loss in wax.report.losses if loss.parameter == "Subsurface Weight"))
+    # nothing of what is below is seen: its color could be any
+    hidden = replace(wax.stack, base=wax.stack.base.with_values(color=(0.0, 0.0, 0.0)))
+    albedo, alone = (make_model("adding", one).albedo(spherical(0.6, 0.0)) for one in (wax.stack, hidden))
+    assert alone == pytest.approx(albedo, rel=5e-3)
+
+
+def test_it_goes_out_as_light_below_the_surface_again(wax):
+    for values, names in (
+        (to_principled(wax.stack).values, ("Base Color", "Subsurface Weight", "Subsurface Scale", "Subsurface Anisotropy")),
+        (to_openpbr(wax.stack).values, ("subsurface_color", "subsurface_weight", "subsurface_radius", "subsurface_scatter_anisotropy")),
+        (to_surface(SURFACES["standard_surface"], wax.stack).values, ("subsurface_color", "subsurface", "subsurface_scale", "subsurface_anisotropy")),
+    ):
+        color, *others = (values[name] for name in names)
+        np.testing.assert_allclose(color, WAX["Base Color"], atol=0.04)
+        np.testing.assert_allclose(others, (1.0, 0.02, 0.4))
+    assert from_openpbr(to_openpbr(wax.stack).values).stack.layers[0]["density"] == pytest.approx(50.0)
+    # what has no such light has the color alone, as bright
+    plain = to_surface(SURFACES["gltf_pbr"], wax.stack)
+    assert plain.values["base_color"][0] == pytest.approx(0.8, abs=0.04) and np.max(np.abs(plain.report.match.mean_error)) < 5e-4
+
+
+def test_a_haze_over_another_color_goes_out_as_a_base_color():
+    haze = {"kind": "dielectric", "ior": 1.5, "roughness": 0.2, "scatter_color": [0.9] * 3, "density": 1.0}
+    values = to_principled(stack(PAINT, haze)).values
+    assert "Subsurface Weight" not in values and min(values["Base Color"]) > min(PAINT["color"])
+
+
+def test_a_texture_or_a_film_leaves_a_diffuse_base(wax):
+    for values, used in ((WAX, frozenset({"Base Color"})), (WAX | {"Anisotropic": 0.5}, frozenset()), (WAX | {"Diffuse Roughness": 0.5}, frozenset())):
+        converted = from_principled(values, used=used)
+        assert "density" not in converted.stack.layers[0]
+        assert any("as a diffuse base of the color" in str(loss) for loss in converted.report.losses)
 
 
 def test_what_is_no_number_is_refused_and_what_is_out_of_range_is_said():

@@ -6,8 +6,10 @@ import pytest
 from support.chi_square import chi_square_p_value
 
 from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.lobes.eevee import eevee_tables
 from lamina.reference_py.lobes.methods import MAX_CLOSURES, make_lobe_set
 from lamina.reference_py.lobes.methods.not_bakeable import needs_live
+from lamina.reference_py.lobes.tabulate import tabulate
 from lamina.reference_py.material.coverage import patches
 from lamina.reference_py.material.schema import ANISOTROPY, COVERAGE, NORMAL, SCHEMA_VERSION, THIN_FILM
 from lamina.reference_py.material.stack import Stack
@@ -118,7 +120,7 @@ def test_models_name_what_they_do_not_know(name, feature, element):
 
 def test_what_a_bake_cannot_hold_is_named_and_makes_it_live():
     one = stack([{**COAT, **BRUSHED, "coverage": 0.5}, {**COAT, **FILM}], {**WHITE, "normal": [0, 0, 0]})
-    assert needs_live(one) == "the anisotropy of layer 0, the thin film of layer 1, the normal of the base"
+    assert needs_live(one) == "the anisotropy of layer 0, the thin film of layer 1", "a normal leaves the bake in force"
     assert needs_live(stack([{**COAT, "coverage": 0.5}], WHITE)) is None
     assert make_lobe_set(one, "baked").reason == "weidlich_wilkie, the one quality that knows thin films"
     brushed = make_lobe_set(stack([{**COAT, **BRUSHED, "coverage": 0.5}], WHITE), "baked")
@@ -242,3 +244,19 @@ def test_a_film_against_airys_formula_integrated_over_the_spectrum(k, thickness)
     print(errors)
     # Cycles stops at three terms: on metal at grazing angles more would count
     assert np.all(errors[:3] <= 8e-3) and errors[3] <= (5e-3 if k is None else 5e-2)
+
+
+def test_lobes_are_about_the_normal_of_their_element_in_every_form():
+    """The coat's reflection about the coat's, what comes from below about the base's; live ones, bakes and tables alike, each in the patch that has it."""
+    own = {"normal": [0.0, 0.0, 0.0]}
+    rough, gold = {**COAT, "roughness": 0.4, **own}, {"kind": "conductor", "metal": "gold", "roughness": 0.3}
+    one, plain = stack([rough], {**gold, **own}), stack([{**COAT, "roughness": 0.4}], gold)
+    for method in ("weidlich_wilkie", "analytic", "baked", "auto"):
+        made = make_lobe_set(one, method)
+        tables = tabulate(made.lobe_set)
+        for lobe_set in (made.lobe_set, tables, eevee_tables(made.lobe_set, tables)):
+            layers = [lobe.normal.layer for lobe in lobe_set.lobes(np.ones(1))]
+            assert layers[0] == 0 and set(layers[1:]) == {None}, method
+        assert all(lobe.normal is None for lobe in make_lobe_set(plain, method).lobes(np.ones(1)))
+    chipped = make_lobe_set(stack([{**rough, "coverage": 0.5}], {**gold, **own}), "baked").lobe_set
+    assert [{lobe.normal.layer for lobe in part.lobe_set.lobes(np.ones(1))} for _, part in chipped.parts] in ([{0, None}, {None}], [{None}, {0, None}])

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.coats import CLAY, GLAZE, METAL, MILK, VARNISH, WOOD
 
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.lobes import cache
@@ -54,12 +55,7 @@ def test_live_values_do_not_make_another_bake(monkeypatch):
     assert key_of(stack, "baked", live=live) != key_of(with_layer(stack, ior=1.7), "baked", live=live)
 
 
-VARNISH = {"kind": "dielectric", "roughness": 0.35, "tint": [0.9, 0.7, 0.4], "thickness": 0.7}
-GLAZE = {"kind": "dielectric", "tint": [0.6, 0.7, 0.9]}
-WOOD = {"kind": "lambert", "color": [0.7, 0.45, 0.25]}
-CLAY = {"kind": "oren_nayar", "color": [0.7, 0.45, 0.25], "sigma_deg": 30.0}
-METAL = {"kind": "conductor", "reflectance": [0.9, 0.6, 0.3], "edge_color": [0.9, 0.8, 0.7], "roughness": 0.4}
-RANGES = {"roughness": (0.05, 0.9), "thickness": (0.05, 3.0), "ior": (1.2, 2.2), "sigma_deg": (0.0, 60.0)}
+RANGES = {"roughness": (0.05, 0.9), "thickness": (0.05, 3.0), "ior": (1.2, 2.2), "sigma_deg": (0.0, 60.0), "density": (0.05, 12.0)}
 VALUES = 4
 
 
@@ -70,6 +66,7 @@ def drawn(rng, stack: Stack, live) -> Stack:
     return stack
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "layer, base, live, albedo, shape",
     [
@@ -82,6 +79,9 @@ def drawn(rng, stack: Stack, live) -> Stack:
         (VARNISH, CLAY, [(None, "color")], 0.006, 1.6),  # bakes of each alone became closer, this did not
         (VARNISH, WOOD, [(0, "ior")], 0.004, 1.1),
         (VARNISH, WOOD, [(0, "tint"), (None, "color")], 0.006, 1.6),
+        (MILK, METAL, [(0, "density")], 0.004, 1.45),
+        (MILK, METAL, [(0, "scatter_color")], 0.004, 1.2),
+        (MILK, WOOD, [(0, "density"), (0, "scatter_color")], 0.0105, 1.6),
     ],
 )
 def test_values_are_as_right_as_constants(layer, base, live, albedo, shape):

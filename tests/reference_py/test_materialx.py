@@ -136,11 +136,14 @@ def test_what_is_lost_counts_in_the_number():
         assert from_principled(values).report.match.soft_light > 0.8, values
 
 
-def test_a_dense_subsurface_is_a_diffuse_base_of_its_color():
+def test_subsurface_is_a_medium_without_end_of_its_color():
+    """As bright as a diffuse base of that color, which is how such a surface is seen."""
     wanted = from_openpbr({"base_color": (0.1, 0.03, 0.02)})
-    converted = read(number("subsurface_weight", 1) + color("subsurface_color", "0.1,0.03,0.02")).to_stack()
-    np.testing.assert_allclose(converted.stack.base["color"], wanted.stack.base["color"], atol=1e-6)
-    assert "diffuse base" in lines(converted, APPROXIMATED)["subsurface_weight"]
+    converted = read(number("subsurface_weight", 1) + color("subsurface_color", "0.1,0.03,0.02") + number("subsurface_scatter_anisotropy", 0.5)).to_stack()
+    body = converted.stack.layers[0]
+    assert body["scatter_color"] == converted.stack.base["color"] and body["scatter_g"] == 0.5 and body["density"] >= 40.0
+    assert np.max(np.abs(converted.report.match.mean - wanted.report.match.mean)) < 1e-4
+    assert "medium without end" in lines(converted, APPROXIMATED)["subsurface_weight"] and "subsurface_color" not in lines(converted, LOST)
 
 
 def test_where_nothing_is_left_it_is_an_error():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The albedo quadrature: known integrals, and its stated error against 16 times the points."""
+"""The albedo quadrature: known integrals, and its stated error against four times the points."""
 
 import numpy as np
 import pytest
@@ -24,5 +24,6 @@ def test_stated_error_holds(name):
     stack = presets.load(name)
     model = make_model("closure_model", stack, method="weidlich_wilkie")
     coarse = directional_albedo(model.f, WO, rough_surfaces(stack))
-    fine = directional_albedo(model.f, WO, rough_surfaces(stack), 16 * 8192)
-    assert np.max(np.abs(coarse / fine - 1.0)) < STATED_ERROR
+    fine = directional_albedo(model.f, WO, rough_surfaces(stack), 4 * 8192)
+    # errors fall with the count: four times the points are off by a quarter of this themselves
+    assert np.max(np.abs(coarse / fine - 1.0)) < 0.8 * STATED_ERROR

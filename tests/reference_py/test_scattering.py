@@ -141,17 +141,27 @@ def test_channels_of_different_depth_share_their_walks():
 
 
 def test_both_are_fast_enough():
-    """On a core that others use too: a quarter of the walks that are asked for, and more time."""
-    walks = 100_000
-    start = time.process_time()
-    make_model("position_free", stack(medium(1.0, 0.9, roughness=0.45), base=GREY), walks=walks).albedo(WO[0])
-    assert walks / (time.process_time() - start) > 40_000
-    model = make_model("adding", stack(medium(20.0, 0.9, 0.5, roughness=0.45), base=GREY))
+    """Beside the same without a medium, the least of several in turn: walks took 1.8 to 2.4 times as long, all of `adding` 14 to 18 times."""
     views = spherical(np.radians(np.linspace(0.0, 85.0, 64)), 0.0)
-    start = time.process_time()
-    model.albedo(views)
-    model.f(views, views[::-1])
-    assert time.process_time() - start < 6.0
+
+    def seconds(act, one):
+        start = time.process_time()
+        act(one)
+        return time.process_time() - start
+
+    def walk(one):
+        make_model("position_free", one, walks=25_000).albedo(WO[0])
+
+    def add(one):
+        model = make_model("adding", one)
+        model.albedo(views)
+        model.f(views, views[::-1])
+
+    for act, depth, most in ((walk, 1.0, 5.0), (add, 20.0, 40.0)):
+        # each of another roughness, as a surface's operators are kept
+        spent = [[seconds(act, stack(layer, base=GREY)) for layer in (medium(depth, 0.9, roughness=r), {"roughness": r})] for r in (0.45, 0.46, 0.47)]
+        cloudy, clear = np.min(spent, axis=0)
+        assert cloudy < most * clear, f"{cloudy / clear:.1f} times as long"
 
 
 # --- as artists say it ---
@@ -207,15 +217,15 @@ def test_bad_values_are_named(layer, message):
 
 def test_who_does_not_know_it_names_who_does():
     one = stack(medium(1.0, 0.9))
-    for name in ("weidlich_wilkie", "schlick", "belcour", "cycles_layer"):
+    for name in ("weidlich_wilkie", "schlick", "cycles_layer"):
         with pytest.raises(LaminaError, match=f"model {name} knows no scattering, which layer 0 has; choose .*adding"):
             make_model(name, one)
     with pytest.raises(LaminaError, match="method analytic knows no scattering, which layer 0 has; choose .*baked"):
         make_lobe_set(one, "analytic")
     with pytest.raises(LaminaError, match="a medium that scatters cannot be had together with the anisotropy of layer 0"):
         make_lobe_set(stack(medium(1.0, 0.9, anisotropy=0.5)), "baked")
-    with pytest.raises(LaminaError, match="no quality follows the density of layer 0"):
-        make_lobe_set(stack({"density": 1.0, "scatter_color": [0.5] * 3}), "auto", live=(Place(0, "density"),))
+    with pytest.raises(LaminaError, match="no quality follows the scatter g of layer 0"):
+        make_lobe_set(stack({"density": 1.0, "scatter_color": [0.5] * 3}), "auto", live=(Place(0, "scatter_g"),))
     with pytest.raises(LaminaError, match="position_free: layer 0 has the optical depth 1000 and the albedo 1, .*choose adding"):
         make_model("position_free", stack(medium(1000.0, 1.0)))
 

@@ -9,20 +9,20 @@ from lamina.reference_py.material import presets
 from lamina.reference_py.models.distance import distance
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.registry import make_model
-from lamina.study.charts import error
+from lamina.study.charts import error_by_angle
 from lamina.study.stress import make_model_or_method
 from lamina.study.tables import FIGURES, read_rows
 
 PRESET_ERRORS = FIGURES / "preset_errors.csv"
 
 
-@pytest.mark.parametrize("name", error.COMPARED)
+@pytest.mark.parametrize("name", error_by_angle.COMPARED)
 def test_albedo_errors_by_angle_are_those_of_this_code(name):
     rows = {(row[0], row[1]): row[2:] for row in read_rows(FIGURES / "error_by_angle.csv")}
-    assert {key for key in rows if key[0] in presets.PAPER} == {(p, m) for p in presets.PAPER for m in error.COMPARED}
+    assert {key for key in rows if key[0] in presets.PAPER} == {(p, m) for p in presets.PAPER for m in error_by_angle.COMPARED}
     preset, chosen = "metallic_car_paint", np.array([0, 6, 10])
-    stack, wo = presets.load(preset), spherical(np.radians(error.THETA_DEG[chosen]), 0.0)
-    measured = error.worst_channel(make_model_or_method(name, stack).albedo(wo), make_model("adding", stack).albedo(wo))
+    stack, wo = presets.load(preset), spherical(np.radians(error_by_angle.THETA_DEG[chosen]), 0.0)
+    measured = error_by_angle.worst_channel(make_model_or_method(name, stack).albedo(wo), make_model("adding", stack).albedo(wo))
     assert measured == pytest.approx(np.array(rows[preset, name], float)[chosen], abs=2e-4)
 
 

@@ -15,7 +15,7 @@ from lamina.reference_py.optics.fresnel import fresnel_conductor
 from lamina.reference_py.optics.spectral import gaussian_band, smoothest_reflectance, spectral_stack
 from lamina.reference_py.registry import make_model
 from lamina.study.paper import figure9, module
-from lamina.study.paper.environment import Disc, Environment
+from lamina.study.paper.lights import Disc, Environment
 from lamina.study.paper.sphere import radiance, render
 from lamina.study.paper.varnish import BANDS, WAVELENGTH_NM, spectral_varnish
 from lamina.study.stamp import stamp

@@ -9,10 +9,10 @@ from lamina.reference_py.lobes.view_table import KNOTS, DiffuseTable, TableLobes
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.adding.model import Adding
 from lamina.reference_py.registry import make_model
-from lamina.study.pareto.appearance import Surroundings, ball_picture, difference, encoded, shown
+from lamina.study.pareto.ball_picture import Surroundings, ball_picture, difference, encoded, shown
 from lamina.study.pareto.draw import frontier
 from lamina.study.pareto.reflectance import LobeReflectance, ModelReflectance, Reference, TruthReflectance, belcour_lobes, glossy_lobes
-from lamina.study.pareto.surfaces import SURFACES, load_surface
+from lamina.study.pareto.surface_types import SURFACES, load_surface
 from lamina.study.tables import read_table
 
 GREY = {"kind": "lambert", "color": [0.5, 0.5, 0.5]}
@@ -72,7 +72,7 @@ def test_an_unknown_surface_is_named():
 @pytest.mark.blender
 def test_numpy_and_cycles_show_the_same_ball(blender):
     from lamina.study.pareto.bench import ball, studio_stage, with_material
-    from lamina.study.pareto.materials import table_material
+    from lamina.study.pareto.compared_materials import table_material
 
     surroundings = Surroundings()
     lobe_set = TableLobes((*glossy_lobes(np.array([0.5, 0.3, 0.2]), 0.2).tables, DiffuseTable(np.ones((KNOTS, 3)) * 0.3)))
@@ -92,7 +92,7 @@ def test_numpy_and_cycles_show_the_same_ball(blender):
 def test_the_slab_is_the_stack(blender, tint):
     """Smooth interfaces with absorption between them: Cycles' volumes and glass give what `adding` says."""
     from lamina.study.pareto.bench import furnace_stage, plane
-    from lamina.study.pareto.slab import slab_objects
+    from lamina.study.pareto.explicit_slab import slab_objects
     from lamina.study.pareto.slab_truth import slab_errors
 
     smooth = {"kind": "dielectric", "roughness": 0.0}

@@ -9,9 +9,9 @@ bpy = pytest.importorskip("bpy")
 
 from lamina.reference_py.errors import LaminaError
 from lamina.study.charts import viewport_chart
-from lamina.study.pareto.appearance import Surroundings
+from lamina.study.pareto.ball_picture import Surroundings
 from lamina.study.pareto.bench import ball, with_material
-from lamina.study.viewport import eevee, samples
+from lamina.study.viewport import compared, eevee_pictures
 
 pytestmark = pytest.mark.blender
 
@@ -32,9 +32,9 @@ def test_the_other_blender_gets_a_file_with_all_that_it_needs(blender, tmp_path,
     monkeypatch.setenv("LAMINA_BLENDER", str(program))
     materials = [bpy.data.materials.new(name) for name in ("one", "two")]
     item = with_material(ball(), materials[0])
-    with samples.lit_stage(16, Surroundings(height=16), item) as stage:
+    with compared.lit_stage(16, Surroundings(height=16), item) as stage:
         with pytest.raises(LaminaError, match="failed: no EEVEE"):
-            eevee.eevee_pictures(stage.scene, item, materials, 4, lambda text: None)
+            eevee_pictures.eevee_pictures(stage.scene, item, materials, 4, lambda text: None)
     task = json.loads((tmp_path / "task.json").read_text())
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scenes.blend"), load_ui=False)
     scene = bpy.data.scenes[task["scene"]]

@@ -5,10 +5,10 @@ from types import SimpleNamespace
 
 
 class Recorder:
-    """A column, or a row, of what was drawn into it, in order: (what, word) pairs and further recorders. `operators` are those of all of it."""
+    """A column, or a row, of what was drawn into it, in order: (what, word) pairs and further recorders. `operators` and the labels' `icons` are those of all of it."""
 
     def __init__(self, is_row: bool = False):
-        self.is_row, self.parts, self.operators = is_row, [], []
+        self.is_row, self.parts, self.operators, self.icons = is_row, [], [], []
 
     @property
     def height(self) -> int:
@@ -30,7 +30,7 @@ class Recorder:
 
     def _inner(self, is_row: bool):
         inner = Recorder(is_row)
-        inner.operators = self.operators
+        inner.operators, inner.icons = self.operators, self.icons
         self.parts.append(inner)
         return inner
 
@@ -49,7 +49,8 @@ class Recorder:
         header._note("panel", name)
         return header, body
 
-    def label(self, text="", **_options):
+    def label(self, text="", icon="NONE", **_options):
+        self.icons.append(icon)
         self._note("label", text, texts=lambda: [text])
 
     def progress(self, text="", **_options):

@@ -31,8 +31,8 @@ OBJECTS, MATERIALS, LAMINA, TEXTURED = 202, 64, 20, 5
 CUP, TWIN, LINKED, HALF = "Cup", "Twin A", "Linked Cup", "Half Cup"
 
 
-def build(folder: Path, tier: str = "weidlich_wilkie", backend: str = "auto") -> Path:
-    """Write the scene into an empty folder; returns the .blend file. Leaves it open."""
+def build(folder: Path, tier: str = "weidlich_wilkie", backend: str = "auto", osl: bool = True) -> Path:
+    """Write the scene into an empty folder; returns the .blend file. Leaves it open. Without `osl` Cycles starts it in a twentieth of the time."""
     for name in ("shots", "lib", "tex", "fonts"):
         (folder / name).mkdir(parents=True)
     _files(folder)
@@ -41,7 +41,7 @@ def build(folder: Path, tier: str = "weidlich_wilkie", backend: str = "auto") ->
     scene = bpy.context.scene
     path = folder / SCENE
     bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=True)  # relative paths need a place
-    _settings(scene)
+    _settings(scene, osl)
     materials = [*_lamina_materials(folder, tier, backend), *_stock_materials(folder)]
     _linked(scene, folder)
     mesh = _cup("Cup")
@@ -119,10 +119,10 @@ def _linked(scene, folder: Path) -> None:
         empty.instance_type, empty.instance_collection, empty.scale = "COLLECTION", chosen.collections[0], (0.15, 0.15, 0.15)
 
 
-def _settings(scene) -> None:
+def _settings(scene, osl: bool) -> None:
     scene.render.engine = "CYCLES"
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 64, 40, 100
-    scene.cycles.samples, scene.cycles.device, scene.cycles.shading_system = 4, "CPU", True
+    scene.cycles.samples, scene.cycles.device, scene.cycles.shading_system = 4, "CPU", osl
     set_media_type(scene.render.image_settings, "IMAGE")
     camera = _add(scene, "Camera", bpy.data.cameras.new("Camera"), (0.0, -5.0, 3.0))
     camera.rotation_euler = (1.05, 0.0, 0.0)

@@ -23,7 +23,7 @@ from lamina.reference_py.material.schema import SCHEMA
 ADDON = Path(lamina.__file__).parent / "addon"
 # Folders whose sources show text in Blender's window.
 _SHOWN = ("check", "exchange", "jobs", "library", "material", "operators", "ui")
-_TRANSLATING = {"iface_", "rpt_", "tip_", "pgettext_iface", "pgettext_rpt", "pgettext_tip", "translated"}
+_TRANSLATING = {"iface_", "rpt_", "tip_", "data_", "pgettext_iface", "pgettext_rpt", "pgettext_tip", "translated"}
 
 
 def strings() -> set[str]:

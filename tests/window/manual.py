@@ -19,7 +19,8 @@ _spec = importlib.util.spec_from_file_location("lamina_window", Path(__file__).w
 window = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(window)
 
-PATIENCE, SIZE = 400.0, (1700, 1000)
+# As large as the picture that a listing on the extensions platform shows.
+PATIENCE, SIZE = 1200.0, (1920, 1080)
 
 
 def take(shown_in: window.Window, folder: Path) -> None:

@@ -5,6 +5,7 @@ import contextlib
 import importlib
 import json
 import os
+import time
 import traceback
 from pathlib import Path
 
@@ -13,8 +14,11 @@ import numpy as np
 from mathutils import Vector
 
 _STATE = Path(os.environ["LAMINA_STATE"])
-# Seconds that a view gets to render after the bakes are done, on a machine without a graphics card.
-_RENDERS = 14.0
+# CPU seconds that a view gets to render after the bakes are done, on a machine without a graphics card, and the seconds without work after which
+# it has ended earlier.
+_RENDERS, _RESTS = 80.0, 10.0
+# The share of a core that a window without work takes at most.
+_IDLE = 0.05
 
 
 def lamina_module(name: str):
@@ -145,7 +149,8 @@ def car_paint() -> None:
 
 STEPS = {"pick": pick, "varnish": varnish, "table": table, "rust": rust, "car_paint": car_paint}
 _left = list(STEPS)
-_waited = 0.0
+# CPU time when the bakes were done, and the clock's and the CPU time when it last worked.
+_begun, _looked = 0.0, (0.0, 0.0)
 _now = ""
 
 
@@ -171,20 +176,21 @@ def show_material_tab() -> None:
 
 def turn() -> float:
     """Do the next step once the picture of the last is taken; say when a picture can be."""
-    global _now, _waited
+    global _now, _begun, _looked
     try:
         show_material_tab()
         if _now and not _STATE.with_name(f"{_now}.taken").exists():
-            _waited += 0.5
             if is_busy():
-                _waited = 0.0
-            if _waited > _RENDERS:
+                _begun = time.process_time()
+            if time.process_time() - _looked[1] > _IDLE * (time.monotonic() - _looked[0]) or is_busy():
+                _looked = time.monotonic(), time.process_time()
+            if time.process_time() - _begun > _RENDERS or time.monotonic() - _looked[0] > _RESTS:
                 tell(shows=_now)
             return 0.5
         if not _left:
             tell(done=True)
             return 0.5
-        _now, _waited = _left.pop(0), 0.0
+        _now, _begun, _looked = _left.pop(0), time.process_time(), (time.monotonic(), time.process_time())
         STEPS[_now]()
         bpy.ops.ed.undo_push(message=_now)
     except Exception:

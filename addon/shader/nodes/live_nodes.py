@@ -13,12 +13,24 @@ import bpy
 import numpy as np
 
 from ....reference_py.errors import LaminaError
-from ....reference_py.lobes.axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, IndexAxis, NumberAxis, ReflectanceAxis, ThicknessAxis
+from ....reference_py.lobes.axes import (
+    HALF_DEPTH,
+    REFLECTANCE_OFFSET,
+    Axis,
+    DepthAxis,
+    EdgeAxis,
+    IndexAxis,
+    NumberAxis,
+    ReflectanceAxis,
+    ScatterColorAxis,
+    ThicknessAxis,
+)
 from ....reference_py.lobes.live_grid import MIN_ALPHA
 from ....reference_py.lobes.live_tables import POWER, LiveTable, LiveTables, rooted
 from ....reference_py.lobes.view_table import KNOTS
 from ....reference_py.material.place import Place
 from ....reference_py.optics.interface import TINT_FLOOR, optical_depth
+from ....reference_py.optics.scattering import FIT
 from ..inputs import place_input
 from ..working_space import into_working, primaries
 from .node_builder import Builder
@@ -36,11 +48,15 @@ class LiveNodes:
     Raises LaminaError for an axis that it does not know.
     """
 
-    def __init__(self, build: Builder, view: View, tables: LiveTables, owners: Sequence[str]):
+    def __init__(self, build: Builder, view: View, tables: LiveTables, owners: Sequence[str], plan: "_Plan | None" = None):
         self._build, self._view, self._tables, self._owners = build, view, tables, owners
-        self._plan = _Plan(tables)
+        self._plan = plan or _Plan(tables)
         self._vectors: dict[tuple[int, int], bpy.types.NodeSocket] = {}
         self._sockets: dict[tuple, bpy.types.NodeSocket] = {}
+
+    def about(self, view: View) -> "LiveNodes":
+        """The same seen from another normal; they share the image."""
+        return LiveNodes(self._build, view, self._tables, self._owners, self._plan)
 
     def weight(self, number: int):
         """A color of the working space: a socket, or four numbers."""
@@ -111,7 +127,7 @@ class LiveNodes:
 
     def _looked_up(self, around: tuple, up) -> bpy.types.NodeSocket:
         node = self._build.node("ShaderNodeTexEnvironment")
-        node.image, node.interpolation, node.projection = self._image, "Linear", "EQUIRECTANGULAR"
+        node.image, node.interpolation, node.projection = self._plan.made, "Linear", "EQUIRECTANGULAR"
         self._build.link(self._build.combined([*around, up]), node.inputs["Vector"])
         return node.outputs["Color"]
 
@@ -122,10 +138,6 @@ class LiveNodes:
         for source, name in ((share, "Factor_Float"), (first, "A_Vector"), (second, "B_Vector")):
             self._build.link(source, sockets[name])
         return sockets["Result_Vector"]
-
-    @cached_property
-    def _image(self) -> bpy.types.Image:
-        return self._plan.image.make()
 
     def _up(self, where: int, block: int):
         """tan t of the row of a block."""
@@ -184,16 +196,26 @@ class LiveNodes:
         if isinstance(axis, IndexAxis):
             return [build.math("DIVIDE", build.math("SUBTRACT", first, 1.0), build.math("ADD", first, 1.0))] * 4
         if isinstance(axis, ThicknessAxis):
-            return [build.math("DIVIDE", first, build.math("ADD", first, 1.0))] * 4
+            value = build.math("MAXIMUM", first, 0.0)
+            return [build.math("DIVIDE", value, build.math("ADD", value, axis.half(self._tables.stack)))] * 4
         if isinstance(axis, DepthAxis):
             channels = [build.math("DIVIDE", depth, build.math("ADD", depth, HALF_DEPTH)) for depth in self._depths(axis)]
         elif isinstance(axis, ReflectanceAxis):
             channels = [build.math("LOGARITHM", build.math("ADD", c, REFLECTANCE_OFFSET), math.e) for c in self._channels(first)]
         elif isinstance(axis, EdgeAxis):
             channels = [build.math("SUBTRACT", 1.0, build.math("SQRT", build.math("SUBTRACT", 1.0, c))) for c in self._channels(first)]
+        elif isinstance(axis, ScatterColorAxis):
+            channels = [self._whiteness(c) for c in self._channels(first)]
         else:
             raise LaminaError(f"no stock nodes follow the axis {type(axis).__name__}")
         return [*channels, build.math("MULTIPLY", reduce(lambda a, b: build.math("ADD", a, b), channels), 1.0 / 3.0)]
+
+    def _whiteness(self, color):
+        """`ScatterColorAxis` of one channel."""
+        build, (a, b) = self._build, FIT
+        middle = build.math("MULTIPLY_ADD", color, b, 1.0 + a)
+        under_root = build.math("MULTIPLY_ADD", middle, middle, build.math("MULTIPLY_ADD", color, 4.0 * a, -4.0 * a))
+        return build.math("MULTIPLY_ADD", build.math("SUBTRACT", middle, build.math("SQRT", under_root)), -0.5 / a, 1.0)
 
     def _depths(self, axis: DepthAxis) -> list:
         build, (tint, thickness) = self._build, (Place(axis.layer, name) for name in ("tint", "thickness"))
@@ -232,6 +254,11 @@ class _Plan:
             for i, part in enumerate(self._parts[where]):
                 part.block, part.channel = blocks[i // 3], i % 3
                 self.is_root.setdefault((where, part.block), []).append(part.is_root)
+
+    @cached_property
+    def made(self) -> bpy.types.Image:
+        """The image in this file."""
+        return self.image.make()
 
     def _lobe(self, table: LiveTable) -> dict[str, list[_Part]]:
         table, lobe = rooted(table, self._tables.is_color), {}

@@ -48,6 +48,11 @@ def lobe_group(lobe_set: Tables) -> bpy.types.NodeTree:
     return tree
 
 
+def tables_size(tree: bpy.types.NodeTree) -> int:
+    """The longest side in pixels of the images that a group looks up in; 0 where it has none."""
+    return max((max(image.size) for image in _images(tree)), default=0)
+
+
 def _group_with(content: str | None) -> bpy.types.NodeTree | None:
     """This file's group of a content, as long as nobody edited it."""
     own = (group for group in bpy.data.node_groups if content and group.library is None and group.get(GROUP_KEY) == content)

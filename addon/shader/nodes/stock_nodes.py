@@ -18,12 +18,11 @@ from ....reference_py.lobes.patch_lobes import PatchLobes
 from ....reference_py.lobes.pools import MAX_NODE_CLOSURES
 from ....reference_py.lobes.tabulate import is_grey_dielectric, tabulate
 from ....reference_py.lobes.view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
-from ....reference_py.material.schema import COLOR, COVERAGE, FLOAT, NORMAL, VECTOR
-from ....reference_py.material.stack import Stack
+from ....reference_py.material.schema import COLOR, COVERAGE, FLOAT, VECTOR
 from ....reference_py.optics.diffuse import fujii_roughness, oren_nayar_albedo, oren_nayar_color
 from ....reference_py.optics.microfacet import SPECULAR_ALPHA
 from ...blender.versions import DIFFUSE_POWER, HAS_DIELECTRIC
-from ..inputs import BASE, TANGENT, TANGENT_INPUT, ShaderInput, base_color_input, layer_owner, owners_of, place_input, shader_inputs
+from ..inputs import BASE, TANGENT, TANGENT_INPUT, ShaderInput, base_color_input, layer_owner, normal_input, owners_of, place_input, shader_inputs
 from ..working_space import REC709, into_working, out_of_working, primaries, working_space
 from .live_nodes import LiveNodes
 from .node_builder import Builder
@@ -50,9 +49,9 @@ def stock_tables(made) -> Tables:
     return tabulate(made.lobe_set, HAS_DIELECTRIC, DIFFUSE_POWER)
 
 
-def eevee_stock_tables(made) -> Tables:
-    """A lobe set in tables whose energies are right in EEVEE."""
-    return eevee_tables(made.lobe_set)
+def eevee_stock_tables(made, tables: Tables) -> Tables:
+    """A lobe set in tables whose energies are right in EEVEE; `tables` are its `stock_tables`."""
+    return eevee_tables(made.lobe_set, tables)
 
 
 def group_inputs(lobe_set: Tables, owners: Sequence[str] | None = None) -> tuple[ShaderInput, ...]:
@@ -60,24 +59,22 @@ def group_inputs(lobe_set: Tables, owners: Sequence[str] | None = None) -> tuple
 
     `owners` are those of the layers and the base, see `owners_of`; those of the whole stack unless given.
     """
-    if isinstance(lobe_set, LiveTables):
-        return tuple(place_input(lobe_set.stack, place, owners or _whole(lobe_set.stack)) for place in lobe_set.followed)
-    if isinstance(lobe_set, TableLobes):
+    if isinstance(lobe_set, LiveTables | TableLobes):
+        owners = owners or _whole(lobe_set)
+        normals = [normal_input(table.normal, owners) for table in lobe_set.tables if table.normal is not None]
+        if isinstance(lobe_set, LiveTables):
+            return tuple(dict.fromkeys([*(place_input(lobe_set.stack, place, owners) for place in lobe_set.followed), *normals]))
         framed = any(getattr(table, "axis", None) is not None or getattr(table, "frame", None) is not None for table in lobe_set.tables)
-        return (*([TANGENT_INPUT] if framed else []), *([base_color_input((owners or [BASE])[-1])] if lobe_set.followed else []))
+        return tuple(dict.fromkeys([*([TANGENT_INPUT] if framed else []), *([base_color_input(owners[-1])] if lobe_set.followed else []), *normals]))
     covers = [i for i in shader_inputs(lobe_set.stack) if i.parameter in COVERAGE.parameters]
     return (*covers, *dict.fromkeys(i for patch, part in lobe_set.parts for i in group_inputs(part, owners_of(patch))))
 
 
-def _whole(stack: Stack) -> list[str]:
-    return [*map(layer_owner, range(len(stack.layers))), BASE]
-
-
-def left_out(stack: Stack) -> str:
-    """What these nodes leave out of a stack, in words; empty where it is nothing."""
-    elements = [*((f"layer {i}", e) for i, e in enumerate(stack.layers)), ("the base", stack.base)]
-    bent = [where for where, element in elements if element.has(NORMAL)]
-    return f"stock nodes leave out the normal of {', '.join(bent)}" if bent else ""
+def _whole(lobe_set: TableLobes | LiveTables) -> list[str]:
+    """Owners of a whole stack, as far as its tables need them."""
+    layers = [table.normal.layer for table in lobe_set.tables if table.normal is not None and table.normal.layer is not None]
+    count = len(lobe_set.stack.layers) if isinstance(lobe_set, LiveTables) else max(layers, default=-1) + 1
+    return [*map(layer_owner, range(count)), BASE]
 
 
 def closure_count(lobe_set: Tables) -> int:
@@ -104,7 +101,7 @@ def build_group(tree: bpy.types.NodeTree, lobe_set: Tables) -> None:
         sockets = {given.osl_name: node.outputs[given.osl_name] for given in inputs}
     view = View(build, sockets.get(TANGENT), sockets)
     if not isinstance(lobe_set, PatchLobes):
-        closure = _closure_of(build, view, lobe_set, _whole(lobe_set.stack) if isinstance(lobe_set, LiveTables) else [BASE])
+        closure = _closure_of(build, view, lobe_set, _whole(lobe_set))
     else:
         shares = {i.owner: sockets[i.osl_name] for i in inputs if i.parameter in COVERAGE.parameters}
         closure = _pooled(build, view, lobe_set, shares) if _is_crowded(lobe_set) else _patched(build, view, lobe_set, shares)
@@ -149,11 +146,11 @@ def _sum(build: Builder, closures: list[bpy.types.NodeSocket]) -> bpy.types.Node
 
 
 def _lambert(build: Builder, view: View, table: DiffuseTable) -> bpy.types.NodeSocket:
-    return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, table.weight, table.axis), Roughness=0.0)
+    return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, table.weight, table.axis), Roughness=0.0, **view.own_normal)
 
 
 def _base(build: Builder, view: View, table: BaseColorTable) -> bpy.types.NodeSocket:
-    return build.shader("ShaderNodeBsdfDiffuse", Color=_base_weight(build, view, table), Roughness=0.0)
+    return build.shader("ShaderNodeBsdfDiffuse", Color=_base_weight(build, view, table), Roughness=0.0, **view.own_normal)
 
 
 def _base_weight(build: Builder, view: View, table: BaseColorTable) -> bpy.types.NodeSocket:
@@ -171,63 +168,78 @@ def _oren_nayar(build: Builder, view: View, table: OrenNayarTable) -> bpy.types.
     if working_space() != REC709:  # of its color such a node is not linear, so the energies are what is converted
         energy = into_working(oren_nayar_albedo(knot_cosines(), colors, table.sigma_deg, table.power))
         colors = out_of_working(oren_nayar_color(knot_cosines(), energy, table.sigma_deg, table.power))
-    return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, colors, table.axis), Roughness=sigma)
+    return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, colors, table.axis), Roughness=sigma, **view.own_normal)
 
 
 def _part_of(build: Builder, view: View, lobe_set: TableLobes | LiveTables, owners: Sequence[str]) -> "_FixedPart | _LivePart":
     view.base_owner = owners[-1]
-    return _LivePart(build, view, lobe_set, owners) if isinstance(lobe_set, LiveTables) else _FixedPart(build, view, lobe_set)
+    return _LivePart(build, view, lobe_set, owners) if isinstance(lobe_set, LiveTables) else _FixedPart(build, view, lobe_set, owners)
+
+
+def _views(view: View, lobe_set: TableLobes | LiveTables, owners: Sequence[str]) -> list[View]:
+    """The view of each table from the normal that it is about."""
+    return [view.about(None if table.normal is None else normal_input(table.normal, owners)) for table in lobe_set.tables]
 
 
 class _FixedPart:
     """The lobes of one patch, of tables over the view alone: by number a weight, the columns of a shape, a closure."""
 
-    def __init__(self, build: Builder, view: View, lobe_set: TableLobes):
-        self._build, self._view, self.tables = build, view, lobe_set.tables
+    def __init__(self, build: Builder, view: View, lobe_set: TableLobes, owners: Sequence[str]):
+        self._build, self._views, self.tables = build, _views(view, lobe_set, owners), lobe_set.tables
 
     def is_lambert(self, number: int) -> bool:
-        return isinstance(self.tables[number], BaseColorTable | DiffuseTable)
+        """Whether it is Lambert about the surface's normal."""
+        table = self.tables[number]
+        return isinstance(table, BaseColorTable | DiffuseTable) and table.normal is None
 
     def weight(self, number: int):
-        table = self.tables[number]
-        return _base_weight(self._build, self._view, table) if isinstance(table, BaseColorTable) else _weight(self._build, self._view, table.weight, table.axis)
+        table, view = self.tables[number], self._views[number]
+        return _base_weight(self._build, view, table) if isinstance(table, BaseColorTable) else _weight(self._build, view, table.weight, table.axis)
 
     def columns(self, number: int) -> list:
-        return _columns(self._build, self._view, self.tables[number].shape)
+        return _columns(self._build, self._views[number], self.tables[number].shape)
 
     def closure(self, number: int) -> bpy.types.NodeSocket:
-        return _LOBES[type(self.tables[number])](self._build, self._view, self.tables[number])
+        return _LOBES[type(self.tables[number])](self._build, self._views[number], self.tables[number])
 
     def is_same(self, number: int, other, other_number: int) -> bool:
         """Whether two lobes are one closure."""
         first, second = self.tables[number], other.tables[other_number]
-        return type(first) is type(second) and all(np.array_equal(getattr(first, f.name), getattr(second, f.name)) for f in fields(first))
+        return (
+            self._views[number] is other._views[other_number]
+            and type(first) is type(second)
+            and all(np.array_equal(getattr(first, f.name), getattr(second, f.name)) for f in fields(first))
+        )
 
 
 class _LivePart:
     """The same of tables over live values too."""
 
     def __init__(self, build: Builder, view: View, lobe_set: LiveTables, owners: Sequence[str]):
-        self._build, self._view, self.tables, self._nodes = build, view, lobe_set.tables, LiveNodes(build, view, lobe_set, owners)
+        self._build, self.tables = build, lobe_set.tables
+        self._views = _views(view, lobe_set, owners)
+        first = LiveNodes(build, view, lobe_set, owners)
+        known = {view: first} | {other: first.about(other) for other in dict.fromkeys(self._views) if other is not view}
+        self._nodes = [known[view] for view in self._views]
 
     def is_lambert(self, number: int) -> bool:
-        return self.tables[number].distribution is None
+        return self.tables[number].distribution is None and self.tables[number].normal is None
 
     def weight(self, number: int):
-        return self._nodes.weight(number)
+        return self._nodes[number].weight(number)
 
     def columns(self, number: int) -> list:
-        root_x, root_y, slope = self._nodes.shape(number)
+        root_x, root_y, slope = self._nodes[number].shape(number)
         return [self._build.math("MULTIPLY", root_x, root_x), self._build.math("MULTIPLY", root_y, root_y), slope]
 
     def closure(self, number: int) -> bpy.types.NodeSocket:
-        build, view, table = self._build, self._view, self.tables[number]
-        if self.is_lambert(number):
-            return build.shader("ShaderNodeBsdfDiffuse", Color=self.weight(number), Roughness=0.0)
-        root_x, root_y, slope = self._nodes.shape(number)
+        build, view, table = self._build, self._views[number], self.tables[number]
+        if table.distribution is None:
+            return build.shader("ShaderNodeBsdfDiffuse", Color=self.weight(number), Roughness=0.0, **view.own_normal)
+        root_x, root_y, slope = self._nodes[number].shape(number)
         shape = np.concatenate([np.square(table.shape[..., :2]), table.shape[..., 2:]], axis=-1).reshape(-1, 3)
         if table.fresnel is not None:
-            index = self._nodes.index or table.fresnel.eta
+            index = self._nodes[number].index or table.fresnel.eta
             return _dielectric_node(build, view, table.distribution, build.combined([index] * 3), root_x, shape)
         roughness = root_x if root_x is root_y else build.math("SQRT", build.math("MULTIPLY", root_x, root_y))
 
@@ -281,6 +293,8 @@ def _glossy_node(
         sockets["Tangent"] = view.tangent
     if np.any(shape[:, 2]):
         sockets["Normal"] = build.vector("MULTIPLY_ADD", view.side, slope, view.normal)
+    else:
+        sockets |= view.own_normal
     return build.shader("ShaderNodeBsdfAnisotropic", settings={"distribution": _DISTRIBUTIONS[distribution]}, **sockets)
 
 
@@ -306,7 +320,7 @@ def _bare_dielectric(build: Builder, view: View, table: GlossyTable) -> bpy.type
 
 def _dielectric_node(build: Builder, view: View, distribution: str, index, roughness, shape: np.ndarray) -> bpy.types.NodeSocket:
     """A Metallic node of these operands; `shape` (n, 3) is all that its alphas can be."""
-    sockets = {"IOR": index, "Extinction": (0.0,) * 3, "Roughness": roughness, "Anisotropy": 0.0}
+    sockets = {"IOR": index, "Extinction": (0.0,) * 3, "Roughness": roughness, "Anisotropy": 0.0} | view.own_normal
     if SPECULAR_ALPHA < np.min(shape[:, 0]) < _NARROW_DIELECTRIC_ALPHA:
         # as a constant, Cycles would take so little for none; no place is as small
         sockets |= {"Anisotropy": build.math("MINIMUM", view.place, _SLIGHT_ANISOTROPY), "Tangent": view.tangent}

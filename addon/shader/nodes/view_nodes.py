@@ -25,13 +25,39 @@ _SOME_DIRECTION = (5.7e-7, 3.1e-7, 7.6e-7)
 
 
 class View:
-    """What lobes need of the view, made when the first of them asks."""
+    """What lobes need of the view, made when the first of them asks. They are about the surface's normal, or about the `own` one."""
 
-    def __init__(self, build: Builder, given_tangent: bpy.types.NodeSocket | None = None, sockets: Mapping[str, bpy.types.NodeSocket] = MappingProxyType({})):
-        self._build, self.given_tangent, self._sockets = build, given_tangent, sockets
+    def __init__(
+        self,
+        build: Builder,
+        given_tangent: bpy.types.NodeSocket | None = None,
+        sockets: Mapping[str, bpy.types.NodeSocket] = MappingProxyType({}),
+        own: bpy.types.NodeSocket | None = None,
+    ):
+        self._build, self.given_tangent, self._sockets, self._own = build, given_tangent, sockets, own
         self.base_owner = BASE
+        self._about: dict[str, View] = {}
         self._base_colors: dict[str, bpy.types.NodeSocket] = {}
         self._azimuths: dict[float, list[bpy.types.NodeSocket]] = {}
+
+    def about(self, own: ShaderInput | None) -> "View":
+        """The view from the own normal that the group gets for a layer or the base; this one for None."""
+        if own is None:
+            return self
+        if own.osl_name not in self._about:
+            self._about[own.osl_name] = View(self._build, self.given_tangent, self._sockets, self.given(own))
+        other = self._about[own.osl_name]
+        other.base_owner = self.base_owner
+        return other
+
+    @cached_property
+    def own_normal(self) -> dict[str, bpy.types.NodeSocket]:
+        """What a node that is about it has linked; nothing for the surface's normal. Of length 0 the own one is the surface's (osl/own_normal.h)."""
+        if self._own is None:
+            return {}
+        unit = self._build.vector("NORMALIZE", self._own)
+        missing = self._build.math("SUBTRACT", 1.0, self._build.vector("LENGTH", unit))
+        return {"Normal": self._build.vector("ADD", unit, self._build.vector("SCALE", self._geometry.outputs["Normal"], scale=missing))}
 
     @cached_property
     def normal(self) -> bpy.types.NodeSocket:
@@ -39,7 +65,8 @@ class View:
 
         EEVEE bends nothing: its lobes keep their normal, and have the energy of this one.
         """
-        build, shading, true = self._build, self._geometry.outputs["Normal"], self._geometry.outputs["True Normal"]
+        build, true = self._build, self._geometry.outputs["True Normal"]
+        shading = self.own_normal.get("Normal", self._geometry.outputs["Normal"])
         cosine, true_cosine = (build.vector("DOT_PRODUCT", n, self._incoming) for n in (shading, true))
         below = build.vector("DOT_PRODUCT", build.vector("REFLECT", self._incoming, shading), true)
         # Cycles bends nothing on strands; a height is at most 1

@@ -14,8 +14,8 @@ from ....reference_py.lobes.pools import Pool
 from ....reference_py.material.schema import COLOR, FLOAT, Parameter
 from ....reference_py.optics.microfacet import DISTRIBUTIONS
 from ..inputs import PRIMARIES, ShaderInput
-from .frame import FRAME, FRAME_FUNCTIONS, view
 from .parts import functions
+from .view_frame import FRAME_FUNCTIONS, Frame
 
 PRIMARY_ARGUMENTS = ", ".join(PRIMARIES)
 # What the output "Live" of every shader is. A muted node passes one of its inputs on instead, and none can have this value.
@@ -71,7 +71,7 @@ def shader_text(title: str, note: str, parts: Sequence[tuple[Share, Block]], inp
     covers = [f"float cover_{owner} = clamp({owner}Coverage, 0.0, 1.0);" for owner in dict.fromkeys(owner for share, _ in parts for owner, _ in share.covered)]
     colors = [i.osl_name for i in inputs if i.parameter.type == COLOR]
     read = [f"color {name}_rec709 = from_working({name}, {PRIMARY_ARGUMENTS});" for name in colors]
-    common = _once([*covers, *(text for block in blocks for text in block.common), *((*view(), *FRAME) if pools else ())])
+    common = _once([*covers, *(text for block in blocks for text in block.common), *((*Frame().view, *Frame().glossy) if pools else ())])
     primaries = [f"    color {name} = color({numbers([float(i == j) for j in range(3)])})," for i, name in enumerate(PRIMARIES)]
     declared = [_declaration(i.osl_name, i.parameter) for i in inputs]
     arrays = [

@@ -4,16 +4,28 @@
 import numpy as np
 
 from ....reference_py.errors import LaminaError
-from ....reference_py.lobes.axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, IndexAxis, NumberAxis, ReflectanceAxis, ThicknessAxis
+from ....reference_py.lobes.axes import (
+    HALF_DEPTH,
+    REFLECTANCE_OFFSET,
+    Axis,
+    DepthAxis,
+    EdgeAxis,
+    IndexAxis,
+    NumberAxis,
+    ReflectanceAxis,
+    ScatterColorAxis,
+    ThicknessAxis,
+)
 from ....reference_py.lobes.live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy
 from ....reference_py.lobes.lobe import DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS
 from ....reference_py.material.place import Place
 from ....reference_py.material.schema import COLOR, SCHEMA
 from ....reference_py.material.stack import Stack
+from ....reference_py.optics.scattering import FIT
 from .block import Block, Closure, numbers
 from .emit_tables import clamped_color
-from .frame import FRAME, FRAME_FUNCTIONS, table_view
+from .view_frame import FRAME_FUNCTIONS, Frame
 
 NOTE = "Tables hold the values that the stack had, but for those with a socket."
 
@@ -22,9 +34,9 @@ def grid_block(lobe_set: LiveLobes, owners: list[str], prefix: str = "") -> Bloc
     """The block of a lobe set of a stack whose shader parameters begin with `owners`; what it declares ends with `prefix`."""
     writer = _Writer(lobe_set, owners, prefix)
     return Block(
-        functions=(*FRAME_FUNCTIONS, "grid.h", *writer.functions),
+        functions=(*FRAME_FUNCTIONS, "grid.h", *writer.functions, *(name for frame in writer.frames for name in frame.functions)),
         arrays=tuple(writer.arrays),
-        common=(*table_view(), *FRAME),
+        common=tuple(line for frame in dict.fromkeys(writer.frames) for line in (*frame.table_view, *frame.glossy)),
         body=tuple(writer.statements),
         closures=tuple(writer.closures),
     )
@@ -37,6 +49,9 @@ class _Writer:
         self.functions: list[str] = []
         self.closures: list[Closure] = []
         self._prefix, self._axes, self._index = prefix, lobe_set.axes, ""
+        self.frames = [Frame.of(lobe.normal, owners) for lobe in lobe_set.grid]
+        self._about = Frame()
+        """Whose normal the view is seen from in what is being written."""
         self._said: set[str] = set()
         self._coordinates = [self._coordinate(i, axis, lobe_set.stack, owners) for i, axis in enumerate(lobe_set.axes)]
         self._lobes(lobe_set, clamped_color(owners[-1]))
@@ -73,7 +88,7 @@ class _Writer:
             self._index = first
             return (name,) * 2
         if isinstance(axis, ThicknessAxis):
-            self._say(f"float {name} = {first} / ({first} + 1.0);")
+            self._say(f"float {name} = max({first}, 0.0);", f"{name} /= {name} + {axis.half(stack):.9g};")
             return (name,) * 2
         if isinstance(axis, DepthAxis):
             self.functions.append("medium.h")
@@ -82,6 +97,13 @@ class _Writer:
             self._say(f"color {name} = log(clamp({first}, color(0.0), color(1.0)) + {REFLECTANCE_OFFSET:g});")
         elif isinstance(axis, EdgeAxis):
             self._say(f"color {name} = 1.0 - sqrt(1.0 - clamp({first}, color(0.0), color(1.0)));")
+        elif isinstance(axis, ScatterColorAxis):
+            a, b = FIT
+            bounded = f"clamp({first}, color(0.0), color(1.0))"
+            self._say(
+                f"color {name} = {1.0 + a:g} + {b:g} * {bounded};",
+                f"{name} = 1.0 - ({name} - sqrt({name} * {name} - {4.0 * a:g} * (1.0 - {bounded}))) * {0.5 / a:.9g};",
+            )
         else:
             raise LaminaError(f"no shader follows the axis {type(axis).__name__}")
         return name, f"mean_of({name})"
@@ -112,14 +134,15 @@ class _Writer:
         sizes = [getattr(self._axes[i], which).count for i in numbers]
         steps = [KNOTS * int(np.prod(sizes[k + 1 :])) for k in range(len(sizes))]
         parts = [self._knots(i, which, is_shared) for i in numbers]
-        tag = f"{which}{''.join(map(str, numbers))}{'' if is_shared else 's'}"
+        s = self._about.suffix
+        tag = f"{which}{''.join(map(str, numbers))}{'' if is_shared else 's'}{s}"
         at = self._name(f"at_{tag}")
         if is_shared:
-            self._once(at, f"int {at} = {' + '.join(f'{cell} * {step}' for (cell, _), step in zip(parts, steps))} + cell;")
+            self._once(at, f"int {at} = {' + '.join(f'{cell} * {step}' for (cell, _), step in zip(parts, steps))} + cell{s};")
         else:
-            places = [f"{' + '.join(f'{cell}[{c}] * {step}' for (cell, _), step in zip(parts, steps))} + cell" for c in range(3)]
+            places = [f"{' + '.join(f'{cell}[{c}] * {step}' for (cell, _), step in zip(parts, steps))} + cell{s}" for c in range(3)]
             self._once(at, f"int {at}[3] = {{{', '.join(places)}}};")
-        return ", ".join([at, *map(str, steps), *(along for _, along in parts), "between"])
+        return ", ".join([at, *map(str, steps), *(along for _, along in parts), f"between{s}"])
 
     def _value(self, name: str, values: np.ndarray, which: str = "knots", axes: tuple[int, ...] | None = None) -> str:
         """An expression for values (..., KNOTS, 1 or 3) over some axes, all unless told, at the live parameters and the view."""
@@ -140,9 +163,11 @@ class _Writer:
         return f"exp({' + '.join(terms)})"
 
     def _lobes(self, lobe_set: LiveLobes, base_color: str) -> None:
-        total = self._name("fitted")
-        self._say(f"color {total} = {self._exponential('LogSum', lobe_set.log_sum)};")
         for i, lobe in enumerate(lobe_set.grid):
+            self._about = self.frames[i]
+            total = self._name(f"fitted{self._about.suffix}")
+            if total not in self._said:
+                self._once(total, f"color {total} = {self._exponential('LogSum', lobe_set.log_sum)};")
             if lobe.energy is None:
                 weight = ""
             elif isinstance(lobe.energy, LogEnergy):
@@ -158,19 +183,20 @@ class _Writer:
 
     def _closure(self, i: int, lobe: LiveLobe) -> tuple[str, bool, tuple[str, ...]]:
         """The closure, that it is local, and its shape."""
+        upright = f"{self._about.normal}, tangent{self._about.suffix}"
         if lobe.is_diffuse:
-            return "diffuse(N)", True, ()
+            return f"diffuse({self._about.normal})", True, ()
         if lobe.is_specular:
-            return f'microfacet("{lobe.distribution}", N, tangent, 0.0, 0.0, 1.0, 0)', True, ("0.0",) * 3
+            return f'microfacet("{lobe.distribution}", {upright}, 0.0, 0.0, 1.0, 0)', True, ("0.0",) * 3
         roots = [self._value(f"Root{axis}{i}", lobe.shape[..., column : column + 1]) for column, axis in enumerate("XY")]
         alphas = [self._name(f"alpha_{axis}{i}") for axis in "xy"]
         for alpha, root in zip(alphas, roots):
             self._say(f"float {alpha} = max({root}, 0.0);", f"{alpha} = clamp({alpha} * {alpha}, {MIN_ALPHA:g}, 1.0);")
         if isinstance(lobe.fresnel, DielectricCurve):
             eta = self._index or f"{lobe.fresnel.eta:.9g}"
-            return f'interface_bsdf(N, tangent, {alphas[0]}, break_isotropy({alphas[0]}), {eta}, "{lobe.distribution}")', True, ()
+            return f'interface_bsdf({upright}, {alphas[0]}, break_isotropy({alphas[0]}), {eta}, "{lobe.distribution}")', True, ()
         slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
-        return f'microfacet("{lobe.distribution}", normalize(bent_normal + {slope} * side), along, {", ".join(alphas)}, 1.0, 0)', True, (*alphas, slope)
+        return f'microfacet("{lobe.distribution}", {self._about.tilted(slope)}, {", ".join(alphas)}, 1.0, 0)', True, (*alphas, slope)
 
 
 def _entry(value: float) -> str:

@@ -13,7 +13,7 @@ from ....reference_py.lobes.lobe import DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
 from ..inputs import base_color_input
 from .block import Block, Closure, numbers
-from .frame import FRAME, FRAME_FUNCTIONS, table_view
+from .view_frame import FRAME_FUNCTIONS, Frame
 
 NOTE = "Tables hold the values that the stack had."
 
@@ -27,62 +27,66 @@ def table_block(lobe_set: TableLobes, owners: Sequence[str], prefix: str = "") -
     """The block of a lobe set of a stack whose shader parameters begin with `owners`; its array parameters begin with `prefix`."""
     arrays: list[str] = []
     widths: list[str] = []
-    closures = tuple([_closure(arrays, widths, f"{prefix}{i}", table, owners[-1]) for i, table in enumerate(lobe_set.tables)])
-    glossy = any(isinstance(t, GlossyTable) for t in lobe_set.tables)
+    frames = [Frame.of(table.normal, owners) for table in lobe_set.tables]
+    closures = tuple([_closure(arrays, widths, f"{prefix}{i}", *lobe, owners[-1]) for i, lobe in enumerate(zip(lobe_set.tables, frames))])
+    glossy = dict.fromkeys(frame for table, frame in zip(lobe_set.tables, frames) if isinstance(table, GlossyTable))
     return Block(
-        functions=FRAME_FUNCTIONS if glossy else ("bent.h", "view_place.h"),
+        functions=(*(FRAME_FUNCTIONS if glossy else ("bent.h", "view_place.h")), *(name for frame in frames for name in frame.functions)),
         arrays=tuple(arrays),
-        common=(*table_view(), *(FRAME if glossy else ()), *widths),
+        common=(*(line for frame in dict.fromkeys(frames) for line in frame.table_view), *(line for frame in glossy for line in frame.glossy), *widths),
         body=(),
         closures=closures,
     )
 
 
-def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable | DiffuseTable | BaseColorTable, owner: str) -> Closure:
+def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable | DiffuseTable | BaseColorTable, about: Frame, owner: str) -> Closure:
     """A lobe; its array parameters are added to `arrays`, the statement of a varying width to `widths`."""
     if isinstance(table, BaseColorTable):
-        return Closure(_base_weight(arrays, name, table, owner), "diffuse(N)")
-    weight = _value(arrays, f"Weight{name}", table.weight)
+        return Closure(_base_weight(arrays, name, table, about, owner), f"diffuse({about.normal})")
+    weight = _value(arrays, f"Weight{name}", table.weight, about)
     if isinstance(table, DiffuseTable):
-        return Closure(weight, "diffuse(N)")
-    alpha_x, alpha_y, slope = _shape(arrays, widths, name, table.shape)
+        return Closure(weight, f"diffuse({about.normal})")
+    alpha_x, alpha_y, slope = _shape(arrays, widths, name, table.shape, about)
+    upright = f"{about.normal}, tangent{about.suffix}"
     if isinstance(table.fresnel, DielectricCurve):
         eta, distribution = f"{table.fresnel.eta:.9g}", table.distribution
-        return Closure(weight, f'interface_bsdf(N, tangent, {alpha_x}, break_isotropy({alpha_x}), {eta}, "{distribution}")')
+        return Closure(weight, f'interface_bsdf({upright}, {alpha_x}, break_isotropy({alpha_x}), {eta}, "{distribution}")')
     if _is_round(table.shape):
-        frame, alpha_y = "N, tangent", f"break_isotropy({alpha_x})"
+        frame, alpha_y = upright, f"break_isotropy({alpha_x})"
     else:
-        frame = f"normalize(bent_normal + {slope} * side), along"
+        frame = about.tilted(slope)
     return Closure(weight, f'microfacet("{table.distribution}", {frame}, {alpha_x}, {alpha_y}, 1.0, 0)', shape=(alpha_x, alpha_y, slope))
 
 
-def _base_weight(arrays: list[str], name: str, table: BaseColorTable, owner: str) -> str:
+def _base_weight(arrays: list[str], name: str, table: BaseColorTable, about: Frame, owner: str) -> str:
     color = clamped_color(owner)
-    weight = f"{_value(arrays, f'Through{name}', table.through)} * {color} / (color(1.0) - {_value(arrays, f'Back{name}', table.back)} * {color})"
-    return f"({_value(arrays, f'Own{name}', table.own)} + {weight})" if np.any(table.own) else weight
+    through, back = _value(arrays, f"Through{name}", table.through, about), _value(arrays, f"Back{name}", table.back, about)
+    weight = f"{through} * {color} / (color(1.0) - {back} * {color})"
+    return f"({_value(arrays, f'Own{name}', table.own, about)} + {weight})" if np.any(table.own) else weight
 
 
 def _is_round(shape: np.ndarray) -> bool:
     return not np.any(shape[:, 2]) and np.all(shape[:, 0] == shape[:, 1])
 
 
-def _shape(arrays: list[str], widths: list[str], name: str, shape: np.ndarray) -> tuple[str, str, str]:
+def _shape(arrays: list[str], widths: list[str], name: str, shape: np.ndarray, about: Frame) -> tuple[str, str, str]:
     """Expressions for the columns of a lobe's shape (KNOTS, 3) at the view."""
     if _is_round(shape):
-        alpha = _value(arrays, f"Alpha{name}", shape[:, 0])
+        alpha = _value(arrays, f"Alpha{name}", shape[:, 0], about)
         if np.any(shape[:, 0] != shape[0, 0]):
             widths.append(f"float alpha_{name} = {alpha};")
             alpha = f"alpha_{name}"
         return alpha, alpha, "0"
-    widths.append(f"color shape_{name} = {_value(arrays, f'Shape{name}', shape)};")
+    widths.append(f"color shape_{name} = {_value(arrays, f'Shape{name}', shape, about)};")
     return f"shape_{name}[0]", f"shape_{name}[1]", f"shape_{name}[2]"
 
 
-def _value(arrays: list[str], name: str, column: np.ndarray) -> str:
-    """An expression for a column (KNOTS,) or (KNOTS, 3) at the view; a table becomes an array parameter."""
+def _value(arrays: list[str], name: str, column: np.ndarray, about: Frame) -> str:
+    """An expression for a column (KNOTS,) or (KNOTS, 3) at the view about a normal; a table becomes an array parameter."""
     color = column.ndim == 2
     if np.all(column == column[0]):
         return f"color({numbers(column[0])})" if color else f"{column[0]:.9g}"
     entries = ", ".join([f"color({numbers(row)})" for row in column]) if color else numbers(column)
     arrays.append(f"{'color' if color else 'float'} {name}[{KNOTS}] = {{{entries}}}")
-    return f"mix({name}[cell], {name}[cell + 1], between)"
+    cell, between = f"cell{about.suffix}", f"between{about.suffix}"
+    return f"mix({name}[{cell}], {name}[{cell} + 1], {between})"

@@ -9,7 +9,7 @@ from ....reference_py.material.stack import Base, Layer, Stack
 from ....reference_py.optics.bases import ConductorBase
 from ....reference_py.optics.optical_stack import OpticalStack
 from .block import Closure
-from .frame import view
+from .view_frame import Frame
 
 
 @dataclass(frozen=True)
@@ -38,10 +38,9 @@ class Surface:
 
 def surface_of(element: Layer | Base, owner: str) -> Surface:
     """The surface of an element whose shader parameters begin with `owner`; without widths where it is diffuse."""
-    suffix, normal = (f"_{owner}", f"normal_{owner}") if element.has(NORMAL) else ("", "N")
-    functions = ("own_normal.h", "bent.h") if element.has(NORMAL) else ("bent.h",)
-    common = [f"normal {normal} = own_normal({owner}Normal, N);"] if element.has(NORMAL) else []
-    common += view(suffix, normal)
+    frame = Frame(owner if element.has(NORMAL) else "")
+    suffix, normal, common = frame.suffix, frame.normal, [*frame.view]
+    functions: tuple[str, ...] = (*frame.functions, "bent.h")
     if "roughness" not in element:
         return Surface(functions, tuple(common), normal, f"view_z{suffix}", "", "", "", "")
     alpha = f"alpha_{owner}"

@@ -11,6 +11,7 @@ from ...material.stack import Stack
 from ...optics.bases import ConductorBase, DiffuseBase
 from ...optics.optical_stack import OpticalStack, supports
 from ..lobe import DielectricCurve, DiffuseLobe, GlossyLobe, oren_nayar_lobes
+from ..own_normals import about_own_normals
 from ..view_table import MIN_COS_O
 from .base import Facets, bare_metal, gauss, metal_lobe, uniform_below
 from .beam import Crossing, cosine, through
@@ -64,7 +65,7 @@ class AnalyticLobes:
         if len(self._down) > 1:
             alpha = lobe_alpha(passage.inner_variance, cos_o)
             result.append(glossy(self._down[1].distribution, passage.inner, alpha, cos_o))
-        return result + self._base_lobes(cos_o, passage, base_facets)
+        return about_own_normals(self.stack, result + self._base_lobes(cos_o, passage, base_facets), len(result))
 
     def _top_lobe(self, cos_o, seen_alpha) -> GlossyLobe:
         top = self._down[0]

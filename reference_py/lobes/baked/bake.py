@@ -15,6 +15,7 @@ from ...optics.microfacet import GGX
 from ...optics.optical_stack import OpticalStack, rough_surfaces
 from ..closure import unit_energy
 from ..live_grid import LiveLobes
+from ..own_normals import has_own_normals
 from ..samples import Views, truth_at
 from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
 from ..truth import truth_of
@@ -76,6 +77,7 @@ class Baker:
         known = [None] if top is None else [None, top]
         self._rest = [left_over(self._albedo, self._specular, lobe) for lobe in known]
         self._plans = [Plan(lobe, surfaces, views.of(slice(KNOTS)), views.of(slice(KNOTS, None)), least_alpha) for lobe in known]
+        self._top_apart = has_own_normals(stack)
         self._found: dict[int, Found] = {}
         self._report(0.3)
 
@@ -107,7 +109,10 @@ class Baker:
         """The number of the plan that does best with at most so many glossy lobes, and its branches."""
         spare = glossy - bool(np.any(self._specular > 0.0))
         free = [spare - (plan.known is not None) for plan in self._plans]
-        trials = [(number, plan.branches(count)) for number, (plan, count) in enumerate(zip(self._plans, free)) if count >= 0]
+        numbers = [number for number, count in enumerate(free) if count >= 0]
+        if self._top_apart and len(numbers) > 1 and free[-1] > 0:
+            numbers = numbers[-1:]  # its normal is not that of what comes from below
+        trials = [(number, self._plans[number].branches(free[number])) for number in numbers]
         return min(trials, key=lambda trial: trial[1].error) if trials else (0, self._plans[0].branches(0))
 
     def continued(self, found: Found) -> Found:

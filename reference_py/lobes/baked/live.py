@@ -11,7 +11,7 @@ from ...material.schema import SCATTERING
 from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
-from ..axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, IndexAxis, NumberAxis, ReflectanceAxis, Scale, ThicknessAxis
+from ..axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, IndexAxis, NumberAxis, ReflectanceAxis, Scale, ScatterColorAxis, ThicknessAxis
 from ..live_grid import MIN_ENERGY, Energies, LiveLobes, grid_of
 from ..samples import view_of
 from ..truth import truth_of
@@ -23,11 +23,13 @@ MOST_AXES = 2
 # axis and of two.
 _KNOTS = {1: 8, 2: 5}
 _FINE, _CROSS = 3, 2
+# The same of a medium that scatters: what its depth does depends on its color.
+_FINE_MEDIUM, _CROSS_MEDIUM = 4, 2.5
 # Shapes of lower roughness go on as they began; energies are known from there.
 _ROUGHNESSES, _NARROWEST = (0.2, 1.0), 0.05
 # At 1 the layer's surface is gone, and with a reflectance of 0 the metal.
 _INDICES, _REFLECTANCES = (1.02, 4.0), (0.004, 0.999)
-_DEEPEST = 6.0
+_DEEPEST, _DEEPEST_MEDIUM = 6.0, 30.0
 # Beside white, the color at which a rough diffuse base is right.
 _SOME_COLOR = 0.3
 
@@ -85,7 +87,8 @@ def axes_of(stack: Stack, live: tuple[Place, ...]) -> tuple[Axis, ...] | None:
         # a tint and a thickness are one optical depth
         key = (place.layer, "depth" if place.name in ("tint", "thickness") else place.name)
         groups[key] = (*groups.get(key, ()), place)
-    if not 0 < len(groups) <= MOST_AXES:
+    # a density and a thickness would be one depth too, which no axis is
+    if not 0 < len(groups) <= MOST_AXES or any(name == "density" and (layer, "depth") in groups for layer, name in groups):
         return None
     axes = [_axis(stack, places, len(groups)) for places in groups.values()]
     return None if None in axes else tuple(axes)
@@ -94,9 +97,12 @@ def axes_of(stack: Stack, live: tuple[Place, ...]) -> tuple[Axis, ...] | None:
 def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
     """The axis, one of so many, of live values of one place; None where there is none."""
     name = live[0].name
-    if name in ("tint", "thickness") and live[0].element(stack).has(SCATTERING):
+    if name == "scatter_color":
+        return _even(ScatterColorAxis, live, (0.0, 1.0), count, _FINE_MEDIUM, _CROSS_MEDIUM)
+    if name == "density" or (name in ("tint", "thickness") and live[0].element(stack).has(SCATTERING)):
         # a tint of a medium that scatters is no depth
-        return _even(ThicknessAxis, live, (0.0, _DEEPEST / (_DEEPEST + 1.0)), count) if live[1:] == () and name == "thickness" else None
+        ends = (0.0, _DEEPEST_MEDIUM / (_DEEPEST_MEDIUM + 1.0))
+        return _even(ThicknessAxis, live, ends, count, _FINE_MEDIUM, _CROSS_MEDIUM) if live[1:] == () and name != "tint" else None
     if name in ("tint", "thickness"):
         return _even(DepthAxis, live, (0.0, _DEEPEST / (_DEEPEST + HALF_DEPTH)), count)
     if name == "roughness":
@@ -116,9 +122,9 @@ def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
     return _even(IndexAxis, live, tuple((n - 1.0) / (n + 1.0) for n in _INDICES), count) if live[0] == Place(0, "ior") else None
 
 
-def _even(kind: type[Axis], live: tuple[Place, ...], ends: tuple[float, float], count: int) -> Axis:
+def _even(kind: type[Axis], live: tuple[Place, ...], ends: tuple[float, float], count: int, fine: float = _FINE, cross: float = _CROSS) -> Axis:
     steps = _KNOTS[count] - 1
-    return kind(live, *(Scale(*ends, steps * finer + 1) for finer in (1, _FINE, _CROSS)))
+    return kind(live, *(Scale(*ends, int(steps * finer) + 1) for finer in (1, fine, cross)))
 
 
 def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Callable, report: Callable[[float], None]) -> LiveLobes:

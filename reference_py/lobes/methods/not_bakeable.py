@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Features that tables over the view cannot hold: they know neither azimuths, nor films' colors in a lobe, nor normals."""
+"""Features that tables over the view cannot hold: they know neither azimuths nor films' colors in a lobe."""
 
 from dataclasses import replace
 from types import MappingProxyType
 
 from ...material.place import Place, in_words, places
-from ...material.schema import ANISOTROPY, NORMAL, SCATTERING, THIN_FILM
+from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import LayerOrBase, Stack
 from ...optics.interface import Microfacets
 
-_FEATURES = (ANISOTROPY, THIN_FILM, NORMAL)
+_FEATURES = (ANISOTROPY, THIN_FILM)
 
 
 def needs_live(stack: Stack) -> str | None:

@@ -21,6 +21,7 @@ from ...optics.diffuse import fujii_roughness
 from ...optics.microfacet import masking_g2
 from ...optics.optical_stack import OpticalStack, supports
 from ..lobe import DiffuseLobe, GlossyLobe, oren_nayar_lobes, surface_lobe, top_curve
+from ..own_normals import about_own_normals
 from ..view_table import MIN_COS_O
 
 NODE_ORDER = 3
@@ -66,7 +67,7 @@ class PaperLobes:
             else:
                 weight, fresnel = self._interface_weight(cos_o, index), None
             result.append(surface_lobe(surface.facets, weight, fresnel))
-        return result + self._base_lobes(cos_o)
+        return about_own_normals(self.stack, result + self._base_lobes(cos_o), len(result))
 
     def _base_lobes(self, cos_o) -> list[GlossyLobe | DiffuseLobe]:
         base = self._base

@@ -13,7 +13,8 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-FEWEST_NODES = 8
+# Of a panel: stacks of many indices have many short ones.
+FEWEST_NODES = 4
 
 
 @dataclass(frozen=True)

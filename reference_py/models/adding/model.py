@@ -34,19 +34,18 @@ import numpy as np
 from ...errors import LaminaError, one_of
 from ...material.schema import SCATTERING
 from ...material.stack import Stack
-from ...optics.frame import color_axis, per_direction
+from ...optics.frame import color_axis, no_axis, per_direction, sampled
 from ...optics.microfacet import is_specular
 from ...optics.optical_stack import OpticalStack, supports
+from ...optics.quadrature import LobeMixture
 from .assembly import TRAPPED_LOSS, Layers, add, empty, round_trips
 from .bounces import NARROW_ALPHA
 from .direct import direct_f, specular_reflectance
 from .direction_grid import Grid, chebyshev
 from .effective_stack import EffectiveStack, base_rows
 from .facets import MULTIPLE, SURFACES
-from .operators import Resolution, dielectric_rows, interface_operators, transmittance
+from .operators import ENERGY, Resolution, dielectric_rows, interface_operators, transmittance
 
-# Facets per direction: energies need fewer than azimuthal modes do.
-_ENERGY = Resolution(modes=1, across=16, along=36)
 _NODES, _MODES = 32, 64
 # Lobes this wide and wider have an f within the stated error.
 _RESOLVED_WIDTH = 0.1
@@ -107,6 +106,7 @@ class Adding:
             raise LaminaError("model adding: draft=1 chooses nodes and modes itself; leave them out")
         optics = OpticalStack.of(stack, self)
         self.channels, self._effective = optics.channels, EffectiveStack.of(optics)
+        self._mixture = LobeMixture.of(optics.rough_surfaces())
         self._width, self._unresolved = self._effective.narrowest_lobe(), nodes is modes is None
         fine = _NODES_PER_WIDTH / max(self._width, _NODES_PER_WIDTH / _MOST_NODES)
         if draft:
@@ -157,9 +157,9 @@ class Adding:
         effective, grid = self._effective, self._grid
         outside = {c: transmittance(grid, 1.0, effective.tau_above[c]) for c in range(self.channels)}
         if not effective.interfaces:
-            return lambda c: sum(base_rows(effective.base, c, cos_o, self.surface, grid, _ENERGY))[0] @ outside[c], None
+            return lambda c: sum(base_rows(effective.base, c, cos_o, self.surface, grid, ENERGY))[0] @ outside[c], None
         top = effective.interfaces[0]
-        single, multi, crossed = dielectric_rows(top.n_above, top.n_below, cos_o, top.alpha, top.distribution, self.surface, grid, _ENERGY)
+        single, multi, crossed = dielectric_rows(top.n_above, top.n_below, cos_o, top.alpha, top.distribution, self.surface, grid, ENERGY)
         return lambda c: (single + multi)[0] @ outside[c], crossed[0]
 
     @cached_property
@@ -167,8 +167,8 @@ class Adding:
         """By channel: what light going down just below the first interface gives outside, at the grid's directions."""
         escape = {}
         for channel, _ in self._effective.channels():
-            below = self._below(0, channel, _ENERGY)
-            top = self._operators(0, _ENERGY)
+            below = self._below(0, channel, ENERGY)
+            top = self._operators(0, ENERGY)
             outside = top.t_up[0] @ transmittance(self._grid, 1.0, self._effective.tau_above[channel])
             escape[channel] = round_trips(below[0], top.r_down[0], below[0] @ outside)
         return escape
@@ -193,7 +193,7 @@ class Adding:
         effective, grid = self._effective, self._grid
         whole = empty(grid.count(1.0), 1).over_medium(effective.medium(0, channel, grid, 1))
         for k in range(len(effective.interfaces)):
-            whole = add(whole, self._operators(k, _ENERGY).over_medium(effective.medium(k + 1, channel, grid, 1)))
+            whole = add(whole, self._operators(k, ENERGY).over_medium(effective.medium(k + 1, channel, grid, 1)))
         return whole
 
     def _operators(self, k: int, resolution: Resolution):
@@ -222,7 +222,7 @@ class Adding:
         else:
             top = self._operators(k, resolution)
             below, specular_below, direct_below = self._reflection(k + 1, channel, resolution)
-            whole = top.r_up + top.t_down @ round_trips(below, top.r_down, below @ self._exit(k, top, resolution))
+            whole = top.r_up + top.t_down @ round_trips(below, top.r_down, below @ top.t_up)
             if is_specular(effective.interfaces[k].alpha):
                 trips = 1.0 / (1.0 - (1.0 - TRAPPED_LOSS) * specular_below * np.diagonal(top.r_down[0]))
                 specular = np.diagonal(top.r_up[0] + top.t_down[0] * (trips * specular_below) @ top.t_up[0])
@@ -236,13 +236,6 @@ class Adding:
             direct = direct + medium.once(specular)
         return medium.over(whole), specular * share * share, direct
 
-    def _exit(self, k: int, top, resolution: Resolution) -> np.ndarray:
-        """Crossing of interface k from below: exact sums for energies; for f by reciprocity, as rows average noise."""
-        if resolution is not self._shape:
-            return top.t_up
-        above, below = (self._shape_grid.weights[: matrix.shape[-1]] for matrix in (top.r_up, top.r_down))
-        return np.swapaxes(top.t_down, -1, -2) * above / below[:, None]
-
     # --- shape ---
 
     @per_direction(color_axis)
@@ -255,6 +248,16 @@ class Adding:
             value = self.direct_f(wo, wi) + self._interpolated(wo, wi)
             result[visible] = np.maximum(value, 0.0)  # a cut Fourier series may undershoot
         return result
+
+    @sampled
+    def sample(self, wo: np.ndarray, rng: np.random.Generator | int) -> tuple[np.ndarray, np.ndarray]:
+        """One light direction (..., 3) per wo, of facets of the rough surfaces or of a cosine, and whether it is valid, (...)."""
+        return self._mixture.sample(wo, rng)
+
+    @per_direction(no_axis)
+    def pdf(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """Density (...) in 1/sr of `sample`."""
+        return self._mixture.pdf(wo, wi)
 
     def direct_f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """The part (n, 3) of f that is in closed form, for directions (n, 3) above the surface."""

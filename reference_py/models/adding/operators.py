@@ -28,8 +28,8 @@ _OREN_NAYAR_AZIMUTHS = 128
 _RESOLVED, _LOBE_AZIMUTHS = 2.0, 24
 # Below this alpha multiple scattering has no part in f, nor, in a draft, in what the grid holds of f.
 _SPIKE, _DRAFT_SPIKE = 0.01, 0.05
-# Directions handled at once, which bounds memory.
-_CHUNK = 64
+# Directions and pairs of them handled at once, which bounds memory.
+_CHUNK, _PAIRS = 64, 512
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,10 @@ class Resolution:
     across: int
     along: int
     is_draft: bool = False
+
+
+# Facets per direction: energies need fewer than azimuthal modes do.
+ENERGY = Resolution(modes=1, across=16, along=36)
 
 
 @dataclass(frozen=True)
@@ -56,7 +60,13 @@ def interface_operators(n_above, n_below, alpha, distribution, surface, grid: Gr
         return _specular_operators(n_above, n_below, grid, resolution.modes)
     setup = (alpha, distribution, surface, grid, resolution)
     single, multi, t_down = dielectric_rows(n_above, n_below, grid.cosines(n_above), *setup)
-    single_down, multi_down, t_up = dielectric_rows(n_below, n_above, grid.cosines(n_below), *setup)
+    if resolution.modes == 1:
+        single_down, multi_down, t_up = dielectric_rows(n_below, n_above, grid.cosines(n_below), *setup)
+    else:
+        # rows from above average the noise of few facets per mode, and by reciprocity say the way up
+        single_down, multi_down, _ = dielectric_rows(n_below, n_above, grid.cosines(n_below), *setup, transmits=False)
+        above, below = (grid.weights[: grid.count(n)] for n in (n_above, n_below))
+        t_up = np.swapaxes(t_down, -1, -2) * above / below[:, None]
     return InterfaceOperators(single + multi, t_down, single_down + multi_down, t_up, single)
 
 
@@ -71,18 +81,11 @@ def _specular_operators(n_above, n_below, grid, modes) -> InterfaceOperators:
     return InterfaceOperators(r_up, t_down * (1.0 - f_above)[:, None], r_down, t_up * (1.0 - f_below)[:, None], np.zeros_like(r_up))
 
 
-def dielectric_rows(n_own, n_other, cos_theta, alpha, distribution, surface, grid: Grid, resolution: Resolution):
+def dielectric_rows(n_own, n_other, cos_theta, alpha, distribution, surface, grid: Grid, resolution: Resolution, transmits: bool = True):
     """Rows for walkers that arrive at cosines (I,) in n_own: (reflected as `direct_f` knows, reflected otherwise, transmitted).
 
-    A mirror reflects "otherwise": its part has no finite f.
+    A mirror reflects "otherwise": its part has no finite f. Without `transmits`, what is transmitted is zeros in its place.
     """
-    parts = [
-        _dielectric_chunk(n_own, n_other, cos_theta[i : i + _CHUNK], alpha, distribution, surface, grid, resolution) for i in range(0, len(cos_theta), _CHUNK)
-    ]
-    return tuple(np.concatenate(rows, axis=1) for rows in zip(*parts))
-
-
-def _dielectric_chunk(n_own, n_other, cos_theta, alpha, distribution, surface, grid, resolution):
     eta, modes = n_other / n_own, resolution.modes
     if is_specular(alpha):
         reflectance = fresnel_dielectric(cos_theta, eta)[:, None]
@@ -90,25 +93,35 @@ def _dielectric_chunk(n_own, n_other, cos_theta, alpha, distribution, surface, g
         refracted = (1.0 - reflectance) * grid.interpolation(n_other, cos_theta_t(cos_theta, eta))
         every = np.ones((modes, 1, 1))
         return 0.0 * every * specular, every * specular, every * refracted
-    facets = visible_facets(cos_theta, alpha, distribution, surface, resolution.across, resolution.along, eta)
-    (wi, w_reflected), (wt, w_refracted) = dielectric_events(facets, eta)
+    setup = (eta, alpha, distribution, surface, grid, resolution, transmits)
+    parts = [_dielectric_chunk(n_own, n_other, cos_theta[i : i + _CHUNK], *setup) for i in range(0, len(cos_theta), _CHUNK)]
+    single, transmitted, crossed = (np.concatenate(rows, axis=-2) for rows in zip(*parts))
     if _is_resolved(alpha, grid):
         single = _resolved_lobes([lambda cos: fresnel_dielectric(cos, eta)], cos_theta, n_own, alpha, distribution, surface, grid, modes)[0]
-    else:
-        (single,) = grid.project(n_own, wi, modes)(w_reflected)
     multi = np.zeros_like(single)
-    (transmitted,) = grid.project(n_other, wt, modes)(w_refracted)
     if _scatters_more_than_once(surface, alpha, resolution):
-        left = 1.0 - single[0].sum(axis=1) - transmitted[0].sum(axis=1)
+        left = 1.0 - single[0].sum(axis=1, keepdims=True) - crossed
         detail = detail_of(modes, resolution.is_draft)
-        moments, twice = (shares * left[:, None] for shares in Microsurface(alpha, distribution, etas=(eta, n_own / n_other)).shares(cos_theta, detail))
+        moments, twice = (shares * left for shares in Microsurface(alpha, distribution, etas=(eta, n_own / n_other)).shares(cos_theta, detail))
         multi[: moments.shape[1]] = _spread(moments[0], grid, n_own)
-        transmitted[: moments.shape[1]] += _spread(moments[1], grid, n_other)
+        if transmits:
+            transmitted[: moments.shape[1]] += _spread(moments[1], grid, n_other)
         if knows_two_events(surface, alpha, resolution):
             known = _spread(moments[0] if alpha < NARROW_ALPHA else twice, grid, n_own)
             single[: len(known)] += known
             multi[: len(known)] -= known
     return single, multi, transmitted
+
+
+def _dielectric_chunk(n_own, n_other, cos_theta, eta, alpha, distribution, surface, grid, resolution, transmits):
+    """Of one event: rows reflected, where lobes are not resolved, and transmitted, and the share (I, 1) that crosses."""
+    spread = resolution if transmits or not _is_resolved(alpha, grid) else ENERGY
+    facets = visible_facets(cos_theta, alpha, distribution, surface, spread.across, spread.along, eta)
+    (wi, w_reflected), (wt, w_refracted) = dielectric_events(facets, eta)
+    empty = [np.zeros((resolution.modes, len(cos_theta), grid.count(n))) for n in (n_own, n_other)]
+    single = empty[0] if _is_resolved(alpha, grid) else grid.project(n_own, wi, resolution.modes)(w_reflected)[0]
+    transmitted = grid.project(n_other, wt, resolution.modes)(w_refracted)[0] if transmits else empty[1]
+    return single, transmitted, w_refracted.sum(axis=1, keepdims=True)
 
 
 def _scatters_more_than_once(surface: str, alpha: float, resolution: Resolution) -> bool:
@@ -221,11 +234,27 @@ def _resolved_lobes(curves: Sequence[Callable], cos_theta, n: float, alpha, dist
 
     Scattered facets would miss the root that radiance has at a critical angle; the grid's panels do not.
     """
-    cos_o, cos_i = cos_theta[:, None, None], grid.cosines(n)[:, None]
+    nodes = grid.cosines(n)
+    if np.array_equal(cos_theta, nodes):  # f is reciprocal
+        own, other = np.triu_indices(len(nodes))
+    else:
+        own, other = (index.ravel() for index in np.indices((len(cos_theta), len(nodes))))
+    f = np.empty((len(curves), modes, len(cos_theta), len(nodes)))
+    for start in range(0, len(own), _PAIRS):
+        o, i = own[start : start + _PAIRS], other[start : start + _PAIRS]
+        f[:, :, o, i] = _lobe_modes(curves, cos_theta[o], nodes[i], alpha, distribution, surface, modes)
+    if len(own) < len(cos_theta) * len(nodes):
+        f[:, :, other, own] = f[:, :, own, other]
+    return list(f * grid.weights[: len(nodes)] / (n * n))
+
+
+def _lobe_modes(curves, cos_o, cos_i, alpha, distribution, surface, modes: int) -> np.ndarray:
+    """(curves, modes, P) means of f cos(m turn) over azimuth, of one reflection between cosines (P,)."""
     # turn = 2 atan(width tan(u / 2)) is dense about the mirror direction; u crowds towards pi for the lobe's far tail
     x, gauss = gauss_legendre(_LOBE_AZIMUTHS + 2 * modes)
     remainder = 0.5 * (1.0 - x)
     u, step = np.pi * (1.0 - remainder**4), 2.0 * gauss * remainder**3
+    cos_o, cos_i = cos_o[:, None], cos_i[:, None]
     width = np.minimum(1.0, alpha * (cos_o + cos_i))
     tangent2 = np.square(width * np.tan(0.5 * u))
     measure = step * width / (np.square(np.cos(0.5 * u)) * (1.0 + tangent2))
@@ -237,8 +266,8 @@ def _resolved_lobes(curves: Sequence[Callable], cos_theta, n: float, alpha, dist
     lobe = reflection_lobe(cos_o, cos_i, cos_m, alpha, distribution, surface) * measure
     f = np.stack([lobe * curve(cos_om) for curve in curves])
     before, now = cos_turn, np.ones_like(cos_turn)
-    rows = np.empty((len(curves), modes, *lobe.shape[:2]))
+    result = np.empty((len(curves), modes, len(cos_o)))
     for m in range(modes):
-        np.einsum("cijp,ijp->cij", f, now, out=rows[:, m])
+        np.einsum("cpt,pt->cp", f, now, out=result[:, m])
         before, now = now, 2.0 * cos_turn * now - before
-    return list(rows * grid.weights[: cos_i.shape[0]] / (n * n))
+    return result

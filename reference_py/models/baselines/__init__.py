@@ -2,6 +2,7 @@
 """Baselines: other people's models of a coated material, so that charts compare like with like.
 
 Each takes a stack and sets what a user of that model would; each module's head gives source, mapping and limits.
+Those of `BASELINES` are in the registry; LayeredBxdf, which is stochastic and slow, serves charts alone.
 """
 
 from .ashikhmin_shirley import AshikhminShirley
@@ -9,6 +10,7 @@ from .belcour import Belcour
 from .cycles_layer import CyclesLayer
 from .kelemen import Kelemen
 from .lafortune import Lafortune
+from .layered_bxdf import LayeredBxdf
 from .openpbr_coat import OpenPbrCoat
 from .principled_coat import PrincipledCoat
 from .schlick import Schlick
@@ -26,4 +28,4 @@ BASELINES = (
     Lafortune,
 )
 
-__all__ = ["BASELINES", *(baseline.__name__ for baseline in BASELINES)]
+__all__ = ["BASELINES", "LayeredBxdf", *(baseline.__name__ for baseline in BASELINES)]

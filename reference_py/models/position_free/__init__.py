@@ -23,9 +23,10 @@ import numpy as np
 from ...errors import LaminaError, one_of
 from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
-from ...optics.frame import color_axis, generator, per_direction
+from ...optics.frame import color_axis, generator, no_axis, per_direction, sampled
 from ...optics.microsurface import SURFACES
 from ...optics.optical_stack import OpticalStack, supports
+from ...optics.quadrature import LobeMixture
 from .surfaces import Surfaces
 from .walk import Walk, connected_f
 
@@ -77,6 +78,7 @@ class PositionFree:
         self.stack = stack
         optics = OpticalStack.of(stack, self)
         self.channels, self._surfaces = optics.channels, Surfaces(optics, surface)
+        self._mixture = LobeMixture.of(optics.rough_surfaces())
 
     def f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """BRDF (..., 3) in 1/sr without cosine; mirror-like components have none and count as 0."""
@@ -98,6 +100,16 @@ class PositionFree:
             return connected_f(self._surfaces, start[figure], end[figure], rng)
 
         return self._spread(visible, *self._estimate(sample, len(start), (self.channels,), rng, progress, cancel))
+
+    @sampled
+    def sample(self, wo: np.ndarray, rng: np.random.Generator | int) -> tuple[np.ndarray, np.ndarray]:
+        """One light direction (..., 3) per wo, of facets of the rough surfaces or of a cosine, and whether it is valid, (...)."""
+        return self._mixture.sample(wo, rng)
+
+    @per_direction(no_axis)
+    def pdf(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """Density (...) in 1/sr of `sample`."""
+        return self._mixture.pdf(wo, wi)
 
     @per_direction(color_axis, color_axis)
     def albedo_stderr(self, wo, *, rng=None, progress=None, cancel=None) -> tuple[np.ndarray, np.ndarray]:

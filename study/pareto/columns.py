@@ -10,12 +10,12 @@ import numpy as np
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.adding.model import Adding
 from ...reference_py.optics.optical_stack import rough_surfaces
-from .appearance import Surroundings, ball_picture, difference
+from .ball_picture import Surroundings, ball_picture, difference
 from .bench import ball, furnace_stage, plane, studio_stage, sun_stage, with_material
+from .explicit_slab import slab_objects
 from .methods import GLOSSY, SLAB, Method, methods
 from .quality import Quality
 from .reflectance import Errors, Reference, TruthReflectance
-from .slab import slab_objects
 from .slab_truth import slab_errors
 from .timing import Cost, compiled, filling_costs, memory_per_material, noise, scene_costs
 

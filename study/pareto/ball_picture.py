@@ -14,7 +14,7 @@ from ...reference_py.optics.frame import reflect
 from ...reference_py.optics.microfacet import GGX
 from ...reference_py.optics.quadrature import balanced_directions, cosine_directions, points
 from ..colorimetry import delta_e_2000, xyz_of_linear
-from ..paper.environment import STUDIO, Environment
+from ..paper.lights import STUDIO, Environment
 from .reflectance import Reflectance
 
 # Radii of a ball on which the truth is computed, and azimuths at each.

@@ -10,9 +10,9 @@ import numpy as np
 
 from ..optics.frame import spherical
 from .compare import Evaluator
+from .drawing import new_figure, style
 from .fitting import Fit
 from .metric import Metric
-from .plot import new_figure, style
 from .readers.measurement import Measurement, half_angles
 
 # Angles of incidence of a report: those of Weidlich07, figure 9.

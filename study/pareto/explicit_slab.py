@@ -13,7 +13,7 @@ import numpy as np
 from ...reference_py.material.stack import Stack
 from ...reference_py.optics.interface import Interface
 from ...reference_py.optics.optical_stack import OpticalStack
-from .materials import base_closure, node_material, script_material
+from .compared_materials import base_closure, node_material, script_material
 
 # Between two surfaces, in radii of the ball.
 GAP = 2e-3

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Do all models and methods still say what they said at another commit? `python -m lamina.study.compare COMMIT`
+"""Do all models and methods still say what they said at another commit? `python -m lamina.study.compare_commits COMMIT`
 
 Both checkouts evaluate albedo and f of every model, and the energy of every live method's lobes, for the presets of the paper and some stacks of
 the suite. Prints the largest differences, as shares of the value and 1 % of the largest; exits with 1 where one is beyond `TOLERANCE`.

@@ -12,10 +12,10 @@ from ...addon.material.material import apply_stack, refresh
 from ...addon.rendering.settings import add_object
 from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
-from ..pareto.appearance import Surroundings
+from ..pareto.ball_picture import Surroundings
 from ..pareto.bench import Stage, studio_stage
-from ..pareto.materials import node_material
-from ..pareto.surfaces import load_surface
+from ..pareto.compared_materials import node_material
+from ..pareto.surface_types import load_surface
 
 _LAMP_WATTS, _LAMP_SIZE, _LAMP_PLACE = 60.0, 1.5, (2.2, 1.6, 2.6)
 # The references: what Blender's own nodes show tells how far EEVEE and Cycles agree at all.

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""No string that an artist reads is hard-wired: all of it comes back in the brackets of a language that no code knows."""
+
+import json
+from types import SimpleNamespace
+
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from support.layouts import Recorder
+from support.pseudo_locale import CLOSE, OPEN, Language, Translated, left_over
+from support.stacks import on_a_plane
+
+from lamina.addon.jobs import bakes, fitting, saving
+from lamina.addon.material.elements import node_of
+from lamina.addon.operators import exchange_operators, mask_link_operators, mask_operators, preset_operators
+from lamina.addon.ui import panel, panel_feedback, panel_layers, preferences
+from lamina.reference_py.material import presets
+from lamina.reference_py.material.stack import Stack
+
+pytestmark = pytest.mark.blender
+
+STACK = Stack.from_dict(
+    {
+        "name": "Qqstack",
+        "layers": [{"kind": "dielectric", "name": "Qqcoat", "coverage": 0.5}, {"kind": "oren_nayar", "name": "Qqpaint", "coverage": 0.5}],
+        "base": {"kind": "conductor", "metal": "gold", "name": "Qqbase"},
+    }
+)
+# Names of things and of what has the same name in every language.
+NAMES = {"Lamina", "Qqstack", "Qqcoat", "Qqpaint", "Qqbase", "Qqown", "coated", "Principled", "GGX", "OSL", "MB", "MaterialX", "JSON", "Sphere"}
+NAMES |= {presets.label(name) for name in presets.names()} | {"px"}
+
+
+@pytest.fixture
+def language(monkeypatch, tmp_path):
+    monkeypatch.setenv("LAMINA_PRESETS", str(tmp_path / "own"))
+    found = Language()
+    found.use(monkeypatch)
+    return found
+
+
+@pytest.fixture
+def material(blender):
+    return on_a_plane(blender, STACK)
+
+
+def window():
+    context = bpy.context
+    shown = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), addons=context.preferences.addons)
+    return SimpleNamespace(
+        scene=context.scene, object=context.object, region=SimpleNamespace(width=600), preferences=shown, window_manager=context.window_manager
+    )
+
+
+def _values_out_of_range(material, _):
+    node_of(material.lamina.base).inputs["Roughness"].default_value = 2.0
+    node_of(material.lamina.layers[0]).mute = True
+
+
+STATES = {
+    "all is well": lambda *_: None,
+    "no layers are selected": lambda material, _: setattr(material.lamina, "active_layer", 9),
+    "a layer is alone": lambda material, _: setattr(material.lamina, "solo", material.lamina.layers[0].node),
+    "values are out of range": _values_out_of_range,
+    "a bake runs": lambda _, patch: patch.setattr(bakes, "bake_of", lambda _: SimpleNamespace(share=0.5)),
+    "a fit runs": lambda _, patch: patch.setattr(fitting, "running", lambda: SimpleNamespace(share=0.5)),
+    "a preset is saved": lambda _, patch: patch.setattr(saving, "running", lambda: SimpleNamespace(share=0.5)),
+    "all features that a preview knows": lambda material, _: [setattr(e, f"use_{f}", True) for e in material.lamina.layers for f in ("coverage", "anisotropy", "thin_film", "normal")
+                                         if hasattr(e, f"use_{f}")],
+    "stock nodes": lambda material, _: setattr(material.lamina, "backend", "nodes"),
+}  # fmt: skip
+
+
+def unmarked(layout: Recorder) -> str:
+    """Words of all that a layout shows; sentences are broken into lines."""
+    return left_over(" ".join(layout.texts()), NAMES)
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_the_panel_shows_nothing_that_is_not_translated(material, language, monkeypatch, state):
+    STATES[state](material, monkeypatch)
+    layout, popover = Translated(language), Translated(language)
+    panel.LAMINA_PT_material.draw(SimpleNamespace(layout=layout, bl_label="Lamina"), window())
+    panel_feedback.draw_findings(popover, window(), material)
+    row = Translated(language, is_row=True)
+    panel_layers.LAMINA_UL_layers.draw_item(None, window(), row, material.lamina, material.lamina.layers[0], 0, None, "active_layer", 0)
+    assert unmarked(layout) == unmarked(popover) == unmarked(row) == ""
+    assert len([text for text in layout.texts() if OPEN in text]) > 5
+
+
+def test_menus_and_dialogs_show_nothing_that_is_not_translated(material, language, tmp_path):
+    (tmp_path / "own").mkdir()
+    STACK.save(tmp_path / "own" / "qqown.json")
+    material.lamina.layers[0].visible = False
+    layout = Translated(language)
+    menus = (
+        panel.LAMINA_MT_presets,
+        panel_layers.LAMINA_MT_add_layer,
+        panel_layers.LAMINA_MT_specials,
+        mask_link_operators.LAMINA_MT_mask,
+        mask_operators.LAMINA_MT_add_mask,
+        exchange_operators.LAMINA_MT_exchange,
+        preset_operators.LAMINA_MT_remove_preset,
+    )
+    for menu in menus:
+        menu.draw(SimpleNamespace(layout=layout), window())
+    preset_operators.LAMINA_OT_save_preset.draw(SimpleNamespace(layout=layout), bpy.context)
+    preferences.draw_preferences(layout, SimpleNamespace())
+    panel_feedback.draw_unlayered_status(layout, window(), None)
+    assert unmarked(layout) == ""
+
+
+REPORTS = {
+    "check": lambda _: bpy.ops.lamina.check(),
+    "preset": lambda _: bpy.ops.lamina.apply_preset(preset="satin_varnish"),
+    "save": lambda _: bpy.ops.lamina.remove_preset(name="qqown"),
+    "export": lambda folder: bpy.ops.lamina.export_stack(filepath=str(folder / "stack.json")),
+    "base": lambda _: bpy.ops.lamina.set_base(kind="lambert"),
+}
+
+
+@pytest.mark.parametrize("what", REPORTS)
+def test_reports_are_translated(material, language, tmp_path, capfd, what):
+    (tmp_path / "own").mkdir()
+    STACK.save(tmp_path / "own" / "qqown.json")
+    material.lamina.layers[0].visible = False
+    node_of(material.lamina.layers[0]).mute = True
+    capfd.readouterr()
+    REPORTS[what](tmp_path)
+    said = [line.partition(": ")[2] for line in capfd.readouterr().out.splitlines() if line.startswith(("Info: ", "Warning: "))]
+    assert [words for line in said if (words := left_over(line, NAMES))] == []
+
+
+def test_the_language_marks_what_it_knows_and_nothing_else(language):
+    assert language.translated("Pick a Preset") == f"{OPEN}Pick a Preset{CLOSE}" and language.translated("Hard-wired") == "Hard-wired"
+    assert left_over(f"{OPEN}Mean of {OPEN}Air{CLOSE}: 2{CLOSE} Hard-wired", {"wired"}) == "Hard"
+    assert json.dumps(sorted(language.strings))
