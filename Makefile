@@ -15,6 +15,8 @@ SOURCES := $(shell find addon demo_blend osl reference_py -type f \( -name '*.py
 # The tests that run beside all others.
 FIRST_HALF := $(shell cat tests/first_half.txt)
 QUICK := -q -m "not blender and not slow"
+# Of the reference's, those that `make check` runs beside the others.
+BESIDE := $(wildcard tests/reference_py/test_weidlich_wilkie*.py)
 
 .PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes bake-errors start felt branches budget surroundings house numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures release matrix licences clean
 
@@ -83,11 +85,12 @@ check: $(READY) $(CHECK)/ready
 	$(CHECK)/bin/ruff format --check --quiet .
 	@mkdir -p $(CHECK)/tree && ln -sfn $(CURDIR) $(CHECK)/tree/lamina
 	@# side by side; what the second says follows the first
-	@$(RUN) -m pytest $(QUICK) tests/reference_py & first=$$!; \
+	@$(RUN) -m pytest $(QUICK) tests/reference_py $(BESIDE:%=--ignore=%) & first=$$!; \
 	{ (cd $(CHECK)/tree && ../bin/mypy --config-file $(CURDIR)/pyproject.toml --python-executable $(CURDIR)/$(RUN) --follow-imports silent \
 	  --no-error-summary -p lamina.reference_py -p lamina.addon -p lamina.study -p lamina.demo_blend); types=$$?; \
+	$(RUN) -m pytest $(QUICK) $(BESIDE); beside=$$?; \
 	$(RUN) -m pytest $(QUICK) tests --ignore=tests/reference_py; second=$$?; } >$(CHECK)/second.txt 2>&1; \
-	wait $$first; first=$$?; cat $(CHECK)/second.txt; exit $$((first || types || second))
+	wait $$first; first=$$?; cat $(CHECK)/second.txt; exit $$((first || types || beside || second))
 
 slow-tests: $(READY)
 	: > tests/slow.txt
