@@ -18,7 +18,7 @@ QUICK := -q -m "not blender and not slow"
 # Of the reference's, those that `make check` runs beside the others.
 BESIDE := $(wildcard tests/reference_py/test_weidlich_wilkie*.py)
 
-.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes start felt branches budget surroundings house numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures release matrix licences clean
+.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes bake-errors start felt branches budget surroundings house numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures release matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -50,6 +50,7 @@ help:
 	@echo "make production    put a scene as productions have them through batch, farm, apply and saves, beside a former commit (ten minutes)"
 	@echo "make field     try a material beside a Principled one through the rest of Blender, and write figures/field.csv (ten minutes)"
 	@echo "make bakes     measure what bakes cost beside those of a former commit, and how they follow a base's color (fifteen minutes)"
+	@echo "make bake-errors  compare the errors of all bakes of chart tiers with those of a former commit (twenty minutes)"
 	@echo "make start     measure what the extension adds to Blender's start (two minutes on a quiet machine; LAMINA_BLENDER names a Blender)"
 	@echo "make felt      measure what a hand waits for: opening a file of 200 materials, a preset, a layer (two minutes on a quiet machine)"
 	@echo "make budget    measure what a material costs with OSL and without, beside Principled: nodes, text, start, shading, growth (ten minutes on a quiet machine)"
@@ -195,6 +196,9 @@ field: $(READY)
 bakes: $(READY)
 	$(RUN) tests/benchmarks/bakes.py figures/bakes.csv
 	$(VENV)/bin/lamina chart base_color -o figures
+
+bake-errors: $(READY)
+	$(RUN) tests/benchmarks/bake_errors.py
 
 felt: $(READY)
 	$(RUN) tests/benchmarks/felt.py figures/felt.csv

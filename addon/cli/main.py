@@ -244,6 +244,8 @@ def run(arguments: Sequence[str]) -> int:
 
 def main() -> None:
     """Entry point of the console script."""
+    # numpy is not imported yet; the matrices of bakes and fits are small, and threads that wait for each other cost half as much again
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     code = run(sys.argv[1:])
     sys.stdout.flush()
     sys.stderr.flush()

@@ -55,8 +55,7 @@ class ErrorEstimator:
         """Errors of a lobe set of the stack."""
         albedo = np.max(np.abs(sum(lobe_energy(lobe, self._cosines) for lobe in lobe_set.lobes(self._cosines)) - self._albedo) / self._albedo, axis=-1)
         views = self._views
-        wo = np.broadcast_to(views.wo[:, None], views.wi.shape)
-        f = sum(lobe_f(lobe, wo, views.wi) for lobe in lobe_set.lobes(np.broadcast_to(views.cos_theta_o[:, None], views.share.shape)))
+        f = sum(lobe_f(lobe, views.wo[:, None], views.wi) for lobe in lobe_set.lobes(views.cos_theta_o[:, None]))
         gap = views.share[..., None] * (f - views.f)
         shape = np.max(np.sum(np.abs(gap), axis=1) / self._albedo, axis=-1)
         soft = np.sum(np.abs(self._lights @ gap), axis=(1, 2)) / np.sum(self._albedo, axis=1)

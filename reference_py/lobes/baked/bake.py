@@ -16,11 +16,11 @@ from ...optics.optical_stack import OpticalStack, rough_surfaces
 from ..closure import unit_energy
 from ..live_grid import LiveLobes
 from ..own_normals import has_own_normals
-from ..samples import truth_at
+from ..samples import Views, truth_at
 from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
 from ..truth import truth_of
 from ..view_table import BASE_COLOR, KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
-from .energy import shares, top_lobe
+from .energy import left_over, top_lobe
 from .fit_lobes import LEAST_ALPHA
 from .live import bake_live, base_of, over_black
 from .plan import Branches, Path, Plan, best_path, continued_path
@@ -71,8 +71,11 @@ class Baker:
         self._truth, self._specular = truth, truth.specular_albedo(cosines)
         views = truth_at(truth, np.concatenate([cosines, middle_cosines()]), widths, _POINTS)
         self._albedo = truth.albedo(views.wo[:KNOTS])
+        # channels that are alike are fitted once
+        views, self._channels = _distinct(views)
         top = top_lobe(stack)
         known = [None] if top is None else [None, top]
+        self._rest = [left_over(self._albedo, self._specular, lobe) for lobe in known]
         self._plans = [Plan(lobe, surfaces, views.of(slice(KNOTS)), views.of(slice(KNOTS, None)), least_alpha) for lobe in known]
         self._top_apart = has_own_normals(stack)
         self._found: dict[int, Found] = {}
@@ -119,8 +122,9 @@ class Baker:
     def lobe_set(self, found: Found, keep: bool = False) -> TableLobes:
         """The tables of fits. Lobes that carry next to nothing are left out unless `keep`."""
         known, distributions, mixtures = self._plans[found.plan].known, found.path.distributions, found.path.mixtures
+        weights = mixtures.weight[:, self._channels]
         cosines = knot_cosines()
-        tables, rest = [], shares(self._truth, known)[1]
+        tables = []
         ones = np.ones((len(cosines), 3))
         if np.any(self._specular > 0.0):
             tables.append(GlossyTable(GGX, self._specular, np.zeros((len(cosines), 3))))
@@ -129,28 +133,34 @@ class Baker:
             tables.append(GlossyTable(known.distribution, ones, shape, known.fresnel))
         fitted = []
         for i, distribution in enumerate(distributions):
-            shape, weight = mixtures.shape[:, i], mixtures.weight[:, :, i]
+            shape, weight = mixtures.shape[:, i], weights[:, :, i]
             table = GlossyTable(distribution, weight, np.concatenate([np.exp(shape[:, :2]), shape[:, 2:]], axis=1))
-            fitted.append((table, weight * unit_energy(table.lobe(cosines), cosines)))
-        diffuse = mixtures.weight[:, :, -1]
-        fitted.append((DiffuseTable(diffuse), diffuse))
-        fitted = [(table, energy) for table, energy in fitted if keep or np.any(energy > _NEGLIGIBLE * self._albedo)]
-        return TableLobes((*tables, *self._with_energy(fitted, rest)))
+            fitted.append((table, unit_energy(table.lobe(cosines), cosines)))
+        fitted.append((DiffuseTable(weights[:, :, -1]), ones))
+        fitted = [(table, unit) for table, unit in fitted if keep or np.any(table.weight * unit > _NEGLIGIBLE * self._albedo)]
+        return TableLobes((*tables, *_with_energy(fitted, self._rest[found.plan])))
 
-    def _with_energy(self, fitted: list, rest: np.ndarray) -> list:
-        """The fitted tables, scaled to carry `rest` (KNOTS, 3) together.
 
-        A channel that no lobe was fitted for gets its energy as the others have it.
-        """
-        usual = [np.mean(energy, axis=1, keepdims=True) + 1e-12 for _, energy in fitted]
-        floors = [_LEAST_SHARE * rest * share / sum(usual) for share in usual]
-        total = sum((energy + floor for (_, energy), floor in zip(fitted, floors)), np.zeros_like(rest))
-        scale = rest / np.maximum(total, 1e-12)
-        result = []
-        for (table, energy), floor in zip(fitted, floors):
-            unit = 1.0 if isinstance(table, DiffuseTable) else np.maximum(unit_energy(table.lobe(knot_cosines()), knot_cosines()), 1e-3)
-            result.append(replace(table, weight=(table.weight + floor / unit) * scale))
-        return result
+def _with_energy(fitted: list[tuple[GlossyTable | DiffuseTable, np.ndarray]], rest: np.ndarray) -> list:
+    """The fitted tables, scaled to carry `rest` (KNOTS, 3) together; each comes with its energy (KNOTS, 3) at weight 1.
+
+    A channel that no lobe was fitted for gets its energy as the others have it.
+    """
+    usual = [np.mean(table.weight * unit, axis=1, keepdims=True) + 1e-12 for table, unit in fitted]
+    floors = [_LEAST_SHARE * rest * share / sum(usual) for share in usual]
+    total = sum((table.weight * unit + floor for (table, unit), floor in zip(fitted, floors)), np.zeros_like(rest))
+    scale = rest / np.maximum(total, 1e-12)
+    return [replace(table, weight=(table.weight + floor / np.maximum(unit, 1e-3)) * scale) for (table, unit), floor in zip(fitted, floors)]
+
+
+def _distinct(views: Views) -> tuple[Views, list[int]]:
+    """The views with each of their channels that are alike but once, and for each channel its place there."""
+    kept, places = [], []
+    for channel in np.moveaxis(views.f, -1, 0):
+        like = [i for i, other in enumerate(kept) if np.array_equal(channel, other)]
+        places.append(like[0] if like else len(kept))
+        kept += [] if like else [channel]
+    return replace(views, f=np.stack(kept, axis=-1)), places
 
 
 def _media(stack: Stack) -> list[tuple[str, float]]:

@@ -29,5 +29,9 @@ def shares(truth, known: GlossyLobe | None) -> tuple[np.ndarray, np.ndarray]:
     """Energies (KNOTS, 3) of mirrors, and of what is neither in these nor in a known lobe."""
     cosines = knot_cosines()
     mirrors = truth.specular_albedo(cosines)
-    spent = mirrors if known is None else mirrors + unit_energy(known, cosines)
-    return mirrors, np.maximum(truth.albedo(np.stack([view_of(c) for c in cosines])) - spent, 0.0)
+    return mirrors, left_over(truth.albedo(np.stack([view_of(c) for c in cosines])), mirrors, known)
+
+
+def left_over(albedo: np.ndarray, mirrors: np.ndarray, known: GlossyLobe | None) -> np.ndarray:
+    """What of an albedo (KNOTS, 3) is neither in mirrors (KNOTS, 3) nor in a known lobe."""
+    return np.maximum(albedo - (mirrors if known is None else mirrors + unit_energy(known, knot_cosines())), 0.0)

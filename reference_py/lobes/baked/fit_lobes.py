@@ -28,8 +28,8 @@ _FIRST_DAMPING, _LEAST_DAMPING = 1e-2, 1e-6
 
 @dataclass(frozen=True)
 class Mixtures:
-    """One mixture for each of V views: `shape` (V, k, 3) of the glossy lobes as the optimiser sees them; `weight` (V, 3, k + 1), the
-    last that of a Lambert lobe; `error` (V,)."""
+    """One mixture for each of V views: `shape` (V, k, 3) of the glossy lobes as the optimiser sees them; `weight` (V, C, k + 1) by
+    channel, the last that of a Lambert lobe; `error` (V,)."""
 
     shape: np.ndarray
     weight: np.ndarray
@@ -47,11 +47,11 @@ class Mixtures:
 
 @dataclass(frozen=True)
 class ViewFits:
-    """Fits mixtures to the truth at V views of Q points, beside a lobe that is not fitted.
+    """Fits mixtures to the truth at V views of Q points in C channels, beside a lobe that is not fitted.
 
     `wo` is (V, 1, 3), `x`, `y`, `z` (V, Q) are the components of wi, `sin_o` is (V,).
-    `truth` and `goal` (V, 3, Q) are f with and without that lobe, `share` (V, 3, Q) is each point's measure over the albedo,
-    `floor` (V, 3, Q) the residual that no smaller one outweighs, `low` (V, 1, 3) the least shape.
+    `truth` and `goal` (V, C, Q) are f with and without that lobe, `share` (V, C, Q) is each point's measure over the albedo,
+    `floor` (V, C, Q) the residual that no smaller one outweighs, `low` (V, 1, 3) the least shape.
     """
 
     wo: np.ndarray
@@ -73,7 +73,7 @@ class ViewFits:
         albedo = np.maximum(truth @ views.share[..., None], 1e-9)
         goal = truth
         if known is not None:
-            goal = truth - np.swapaxes(lobe_f(known, np.broadcast_to(wo, views.wi.shape), views.wi), 1, 2)
+            goal = truth - lobe_f(known, np.broadcast_to(wo, views.wi.shape), views.wi)[..., None, :, 0]
         away = np.tan(0.5 * np.maximum(_LOWEST_REFLECTION - np.arccos(views.cos_theta_o), 0.0)) / np.maximum(sin_o, 1e-6)
         narrowest = np.full(len(away), np.log(least_alpha))
         low = np.stack([narrowest, narrowest, -np.minimum(away, _MAX_TILT)], axis=-1)[:, None]
@@ -107,9 +107,13 @@ class ViewFits:
         """The best mixtures that are found from `start` (V, k, 3)."""
         slopes = 3 * len(distributions)
         shape = np.clip(start, self.low, _HIGH)
-        rows = self._rows(distributions, shape)
+        if not iterations:
+            slopes, rows = 0, self.columns(distributions, shape)
+        else:
+            rows = self._rows(distributions, shape)
         weight = non_negative(*self._moments(rows[:, slopes:], self._point_weights(0.1 * self.truth)))
         best, distances = self._mixtures(shape, rows[:, slopes:], weight)
+        columns = rows[:, slopes:].copy()
         damping = np.full(len(shape), _FIRST_DAMPING)
         for _ in range(iterations if distributions else 0):
             weights = self._point_weights(distances)
@@ -125,11 +129,13 @@ class ViewFits:
             damping = np.where(better, np.maximum(0.2 * damping, _LEAST_DAMPING), 8.0 * damping)
             shape[better], rows[better], weight[better] = trial[better], trial_rows[better], trial_weight[better]
             found, distances = self._mixtures(shape, rows[:, slopes:], weight)
-            best = found.where(found.error < best.error, best)
-        return self._with_energy(distributions, best)
+            closer = found.error < best.error
+            best = found.where(closer, best)
+            columns[closer] = rows[closer, slopes:]
+        return self._with_energy(columns, best)
 
     def errors(self, columns: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Cosine-weighted L1 and energy error (V,) of weights (V, 3, k + 1), over the truth's albedo, worst channel."""
+        """Cosine-weighted L1 and energy error (V,) of weights (V, C, k + 1), over the truth's albedo, worst channel."""
         residual = self._residual(columns, weight)
         return np.max(np.sum(self.share * np.abs(residual), axis=2), axis=1), np.max(np.abs(np.sum(self.share * residual, axis=2)), axis=1)
 
@@ -150,16 +156,15 @@ class ViewFits:
         result[:, -1] = 1.0 / np.pi
         return result
 
-    def _with_energy(self, distributions, found: Mixtures) -> Mixtures:
+    def _with_energy(self, columns, found: Mixtures) -> Mixtures:
         """With weights scaled to the energy of the goal, as tables are."""
-        columns = self.columns(distributions, found.shape)
         energy, wanted = (np.sum(self.share * f, axis=2) for f in (found.weight @ columns, self.goal))
         scale = np.where(energy > 1e-6, np.maximum(wanted, 0.0) / np.maximum(energy, 1e-6), 1.0)
         weight = found.weight * scale[..., None]
         return Mixtures(found.shape, weight, self.errors(columns, weight)[0])
 
     def _mixtures(self, shape, columns, weight) -> tuple[Mixtures, np.ndarray]:
-        """The mixtures, and what is left of the goal at each point (V, 3, Q), without sign."""
+        """The mixtures, and what is left of the goal at each point (V, C, Q), without sign."""
         distances = np.abs(self._residual(columns, weight))
         return Mixtures(shape.copy(), weight.copy(), np.max(np.einsum("vcq,vcq->vc", self.share, distances), axis=1)), distances
 
@@ -170,9 +175,9 @@ class ViewFits:
         return self.share / np.maximum(distances, self.floor)
 
     def _moments(self, rows, weights) -> tuple[np.ndarray, np.ndarray]:
-        """Weighted products of the rows with each other (V, 3, r, r), and with the goal (V, 3, r)."""
+        """Weighted products of the rows with each other (V, C, r, r), and with the goal (V, C, r)."""
         gram, moments = [], []
-        for channel in range(3):
+        for channel in range(self.goal.shape[1]):
             weighted = rows * weights[:, channel, None]
             gram.append(weighted @ np.swapaxes(rows, 1, 2))
             moments.append(weighted @ self.goal[:, channel, :, None])

@@ -43,6 +43,26 @@ class Branches:
         return float(np.mean(np.min([branch.error for branch in self.mixtures], axis=0)))
 
 
+class Fitter:
+    """Fits at some views, which remembers what each start led to: passes along the view try most of them again."""
+
+    def __init__(self, fits: ViewFits):
+        self.fits = fits
+        self._found: dict[tuple, tuple] = {}
+
+    def __call__(self, distributions: tuple[str, ...], starts: list[np.ndarray], iterations: int) -> list[Mixtures]:
+        """What is found from each of some starts (V, k, 3)."""
+        views, every = len(self.fits.sin_o), np.concatenate(starts)
+        keys = [(distributions, iterations, i % views, start.tobytes()) for i, start in enumerate(every)]
+        new = {key: i for i, key in enumerate(keys) if key not in self._found}
+        if new:
+            chosen = np.array(list(new.values()))
+            found = self.fits.of(chosen % views).fit(distributions, every[chosen], iterations)
+            self._found |= zip(new, zip(found.shape, found.weight, found.error))
+        all_ = Mixtures(*(np.stack(values) for values in zip(*(self._found[key] for key in keys))))
+        return [all_.of(slice(i, i + views)) for i in range(0, len(every), views)]
+
+
 class Plan:
     """Fits beside one known lobe, or none, by lobes no narrower than `least_alpha`. `views` are at the knots, `middles` half-way between them."""
 
@@ -51,7 +71,7 @@ class Plan:
         self._distributions = sorted({distribution for distribution, _ in surfaces})
         self._alphas = _widths(surfaces)
         self.fits, self.middles = (ViewFits.at(some, known, least_alpha) for some in (views, middles))
-        self._coarse = self.fits.of(COARSE).thinned(_STRIDE)
+        self.fitted, self._coarse_fitted = Fitter(self.fits), Fitter(self.fits.of(COARSE).thinned(_STRIDE))
         self._found: dict[int, Branches] = {}
 
     def branches(self, free: int) -> Branches:
@@ -71,20 +91,16 @@ class Plan:
     def _trials(self, distributions: tuple[str, ...], fewer: Branches | None) -> list[Mixtures]:
         """A few steps from all starts at the coarse knots; the best third of them."""
         starts = self._starts(fewer) if fewer else [np.zeros((len(COARSE), 0, 3))]
-        return _best(self._fitted(distributions, starts, _TRIAL), max((len(starts) + 1) // 3, _BRANCHES))
+        return _best(self._coarse_fitted(distributions, starts, _TRIAL), max((len(starts) + 1) // 3, _BRANCHES))
 
     def _continued(self, distributions: tuple[str, ...], trials: list[Mixtures]) -> Branches:
         """The branches that trials lead to; then each knot begins at what its neighbours found."""
         if distributions:
-            trials = _best(self._fitted(distributions, [trial.shape for trial in trials], _MORE), _BRANCHES)
+            trials = _best(self._coarse_fitted(distributions, [trial.shape for trial in trials], _MORE), _BRANCHES)
             for _ in range(_PASSES):
                 best = trials[0].shape
-                trials = _best(trials + self._fitted(distributions, [best[_BEFORE], best[_AFTER]], _MORE), _BRANCHES)
+                trials = _best(trials + self._coarse_fitted(distributions, [best[_BEFORE], best[_AFTER]], _MORE), _BRANCHES)
         return Branches(distributions, tuple(_in_order(distributions, trials)))
-
-    def _fitted(self, distributions, starts: list[np.ndarray], iterations: int) -> list[Mixtures]:
-        found = self._coarse.of(np.tile(np.arange(len(COARSE)), len(starts))).fit(distributions, np.concatenate(starts), iterations)
-        return [found.of(slice(i, i + len(COARSE))) for i in range(0, len(COARSE) * len(starts), len(COARSE))]
 
     def _starts(self, fewer: Branches) -> list[np.ndarray]:
         """Shapes (coarse, k, 3) to start from: one more lobe beside what fewer found, and for two also every pair of widths."""
@@ -128,7 +144,9 @@ def _in_order_of(distributions: tuple[str, ...], other: Mixtures, mixtures: Mixt
     best = np.array(orders, dtype=int)[np.argmin([distance(np.array(order, dtype=int)) for order in orders], axis=0)]
     views = np.arange(len(best))[:, None]
     shares = np.concatenate([best, np.full((len(best), 1), len(distributions))], axis=1)
-    return Mixtures(mixtures.shape[views, best], mixtures.weight[views[..., None], np.arange(3)[:, None], shares[:, None]], mixtures.error)
+    return Mixtures(
+        mixtures.shape[views, best], mixtures.weight[views[..., None], np.arange(mixtures.weight.shape[1])[:, None], shares[:, None]], mixtures.error
+    )
 
 
 def _widths(surfaces: list[tuple[str, float]]) -> list[float]:
@@ -150,15 +168,12 @@ class Path:
 
 def best_path(plan: Plan, found: Branches) -> Path:
     """Mixtures of whichever branch, or of fits that begin between their neighbours on the best path: least sum of errors."""
-    starts = np.concatenate([branch.shape[_NEAREST] for branch in found.mixtures])
-    knots = np.tile(np.arange(KNOTS), len(found.mixtures))
-    every = plan.fits.of(knots).fit(found.distributions, starts, _FILL)
-    branches = [every.of(slice(i, i + KNOTS)) for i in range(0, len(knots), KNOTS)]
+    branches = plan.fitted(found.distributions, [branch.shape[_NEAREST] for branch in found.mixtures], _FILL)
     path = _joined(plan, found.distributions, branches)
     for _ in range(_SMOOTHED if found.distributions else 0):
         ends = np.concatenate([path.mixtures.shape[1:2], path.mixtures.shape, path.mixtures.shape[-2:-1]])
-        between = plan.fits.fit(found.distributions, 0.5 * (ends[:-2] + ends[2:]), _FILL)
-        path = _joined(plan, found.distributions, [path.mixtures, between])
+        between = plan.fitted(found.distributions, [0.5 * (ends[:-2] + ends[2:])], _FILL)
+        path = _joined(plan, found.distributions, [path.mixtures, *between])
     return path
 
 

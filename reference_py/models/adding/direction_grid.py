@@ -7,6 +7,7 @@ The grid is cut where s equals an index (grazing in one medium, critical angle i
 s^2 = a^2 + (b^2 - a^2) sin^2(psi) with Gauss nodes in psi makes the square roots at both ends smooth.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -63,9 +64,9 @@ class Grid:
 
     def interpolation(self, n: float, cos_theta: np.ndarray) -> np.ndarray:
         """(I, count(n)) weights that interpolate nodal values at the cosines (I,) in a medium of index n."""
-        cos_theta = np.asarray(cos_theta, float)[:, None]
+        cos_theta = np.asarray(cos_theta, float)
         direction = np.stack([np.sqrt(1.0 - np.square(cos_theta)), np.zeros_like(cos_theta), cos_theta], axis=-1)
-        return self.project(n, direction, 1)(np.ones(cos_theta.shape))[0]
+        return self.project(n, direction[:, None], 1).at_points()
 
 
 class Projector:
@@ -93,23 +94,28 @@ class Projector:
         across = np.hypot(x, y)
         self._cos_turn = np.where(across > 0.0, -x / np.maximum(across, 1e-300), 1.0) if modes > 1 else None
 
-    def __call__(self, weights: np.ndarray) -> np.ndarray:
-        """Rows (modes, I, count(n)): sum over the points of weights (I, Q) times cos(m turn) times the node's basis."""
-        weights = weights.ravel()
+    def at_points(self) -> np.ndarray:
+        """(points, count(n)): the node's basis at each point."""
         starts = self._grid.starts
-        rows = np.zeros((self._modes, self._shape[0], starts[self._panel_count]))
+        rows = np.zeros((self._shape[0] * self._shape[1], starts[self._panel_count]))
+        for p, (chosen, basis, to_nodes, _) in enumerate(self._parts):
+            rows[chosen, starts[p] : starts[p + 1]] = basis.T @ to_nodes
+        return rows
+
+    def __call__(self, *weights: np.ndarray) -> list[np.ndarray]:
+        """For each array of weights (I, Q), rows (modes, I, count(n)): sum over the points of weights times cos(m turn) times the node's basis."""
+        starts = self._grid.starts
+        rows = np.zeros((len(weights), self._modes, self._shape[0], starts[self._panel_count]))
         for p, (chosen, basis, to_nodes, bounds) in enumerate(self._parts):
-            moments = np.zeros((self._modes, self._shape[0], len(basis)))
-            part_weights = weights[chosen]
+            moments = np.zeros((len(weights), self._modes, self._shape[0], len(basis)))
+            part_weights = [w.ravel()[chosen] for w in weights]
             for i in np.flatnonzero(np.diff(bounds)):
                 part = slice(bounds[i], bounds[i + 1])
-                if self._modes == 1:
-                    moments[0, i] = basis[:, part] @ part_weights[part]
-                else:
-                    turns = chebyshev(self._cos_turn[chosen[part]], self._modes)
-                    moments[:, i] = (turns * part_weights[part]) @ basis[:, part].T
-            rows[:, :, starts[p] : starts[p + 1]] = moments @ to_nodes
-        return rows
+                turns = chebyshev(self._cos_turn[chosen[part]], self._modes) if self._modes > 1 else np.ones((1, 1))
+                for moment, weight in zip(moments, part_weights):
+                    moment[:, i] = turns @ (basis[:, part] * weight[part]).T if self._modes > 1 else basis[:, part] @ weight[part]
+            rows[..., starts[p] : starts[p + 1]] = moments @ to_nodes
+        return list(rows)
 
 
 def _psi(x: np.ndarray) -> np.ndarray:
@@ -126,9 +132,23 @@ def gauss_legendre(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 def legendre(x: np.ndarray, count: int) -> np.ndarray:
     """(count, ...) Legendre polynomials P_0 to P_(count-1) at x (...)."""
-    return np.moveaxis(np.polynomial.legendre.legvander(x, count - 1), -1, 0)
+    return _recurrence(x, count, [(2.0 * k - 1.0) / k for k in range(1, count)], [(k - 1.0) / k for k in range(1, count)])
 
 
 def chebyshev(x: np.ndarray, count: int) -> np.ndarray:
     """(count, ...) cos(m acos(x)) for m = 0 to count-1 at x (...)."""
-    return np.moveaxis(np.polynomial.chebyshev.chebvander(x, count - 1), -1, 0)
+    return _recurrence(x, count, [1.0, *[2.0] * (count - 2)], [1.0] * (count - 1))
+
+
+def _recurrence(x: np.ndarray, count: int, ahead: Sequence[float], back: Sequence[float]) -> np.ndarray:
+    """(count, ...) polynomials that begin with 1, and of which the next is ahead x (the last) - back (the one before); twice as fast as numpy's."""
+    result = np.empty((count, *x.shape))
+    result[0] = 1.0
+    if count > 1:
+        result[1] = x
+    spare = np.empty(x.shape)
+    for k in range(2, count):
+        np.multiply(x, result[k - 1], out=result[k])
+        result[k] *= ahead[k - 1]
+        result[k] -= result[k - 2] if back[k - 1] == 1.0 else np.multiply(result[k - 2], back[k - 1], out=spare)
+    return result

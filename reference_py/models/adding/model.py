@@ -121,9 +121,9 @@ class Adding:
     def _draft(self, fine: float) -> tuple[int, Resolution]:
         """Nodes and resolution of a draft for lobes that want `fine` nodes."""
         if fine > _DRAFT_NODES:
-            return ceil(fine), Resolution(_MODES, across=16, along=32)
+            return ceil(fine), Resolution(_MODES, across=16, along=32, is_draft=True)
         is_narrow = any(alpha < NARROW_ALPHA for alpha in self._effective.rough_alphas())
-        return _DRAFT_NODES, Resolution(_DRAFT_MODES[is_narrow], across=16, along=28)
+        return _DRAFT_NODES, Resolution(_DRAFT_MODES[is_narrow], across=16, along=28, is_draft=True)
 
     @property
     def f_note(self) -> str | None:

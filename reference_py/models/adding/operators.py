@@ -26,19 +26,20 @@ from .facets import MULTIPLE, dielectric_events, reflection_lobe, visible_facets
 _OREN_NAYAR_AZIMUTHS = 128
 # A reflected lobe of alpha * nodes above this is resolved by the grid; it is integrated over so many azimuths + 2 modes.
 _RESOLVED, _LOBE_AZIMUTHS = 2.0, 24
-# Below this alpha multiple scattering has no part in f.
-_SPIKE = 0.01
+# Below this alpha multiple scattering has no part in f, nor, in a draft, in what the grid holds of f.
+_SPIKE, _DRAFT_SPIKE = 0.01, 0.05
 # Directions and pairs of them handled at once, which bounds memory.
 _CHUNK, _PAIRS = 64, 512
 
 
 @dataclass(frozen=True)
 class Resolution:
-    """Azimuthal modes, and facets across and along the plane of incidence per direction."""
+    """Azimuthal modes, and facets across and along the plane of incidence per direction; a draft is content with less."""
 
     modes: int
     across: int
     along: int
+    is_draft: bool = False
 
 
 # Facets per direction: energies need fewer than azimuthal modes do.
@@ -98,9 +99,10 @@ def dielectric_rows(n_own, n_other, cos_theta, alpha, distribution, surface, gri
     if _is_resolved(alpha, grid):
         single = _resolved_lobes([lambda cos: fresnel_dielectric(cos, eta)], cos_theta, n_own, alpha, distribution, surface, grid, modes)[0]
     multi = np.zeros_like(single)
-    if _scatters_more_than_once(surface, alpha, modes):
+    if _scatters_more_than_once(surface, alpha, resolution):
         left = 1.0 - single[0].sum(axis=1, keepdims=True) - crossed
-        moments, twice = (shares * left for shares in Microsurface(alpha, distribution, etas=(eta, n_own / n_other)).shares(cos_theta, detail_of(modes)))
+        detail = detail_of(modes, resolution.is_draft)
+        moments, twice = (shares * left for shares in Microsurface(alpha, distribution, etas=(eta, n_own / n_other)).shares(cos_theta, detail))
         multi[: moments.shape[1]] = _spread(moments[0], grid, n_own)
         if transmits:
             transmitted[: moments.shape[1]] += _spread(moments[1], grid, n_other)
@@ -117,21 +119,21 @@ def _dielectric_chunk(n_own, n_other, cos_theta, eta, alpha, distribution, surfa
     facets = visible_facets(cos_theta, alpha, distribution, surface, spread.across, spread.along, eta)
     (wi, w_reflected), (wt, w_refracted) = dielectric_events(facets, eta)
     empty = [np.zeros((resolution.modes, len(cos_theta), grid.count(n))) for n in (n_own, n_other)]
-    single = empty[0] if _is_resolved(alpha, grid) else grid.project(n_own, wi, resolution.modes)(w_reflected)
-    transmitted = grid.project(n_other, wt, resolution.modes)(w_refracted) if transmits else empty[1]
+    single = empty[0] if _is_resolved(alpha, grid) else grid.project(n_own, wi, resolution.modes)(w_reflected)[0]
+    transmitted = grid.project(n_other, wt, resolution.modes)(w_refracted)[0] if transmits else empty[1]
     return single, transmitted, w_refracted.sum(axis=1, keepdims=True)
 
 
-def _scatters_more_than_once(surface: str, alpha: float, modes: int) -> bool:
+def _scatters_more_than_once(surface: str, alpha: float, resolution: Resolution) -> bool:
     """Whether light that meets several facets counts. Always for energies; in the shape of a narrow surface it is a
     spike at grazing directions, of less than 1e-3 of the energy below 85 degrees, which interpolation would spread.
     """
-    return surface == MULTIPLE and (modes == 1 or alpha >= _SPIKE)
+    return surface == MULTIPLE and (resolution.modes == 1 or alpha >= (_DRAFT_SPIKE if resolution.is_draft else _SPIKE))
 
 
 def knows_two_events(surface: str, alpha: float, resolution: Resolution) -> bool:
     """Whether f holds what is reflected twice as a formula (`two_events`), beside what is once; of narrow surfaces all that is reflected."""
-    return resolution.modes > 1 and _scatters_more_than_once(surface, alpha, resolution.modes)
+    return surface == MULTIPLE and resolution.modes > 1 and alpha >= _SPIKE
 
 
 def _spread(moments, grid: Grid, n: float) -> np.ndarray:
@@ -204,15 +206,17 @@ def _conductor_chunk(index, n, cos_theta, alpha, distribution, surface, grid, re
         lobe = (cos_theta, n, alpha, distribution, surface, grid)
         single, white = _resolved_lobes(curves, *lobe, modes), _resolved_lobes([np.ones_like], *lobe, 1)[0][0].sum(axis=1)
     else:
-        facets = visible_facets(cos_theta, alpha, distribution, surface, 2 * resolution.across, 2 * resolution.along)
+        # along the plane of incidence a draft needs as many, or loses 2 % of a foil's light
+        across = resolution.across if resolution.is_draft else 2 * resolution.across
+        facets = visible_facets(cos_theta, alpha, distribution, surface, across, 2 * resolution.along)
         wi, weights = facets.reflected()
-        projected, cos_om = grid.project(n, wi, modes), facets.cos_om
-        single, white = [projected(weights * curve(cos_om)) for curve in curves], weights.sum(axis=1)
+        cos_om = facets.cos_om
+        single, white = grid.project(n, wi, modes)(*(weights * curve(cos_om) for curve in curves)), weights.sum(axis=1)
     multi = [np.zeros_like(rows) for rows in single]
-    if _scatters_more_than_once(surface, alpha, modes):
+    if _scatters_more_than_once(surface, alpha, resolution):
         left = np.maximum(1.0 - white, 0.0)[:, None]
         for once, rows, pair in zip(single, multi, index):
-            (moments,), twice = Microsurface(alpha, distribution, index=pair).shares(cos_theta, detail_of(modes))
+            (moments,), twice = Microsurface(alpha, distribution, index=pair).shares(cos_theta, detail_of(modes, resolution.is_draft))
             rows[: len(moments)] = _spread(moments * left, grid, n)
             if knows_two_events(surface, alpha, resolution):
                 known = _spread((moments if alpha < NARROW_ALPHA else twice) * left, grid, n)
