@@ -2,7 +2,7 @@
 #pragma once
 #include "analytic_cosine.h"
 #include "analytic_tables.h"
-// Filled in from reference_py (addon/shader/osl/parts.py).
+// Filled in from reference_py (addon/shader/osl/osl_files.py).
 #define BACK_SPREAD 1.0
 #define LEAN_BECKMANN_0 1.0
 #define LEAN_BECKMANN_1 1.0

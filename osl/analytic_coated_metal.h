@@ -2,7 +2,7 @@
 #pragma once
 #include "analytic_below.h"
 #include "analytic_metal.h"
-// Filled in from reference_py (addon/shader/osl/parts.py).
+// Filled in from reference_py (addon/shader/osl/osl_files.py).
 #define RETAINED_ORDER 1.0
 #define RETAINED_SCALE 1.0
 #define REMIX_BACK 1.0

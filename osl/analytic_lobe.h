@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Filled in from reference_py (addon/shader/osl/parts.py).
+// Filled in from reference_py (addon/shader/osl/osl_files.py).
 #define LOBE_BEND 1.0
 
 // Alpha outside of a lobe whose p has this variance: a slope m changes p by 2 cos_o m + LOBE_BEND sin_o m^2.

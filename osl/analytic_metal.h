@@ -2,7 +2,7 @@
 #pragma once
 #include "analytic_cosine.h"
 #include "fresnel_conductor.h"
-// Filled in from reference_py (addon/shader/osl/parts.py).
+// Filled in from reference_py (addon/shader/osl/osl_files.py).
 #define BASE_LOSS 1.0
 #define EXIT_SPREAD 1.0
 #define LEAST_COS 1.0

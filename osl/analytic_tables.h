@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "fresnel_dielectric.h"
-// Filled in from reference_py (addon/shader/osl/parts.py).
+// Filled in from reference_py (addon/shader/osl/osl_files.py).
 #define UNIT 1.0
 #define MOST_RHO 1.0
 #define RHO_CELLS 1

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "analytic_tables.h"
-// Filled in from reference_py (addon/shader/osl/parts.py).
+// Filled in from reference_py (addon/shader/osl/osl_files.py).
 #define UNIT 1.0
 #define ANISOTROPIC 0
 #define ANISOTROPIC_ALPHAS 1
@@ -14,7 +14,7 @@
 #define LEAST_KAPPA 1.0
 #define LEAST_RATIO 1.0
 
-// Anisotropic surfaces: what a view at an azimuth meets. See reference_py/lobes/analytic/tables.py and lobes/methods/with_features.py.
+// Anisotropic surfaces: what a view at an azimuth meets. See reference_py/lobes/analytic/interface_tables.py and lobes/methods/with_features.py.
 // cos 2 phi of the azimuth between the view and the tangent; any where the view is along the normal.
 float cos_twice_azimuth(vector view, normal n, vector tangent)
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "analytic_metal.h"
-// Filled in from reference_py (addon/shader/osl/parts.py).
+// Filled in from reference_py (addon/shader/osl/osl_files.py).
 #define ANISOTROPIC_RETAINED 1.0
 
 // As later_facets, which gave `isotropic`, the more the alphas differ: light between anisotropic facets stays near the plane that it came in.

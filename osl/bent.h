@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Filled in from reference_py (addon/shader/osl/parts.py).
+// Filled in from reference_py (addon/shader/osl/osl_files.py).
 #define MIN_COS_O 1.0
 
 // The normal about which Cycles puts a glossy closure of normal n. Where the view would be mirrored below the surface, Cycles

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Filled in from reference_py (addon/shader/osl/parts.py).
+// Filled in from reference_py (addon/shader/osl/osl_files.py).
 #define NEAR_SPECULAR_ALPHA 1.0
 
 // Cycles evaluates an isotropic lobe from 1 - cos^2 in float32, which is up to 8 % wrong at alpha .002; an anisotropic

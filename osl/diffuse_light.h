@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "crossing.h"
-// Filled in from reference_py (addon/shader/osl/parts.py).
+// Filled in from reference_py (addon/shader/osl/osl_files.py).
 #define NODE_COUNT 1
 
 // Angular part of a diffuse lobe: 1 for Lambert (sigma 0), Oren and Nayar's otherwise.

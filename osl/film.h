@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "fresnel_dielectric.h"
-// Filled in from reference_py (addon/shader/osl/parts.py).
+// Filled in from reference_py (addon/shader/osl/osl_files.py).
 #define FILM_STEPS 2
 #define FILM_LAST_PHASE 1.0
 #define FILM_TERMS 1

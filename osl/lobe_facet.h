@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "crossing.h"
-// Filled in from reference_py (addon/shader/osl/parts.py).
+// Filled in from reference_py (addon/shader/osl/osl_files.py).
 #define NODE_COUNT 1
 
 // Facet s of a lobe, of fixed normals of density D cos(h), that shows the view its light: its weight, 0 where it is turned

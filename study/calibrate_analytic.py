@@ -23,14 +23,14 @@ import numpy as np
 
 from ..reference_py.fit.solve import least_squares
 from ..reference_py.lobes.analytic import AnalyticLobes, base, beam, calibration, lobe_set
-from ..reference_py.lobes.analytic.tables import anisotropic_energy, closure_energy
+from ..reference_py.lobes.analytic.interface_tables import anisotropic_energy, closure_energy
 from ..reference_py.lobes.closure import lobe_energy
 from ..reference_py.lobes.error_estimate import ErrorEstimator
 from ..reference_py.lobes.lobe import DiffuseLobe, GlossyLobe
 from ..reference_py.lobes.methods.with_features import featured_analytic
 from ..reference_py.material import presets
 from ..reference_py.material.stack import Stack
-from ..reference_py.models.adding.model import Adding
+from ..reference_py.models.adding.adding_model import Adding
 from ..reference_py.models.position_free import PositionFree
 from ..reference_py.optics.frame import spherical
 from .charts.output import print_table

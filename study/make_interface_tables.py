@@ -9,7 +9,7 @@ import json
 import numpy as np
 
 from ..reference_py.atomic import write_text
-from ..reference_py.lobes.analytic.tables import (
+from ..reference_py.lobes.analytic.interface_tables import (
     ALPHA,
     ANISOTROPIC_ALPHAS,
     ANISOTROPIC_AZIMUTHS,
@@ -98,7 +98,7 @@ def _gain(cos_theta, alpha, eta, distribution) -> np.ndarray:
 
 def main() -> None:
     data = {
-        "description": "Energies of rough dielectric interfaces, in units of 1e-4; axes and meaning in lobes/analytic/tables.py",
+        "description": "Energies of rough dielectric interfaces, in units of 1e-4; axes and meaning in lobes/analytic/interface_tables.py",
         "distributions": [GGX, BECKMANN],
         **{distribution: _tables_of(distribution) for distribution in (GGX, BECKMANN)},
     }

@@ -11,7 +11,7 @@ from ...reference_py.exchange.report import shown
 from ...reference_py.exchange.targets import TARGETS, convert_to, suffix_of, text_of
 from ...reference_py.material.stack import Stack
 from ..session import blender, say
-from .numbers import load_stack
+from .print_values import load_stack
 
 
 def convert(options) -> None:

@@ -21,7 +21,7 @@ from ...reference_py.material.stack import Stack
 from ..material.backend import OSL
 from ..material.limits import require_shader
 from ..session import blender, say, tenths
-from .numbers import load_stack
+from .print_values import load_stack
 
 
 def explain(options) -> None:

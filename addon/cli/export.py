@@ -16,7 +16,7 @@ from ...reference_py.material.stack import Stack
 from ...reference_py.optics.colour import reflectance_to_rgb
 from ...reference_py.version import version
 from ..session import say, tenths
-from .numbers import load_stack
+from .print_values import load_stack
 
 LAYERS = "layers"
 # Degrees between the rows of a .csv, which for anisotropic stacks has an angle more.

@@ -11,12 +11,12 @@ from ...reference_py.atomic import replacing, require_writable, write_text
 from ...reference_py.errors import LaminaError
 from ...reference_py.fit.compare import compare, of_fit
 from ...reference_py.fit.forward import evaluate
+from ...reference_py.fit.layer_count import require_choices, select
 from ...reference_py.fit.outcome import lines, outcome
 from ...reference_py.fit.readers import SUFFIXES
 from ...reference_py.fit.readers.by_suffix import read
 from ...reference_py.fit.readers.measurement import STEEPEST_DEG, Measurement
 from ...reference_py.fit.readers.sampled import PAIRS, sample_model
-from ...reference_py.fit.selection import require_choices, select
 from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
 from ...reference_py.registry import MODELS

@@ -6,7 +6,7 @@ from pathlib import Path
 from ...reference_py.atomic import require_writable, write_text
 from ...reference_py.errors import LaminaError
 from ...reference_py.plots.stack_picture import picture
-from .numbers import load_stack, model_of, view_angles
+from .print_values import load_stack, model_of, view_angles
 
 
 def plot(options) -> None:

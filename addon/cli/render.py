@@ -12,7 +12,7 @@ from ...reference_py.lobes.methods import DEFAULT_METHOD, method_of
 from ..material.backend import branches_here, notice
 from ..material.limits import require_shader
 from ..session import blender, say, tenths
-from .numbers import load_stack, print_albedo, view_angles
+from .print_values import load_stack, print_albedo, view_angles
 
 SUN_THETA_DEG = 45.0
 SIZE = {"sphere": 256, "ball": 256, "furnace": 32}

@@ -20,9 +20,9 @@ def request(file: str, layers: int | str, base: str, model: str) -> str:
 
 def main() -> None:
     """Serve one request."""
+    from .layer_count import select
     from .outcome import outcome
     from .readers.by_suffix import read
-    from .selection import select
 
     data = json.load(sys.stdin)
     try:

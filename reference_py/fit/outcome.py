@@ -8,9 +8,9 @@ import numpy as np
 from ..material.stack import Stack
 from .certainty import OF_VALUE, certainty, noise_and_misfit
 from .dense import evaluate_all
+from .layer_count import UNEXPLAINED, Selection
 from .metric import Metric, shape_error
 from .readers.measurement import Measurement
-from .selection import UNEXPLAINED, Selection
 
 # Where so much of the data is off and hidden by a highlight, people are warned.
 _HIDDEN_SHARE = 0.05

@@ -5,7 +5,7 @@ from ..errors import LaminaError
 from ..material.coverage import is_plain
 from ..material.schema import ANISOTROPY, THIN_FILM
 from ..material.stack import Stack
-from ..models.adding.model import Adding
+from ..models.adding.adding_model import Adding
 
 
 def truth_of(stack: Stack):

@@ -65,7 +65,7 @@ def chart(folder: Path, report: Report) -> None:
 def rows(version: str, report: Report) -> Iterator[list[str]]:
     """One row for each surface and way to write it; Lamina's are of all Blenders."""
     from ...addon.rendering.measure import render_furnace
-    from ..pareto.materials import script_material
+    from ..pareto.compared_materials import script_material
 
     wo = spherical(np.radians(VIEWS_DEG), 0.0)
     for surface, stack in SURFACES.items():
@@ -86,7 +86,7 @@ def truth(stack: Stack):
 
 def texts(stack: Stack, version: str) -> dict[str, str]:
     """Shaders called NAME, by what they are made of."""
-    from ..pareto.materials import base_closure, layer_text
+    from ..pareto.compared_materials import base_closure, layer_text
 
     layer, (interface,) = stack.layers[0], _interfaces(stack)
     if "film_thickness" in layer:

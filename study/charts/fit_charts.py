@@ -13,10 +13,10 @@ from ...reference_py.fit.compare import compare
 from ...reference_py.fit.fit_picture import picture
 from ...reference_py.fit.fitting import corrected, fit_structure, rough_fits, subsampled
 from ...reference_py.fit.forward import evaluate
+from ...reference_py.fit.layer_count import select
 from ...reference_py.fit.metric import METRICS, Metric, shape_error
 from ...reference_py.fit.parameters import Structure
 from ...reference_py.fit.readers.sampled import sample_model
-from ...reference_py.fit.selection import select
 from ...reference_py.material import presets
 from ...reference_py.models.baselines.lafortune import lobes as lafortune_lobes
 from ...reference_py.models.weidlich_wilkie import WeidlichWilkie

@@ -6,7 +6,7 @@ from pathlib import Path
 from ...addon.session import blender
 from ...reference_py.atomic import require_writable
 from ...reference_py.material import presets
-from ...reference_py.models.adding.model import Adding
+from ...reference_py.models.adding.adding_model import Adding
 from ..colorimetry import colour_science
 from ..tables import Report
 from .output import print_table

@@ -11,7 +11,7 @@ from ...reference_py.lobes.error_estimate import ErrorEstimator, Errors
 from ...reference_py.lobes.methods import METHODS, AnalyticLobes, holds_values, make_lobe_set
 from ...reference_py.lobes.methods.baking import is_bare_oren_nayar
 from ...reference_py.material.stack import Stack
-from ...reference_py.models.adding.model import Adding
+from ...reference_py.models.adding.adding_model import Adding
 from ..suite import charted
 from ..tables import Report, write_table
 from .output import print_table

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from ...reference_py.material.stack import Stack
-from ...reference_py.models.adding.model import Adding
+from ...reference_py.models.adding.adding_model import Adding
 from ...reference_py.optics.optical_stack import rough_surfaces
 from .ball_picture import Surroundings, ball_picture, difference
 from .bench import ball, furnace_stage, plane, studio_stage, sun_stage, with_material

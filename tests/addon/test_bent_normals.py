@@ -18,7 +18,7 @@ from lamina.addon.material import material as materials
 from lamina.addon.rendering import settings
 from lamina.addon.rendering.geometry import plane_mesh, sphere_mesh
 from lamina.addon.shader.nodes import view_nodes
-from lamina.addon.shader.osl import parts
+from lamina.addon.shader.osl import osl_files
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 
@@ -109,13 +109,13 @@ def mean(*args, **options) -> np.ndarray:
 
 def unbend(monkeypatch):
     """The deliberate fault: weights at the view of the shading normal as it is."""
-    part = parts._part
+    part = osl_files._part
 
     def straight(name: str):
         found = part(name)
         return replace(found, text=found.text.replace("missing > 0.0", "0"))
 
-    monkeypatch.setattr(parts, "_part", straight)
+    monkeypatch.setattr(osl_files, "_part", straight)
     monkeypatch.setattr(view_nodes.View, "normal", property(lambda view: view._geometry.outputs["Normal"]))
 
 

@@ -31,7 +31,7 @@ from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.schema import CHOICE, COVERAGE, DIELECTRIC, FLOAT, SCHEMA, Parameter
 from lamina.reference_py.material.stack import Stack
-from lamina.reference_py.models.adding.model import Adding
+from lamina.reference_py.models.adding.adding_model import Adding
 from lamina.reference_py.optics.colour import artist_index, conductor_rgb
 from lamina.study.suite import suite_stack
 

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from lamina.addon.shader.osl import parts
+from lamina.addon.shader.osl import osl_files
 from lamina.addon.shader.osl.generate import generate
 from lamina.reference_py.lobes.axes import NumberAxis, Scale
 from lamina.reference_py.lobes.live_grid import Energies, grid_of
@@ -20,7 +20,7 @@ from lamina.reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTabl
 from lamina.reference_py.material.place import Place
 from lamina.reference_py.material.stack import Stack
 
-FILES = sorted(path.name for path in parts.PARTS.iterdir())
+FILES = sorted(path.name for path in osl_files.PARTS.iterdir())
 TRIVIAL = '#include "{}"\nshader trivial(output float Out = 0.0)\n{{\n    Out = 1.0;\n}}\n'
 
 COAT = {"kind": "dielectric", "ior": 1.4, "roughness": 0.2, "tint": [0.9, 0.5, 0.3]}
@@ -86,13 +86,13 @@ def compiles(folder, name: str, tmp_path) -> bool:
 @pytest.mark.blender
 @pytest.mark.parametrize("name", FILES)
 def test_a_file_compiles_by_itself(name, tmp_path):
-    assert compiles(parts.PARTS, name, tmp_path)
+    assert compiles(osl_files.PARTS, name, tmp_path)
 
 
 @pytest.mark.blender
 @pytest.mark.parametrize("name, fault", [("film.h", '#include "fresnel_dielectric.h"\n'), ("medium.h", "#define TINT_FLOOR 1.0\n"), ("grid.h", "}\n")])
 def test_a_file_that_does_not_stand_alone_is_found(name, fault, tmp_path):
-    folder = shutil.copytree(parts.PARTS, tmp_path / "osl")
+    folder = shutil.copytree(osl_files.PARTS, tmp_path / "osl")
     text = (folder / name).read_text(encoding="utf-8")
     assert fault in text
     (folder / name).write_text(text.replace(fault, "", 1), encoding="utf-8")
@@ -101,7 +101,7 @@ def test_a_file_that_does_not_stand_alone_is_found(name, fault, tmp_path):
 
 @pytest.mark.parametrize("name", FILES)
 def test_a_file_is_used(name, texts):
-    text = parts.functions([name])
+    text = osl_files.functions([name])
     functions = re.findall(r"^\w[\w ]*\(.*?^}", text, re.MULTILINE | re.DOTALL)
     assert functions and any(functions[-1] in shader for shader in texts)
 
@@ -109,11 +109,11 @@ def test_a_file_is_used(name, texts):
 @pytest.mark.parametrize("name", FILES)
 def test_a_file_is_whole(name):
     """No placeholder is left to the generator, and of the constants that it fills in none is missing or idle."""
-    text = (parts.PARTS / name).read_text(encoding="utf-8")
+    text = (osl_files.PARTS / name).read_text(encoding="utf-8")
     assert text.startswith("// SPDX-License-Identifier: GPL-3.0-or-later\n#pragma once\n")
     assert "@" not in text
     for constant in re.findall(r"^#define (\w+) ", text, re.MULTILINE):
-        assert constant in parts.constants()
+        assert constant in osl_files.constants()
         assert len(re.findall(rf"\b{constant}\b", text)) > 1
 
 
@@ -122,7 +122,7 @@ def test_constants_are_those_of_the_model(texts):
     for text in texts:
         defined = re.findall(r"^#define (\w+) (.*)$", text, re.MULTILINE)
         assert len(dict(defined)) == len(defined)
-        assert all(value == parts.constants()[name] for name, value in defined)
+        assert all(value == osl_files.constants()[name] for name, value in defined)
         code = re.sub(r"//.*|^#define.*", "", text, flags=re.MULTILINE)
         assert set(re.findall(r"\b[A-Z][A-Z0-9]*_[A-Z0-9_]+\b", code)) <= {*dict(defined), "M_PI", "M_2PI", "M_PI_2"}
 

@@ -19,7 +19,7 @@ import numpy as np
 from lamina.reference_py.lobes.error_estimate import ErrorEstimator
 from lamina.reference_py.lobes.serialize import unpack_tables
 from lamina.reference_py.lobes.view_table import middle_cosines
-from lamina.reference_py.models.adding.model import Adding
+from lamina.reference_py.models.adding.adding_model import Adding
 from lamina.study.charts.tiers import GLOSSY, THETA_DEG
 from lamina.study.stamp import ROOT
 from lamina.study.suite import charted

@@ -9,30 +9,24 @@ stock nodes alone. `start_least` is the same start of a script whose stock branc
 
 import os
 import sys
-import time
 from pathlib import Path
 
 import bpy
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from support.shading_cost import COPIES, SIZE, Scene, cpu, least
 
 import lamina
 from lamina.addon.blender.environment import ensure_osl_query_on_path
 from lamina.addon.material import material as materials
 from lamina.addon.material.roles import SWITCH, node_with
 from lamina.addon.material.shader_node import remove_material
-from lamina.addon.rendering.geometry import plane_mesh
-from lamina.addon.rendering.settings import measurement_settings, render_to
 from lamina.reference_py.material import presets
 from lamina.study.tables import write_table
 
 NAMES = ("glazed_mug", "metallic_car_paint", "frosted_paint")
-ROUNDS, STARTS, SIZE, SAMPLES, COPIES = 7, 20, 96, 64, 8
+ROUNDS, STARTS, SAMPLES = 7, 20, 64
 COLUMNS = ("preset", "osl", "render", "start", "start_least", "start_ms", "alone_start_ms", "make", "make_ms", "alone_make_ms")
-
-
-def cpu(work) -> float:
-    before = time.process_time()
-    work()
-    return time.process_time() - before
 
 
 def made(name: str, backend: str) -> bpy.types.Material:
@@ -40,40 +34,6 @@ def made(name: str, backend: str) -> bpy.types.Material:
     materials.apply_stack(new, presets.load(name), "auto", backend)
     materials.refresh(new, settle=True)
     return new
-
-
-class Scene:
-    """Planes, the first of which fills the frame, with a copy each of a material."""
-
-    def __init__(self, folder: str):
-        bpy.ops.wm.read_factory_settings(use_empty=True)
-        self.scene, self.file = bpy.context.scene, os.path.join(folder, "x.exr")
-        camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-        camera.data.type, camera.data.ortho_scale, camera.location = "ORTHO", 1.3, (0.0, 0.0, 50.0)
-        self.scene.collection.objects.link(camera)
-        self.scene.camera, self.scene.world = camera, bpy.data.worlds.new("world")
-        self.scene.world.color = (1.0, 1.0, 1.0)
-        self.planes = [bpy.data.objects.new("plane", plane_mesh(f"plane {i}", 1.0)) for i in range(COPIES)]
-        for i, plane in enumerate(self.planes):
-            self.scene.collection.objects.link(plane)
-            plane.location.x = 3.0 * i
-            plane.data.materials.append(None)
-
-    def seconds(self, copies: list, osl: bool, size: int, samples: int) -> float:
-        measurement_settings(self.scene, samples, size, max_bounces=1)
-        self.scene.cycles.shading_system = osl
-        self.scene.render.threads_mode, self.scene.render.threads = "FIXED", 1
-        for plane, material in zip(self.planes, copies):
-            plane.data.materials[0] = material
-            plane.hide_render = False
-        for plane in self.planes[len(copies) :]:
-            plane.hide_render = True
-        return cpu(lambda: render_to(self.scene, self.file))
-
-
-def least(rounds: int, *ways) -> list[float]:
-    """The least seconds of each of several ways, taken in turn; the first round warms up."""
-    return [min(seconds) for seconds in zip(*[[way() for way in ways] for _ in range(rounds + 1)][1:])]
 
 
 def with_diffuse(material: bpy.types.Material) -> bpy.types.Material:

@@ -16,7 +16,9 @@ import tempfile
 from pathlib import Path
 
 import bpy
-from branches import COPIES, SIZE, Scene, least
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from support.shading_cost import COPIES, SIZE, Scene, least
 
 import lamina
 from lamina.addon.blender.environment import ensure_osl_query_on_path

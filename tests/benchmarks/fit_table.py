@@ -12,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
+from lamina.reference_py.fit.layer_count import select
 from lamina.reference_py.fit.outcome import outcome
 from lamina.reference_py.fit.readers.by_suffix import read
 from lamina.reference_py.fit.readers.merl import SCALES, cell_directions
-from lamina.reference_py.fit.selection import select
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.registry import make_model

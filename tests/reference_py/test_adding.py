@@ -225,7 +225,7 @@ QUADRATURE_CASES = [
 @pytest.mark.parametrize("surface", ["multiple", "single"])
 def test_doubling_grid_and_facets_together_changes_little(material, surface, monkeypatch):
     coarse = Adding(material, surface=surface).albedo(VIEWS)
-    monkeypatch.setattr("lamina.reference_py.models.adding.model.ENERGY", Resolution(1, 32, 72))
+    monkeypatch.setattr("lamina.reference_py.models.adding.adding_model.ENERGY", Resolution(1, 32, 72))
     np.testing.assert_allclose(coarse, Adding(material, surface=surface, nodes=64).albedo(VIEWS), rtol=1e-3)
 
 

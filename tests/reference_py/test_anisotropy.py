@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from lamina.reference_py.lobes.analytic.tables import anisotropic_energy
+from lamina.reference_py.lobes.analytic.interface_tables import anisotropic_energy
 from lamina.reference_py.lobes.closure import lobe_energy, lobe_f, unit_energy
 from lamina.reference_py.lobes.lobe import DielectricCurve, GlossyLobe
 from lamina.reference_py.lobes.made import DEFAULT_TOLERANCE

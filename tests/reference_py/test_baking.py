@@ -14,7 +14,7 @@ from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.lobes.truth import truth_of
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
-from lamina.reference_py.models.adding.model import Adding
+from lamina.reference_py.models.adding.adding_model import Adding
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.registry import make_model
 from lamina.study.suite import suite_stack

@@ -8,17 +8,17 @@ import pytest
 from support.measured import paint
 
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.fit import selection
+from lamina.reference_py.fit import layer_count
 from lamina.reference_py.fit.baseline_fits import BASELINE_MODELS, fit_baseline
 from lamina.reference_py.fit.certainty import certainty, independent_pairs, noise_and_misfit
 from lamina.reference_py.fit.dense import evaluate_all
 from lamina.reference_py.fit.fitting import corrected, fit_structure, subsampled
+from lamina.reference_py.fit.layer_count import select
 from lamina.reference_py.fit.metric import Metric, shape_error
 from lamina.reference_py.fit.outcome import outcome
 from lamina.reference_py.fit.parameters import Parameters, Structure
 from lamina.reference_py.fit.readers.measurement import checked, spread_pairs
 from lamina.reference_py.fit.readers.sampled import sample_model
-from lamina.reference_py.fit.selection import select
 from lamina.reference_py.fit.solve import least_squares
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
@@ -178,22 +178,22 @@ def test_a_larger_stack_is_never_worse_than_one_that_it_contains():
     one, two = (make_model("weidlich_wilkie", fit.stack(at)).f(wo, wi) for fit, at in ((less.parameters, less.x), (Parameters(larger, 3), x)))
     np.testing.assert_allclose(two, one, rtol=1e-9)
     stuck = replace(less, parameters=Parameters(larger, 3), x=np.full(Parameters(larger, 3).size, 0.5), residual=2.0 * less.residual)
-    better = selection._containing(stuck, less)
-    assert better.structure == larger and better.error == less.error and "gains nothing" in selection._reason(less, [less, better], "auto")
+    better = layer_count._containing(stuck, less)
+    assert better.structure == larger and better.error == less.error and "gains nothing" in layer_count._reason(less, [less, better], "auto")
     # a place to begin: what follows is no worse either
-    search = selection._Search(metric, "weidlich_wilkie", np.random.default_rng(0))
+    search = layer_count._Search(metric, "weidlich_wilkie", np.random.default_rng(0))
     assert search.closer(better).error <= less.error * (1.0 + 1e-9)
-    assert selection._containing(less, stuck) is less and selection._containing(stuck, None) is stuck
+    assert layer_count._containing(less, stuck) is less and layer_count._containing(stuck, None) is stuck
 
 
 def test_a_metal_must_gain_more_than_noise():
     metric = subsampled(sample_model("weidlich_wilkie", COATED, pairs=400, noise=0.05))
     plain = corrected(metric, Structure.of(1, "lambert"), "weidlich_wilkie", Parameters(Structure.of(1, "lambert"), 3).coordinates(COATED))
     metal = replace(plain, parameters=Parameters(Structure.of(1, "conductor"), 3), residual=0.9 * plain.residual)
-    assert selection.criterion(metal) < selection.criterion(plain)
-    assert selection.preferred([plain, metal]) is plain
-    assert selection.preferred([plain, replace(metal, residual=0.1 * plain.residual)]).structure.base == "conductor"
-    assert selection.preferred([metal]) is metal, "a metal that was asked for"
+    assert layer_count.criterion(metal) < layer_count.criterion(plain)
+    assert layer_count.preferred([plain, metal]) is plain
+    assert layer_count.preferred([plain, replace(metal, residual=0.1 * plain.residual)]).structure.base == "conductor"
+    assert layer_count.preferred([metal]) is metal, "a metal that was asked for"
 
 
 def test_a_measurement_that_no_stack_explains():

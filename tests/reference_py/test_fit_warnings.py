@@ -8,10 +8,10 @@ import pytest
 from support.stacks import coat, lambert, stack
 
 from lamina.reference_py.fit.fitting import Fit
+from lamina.reference_py.fit.layer_count import Selection
 from lamina.reference_py.fit.metric import Metric
 from lamina.reference_py.fit.parameters import Parameters, Structure
 from lamina.reference_py.fit.readers.measurement import checked, spread_pairs
-from lamina.reference_py.fit.selection import Selection
 from lamina.reference_py.registry import make_model
 
 STRUCTURE = Structure.of(1, "lambert")

@@ -8,7 +8,7 @@ import pytest
 from support.pools import PAINTS
 from support.stacks import stack
 
-from lamina.reference_py.lobes.analytic.tables import closure_energy
+from lamina.reference_py.lobes.analytic.interface_tables import closure_energy
 from lamina.reference_py.lobes.closure import lobe_energy
 from lamina.reference_py.lobes.lobe import DiffuseLobe, GlossyLobe
 from lamina.reference_py.lobes.methods import make_lobe_set

@@ -6,8 +6,8 @@ from support.stacks import coat, conductor, lambert, stack, view
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.models import position_free
 from lamina.reference_py.models.position_free import Cancelled, PositionFree
-from lamina.reference_py.models.position_free.surfaces import Surfaces
 from lamina.reference_py.models.position_free.walk import connected_f
+from lamina.reference_py.models.position_free.walk_surfaces import Surfaces
 from lamina.reference_py.optics import microsurface
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.fresnel import cos_theta_t, fresnel_dielectric

@@ -7,7 +7,7 @@ import pytest
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.lobes.view_table import KNOTS, DiffuseTable, TableLobes
 from lamina.reference_py.material.stack import Stack
-from lamina.reference_py.models.adding.model import Adding
+from lamina.reference_py.models.adding.adding_model import Adding
 from lamina.reference_py.registry import make_model
 from lamina.study.pareto.ball_picture import Surroundings, ball_picture, difference, encoded, shown
 from lamina.study.pareto.draw import frontier

@@ -10,11 +10,11 @@ from functools import cache
 
 import numpy as np
 
-from ....reference_py.lobes.analytic import base, tables
+from ....reference_py.lobes.analytic import base, interface_tables
 from ....reference_py.material.schema import ANISOTROPY
 from ....reference_py.material.stack import Stack
 from .block import numbers
-from .parts import TABLE_BLOCKS, table_starts
+from .osl_files import TABLE_BLOCKS, table_starts
 from .surface import Surface, beckmann, is_metal
 
 # Above this many layers there are loops over layers and beams: they do not fold, but eight layers unrolled are 10 MB of
@@ -58,8 +58,8 @@ class Tables:
 @cache
 def _declaration(of: Tables) -> str:
     blocks = list(TABLE_BLOCKS)[: None if of.anisotropic else -1]
-    values = np.concatenate([tables.tables()[distribution][block].ravel() for distribution in of.distributions for block in blocks])
-    entries = np.rint(values / tables.UNIT).astype(int).tolist()
+    values = np.concatenate([interface_tables.tables()[distribution][block].ravel() for distribution in of.distributions for block in blocks])
+    entries = np.rint(values / interface_tables.UNIT).astype(int).tolist()
     return f"float {of.name}[{values.size}] = {{{','.join(map(str, entries))}}}"
 
 

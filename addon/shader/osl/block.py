@@ -8,13 +8,13 @@ from functools import cache
 
 import numpy as np
 
-from ....reference_py.lobes.analytic.tables import UNIT, tables
+from ....reference_py.lobes.analytic.interface_tables import UNIT, tables
 from ....reference_py.lobes.lobe import DARK
 from ....reference_py.lobes.pools import Pool
 from ....reference_py.material.schema import COLOR, FLOAT, Parameter
 from ....reference_py.optics.microfacet import DISTRIBUTIONS
 from ..inputs import PRIMARIES, ShaderInput
-from .parts import functions
+from .osl_files import functions
 from .view_frame import FRAME_FUNCTIONS, Frame
 
 PRIMARY_ARGUMENTS = ", ".join(PRIMARIES)

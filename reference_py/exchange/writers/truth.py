@@ -10,7 +10,7 @@ from ...material.coverage import Patch, patches
 from ...material.place import Place, places
 from ...material.schema import ANISOTROPY
 from ...material.stack import Stack
-from ...models.adding.model import Adding
+from ...models.adding.adding_model import Adding
 from ...models.position_free import PositionFree
 from ...optics.microfacet import SPECULAR_ALPHA
 from ...optics.optical_stack import OpticalStack

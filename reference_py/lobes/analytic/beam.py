@@ -34,7 +34,7 @@ from .calibration import (
     TRAPPED_COS,
     TRAPPED_SPREAD,
 )
-from .tables import diffuse_reflectance, reflectance
+from .interface_tables import diffuse_reflectance, reflectance
 
 
 @dataclass(frozen=True)

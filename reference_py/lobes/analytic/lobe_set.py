@@ -16,7 +16,7 @@ from ..view_table import MIN_COS_O
 from .base import Facets, bare_metal, gauss, metal_lobe, uniform_below
 from .beam import Crossing, cosine, through
 from .calibration import LOBE_BEND
-from .tables import closure_energy, top_gain
+from .interface_tables import closure_energy, top_gain
 
 # Gauss nodes of the mean albedo of an Oren-Nayar base.
 ALBEDO_NODES = 8

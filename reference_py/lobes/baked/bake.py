@@ -20,8 +20,8 @@ from ..samples import Views, truth_at
 from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
 from ..truth import truth_of
 from ..view_table import BASE_COLOR, KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
-from .energy import left_over, top_lobe
 from .fit_lobes import LEAST_ALPHA
+from .knot_energies import left_over, top_lobe
 from .live import bake_live, base_of, over_black
 from .plan import Branches, Path, Plan, best_path, continued_path
 

@@ -16,7 +16,7 @@ from ..live_grid import MIN_ENERGY, Energies, LiveLobes, grid_of
 from ..samples import view_of
 from ..truth import truth_of
 from ..view_table import BASE_COLOR, KNOTS, BaseColorTable, knot_cosines
-from .energy import shares, top_lobe
+from .knot_energies import shares, top_lobe
 
 MOST_AXES = 2
 # Knots of shapes, by how many axes there are: a shader's text is limited. Energies have so many steps from one to the next, along one

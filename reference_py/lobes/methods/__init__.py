@@ -12,7 +12,7 @@ from ...material.schema import THIN_FILM
 from ...material.stack import Stack
 from ...optics.optical_stack import OpticalStack
 from ..analytic import AnalyticLobes
-from ..analytic.tables import closure_energy
+from ..analytic.interface_tables import closure_energy
 from ..baked import follows as can_follow
 from ..baked import in_tables
 from ..cache import ALWAYS_LIVE

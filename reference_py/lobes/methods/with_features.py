@@ -17,8 +17,8 @@ from ...material.stack import Stack
 from ...optics.interface import AnisotropicRoughness, Microfacets
 from ..analytic import AnalyticLobes
 from ..analytic.base import Facets
+from ..analytic.interface_tables import anisotropic_energy, closure_energy
 from ..analytic.lobe_set import at_views
-from ..analytic.tables import anisotropic_energy, closure_energy
 from ..lobe import DiffuseLobe, GlossyLobe
 from ..view_table import MIN_COS_O
 from .not_bakeable import bakeable, not_bakeable

@@ -25,7 +25,7 @@ from ...optics.interface import Interface
 from ...optics.optical_stack import OpticalStack
 from ...optics.sampling import sample_visible_normals
 from ..position_free.media import ScatteringMedium
-from ..position_free.surfaces import Surfaces
+from ..position_free.walk_surfaces import Surfaces
 
 DEPTH = 10
 """His `maxdepth`."""

@@ -27,8 +27,8 @@ from ...optics.frame import color_axis, generator, no_axis, per_direction, sampl
 from ...optics.microsurface import SURFACES
 from ...optics.optical_stack import OpticalStack, supports
 from ...optics.quadrature import LobeMixture
-from .surfaces import Surfaces
 from .walk import Walk, connected_f
+from .walk_surfaces import Surfaces
 
 BATCH = 1 << 15
 DEFAULT_WALKS = 1 << 16

@@ -18,7 +18,7 @@ import numpy as np
 from ...optics.directions import take
 from .media import ScatteringMedium
 from .rays import Rays
-from .surfaces import Surfaces
+from .walk_surfaces import Surfaces
 
 # Light that smooth surfaces trap for good meets no one.
 _TRAPPED = 1e-13

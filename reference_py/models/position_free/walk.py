@@ -15,7 +15,7 @@ import numpy as np
 from ...optics.directions import take
 from .connect import LightPaths
 from .rays import Rays
-from .surfaces import Surfaces
+from .walk_surfaces import Surfaces
 
 # A ray whose brightest channel falls below this survives by chance, with that much.
 _ROULETTE = 0.1

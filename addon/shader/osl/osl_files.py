@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ....reference_py.lobes.analytic import base, calibration, tables
+from ....reference_py.lobes.analytic import base, calibration, interface_tables
 from ....reference_py.lobes.methods import paper
 from ....reference_py.lobes.view_table import KNOTS, MIN_COS_O
 from ....reference_py.optics import interface, thin_film
@@ -65,13 +65,13 @@ def constants() -> dict[str, str]:
         "TINT_FLOOR": interface.TINT_FLOOR, "NODE_COUNT": paper.NODE_COUNT,
         "FILM_STEPS": thin_film.STEPS, "FILM_LAST_PHASE": thin_film.LAST_PHASE_NM, "FILM_TERMS": thin_film.TERMS,
         "FILM_THINNEST": thin_film.THINNEST_NM,
-        "MOST_RHO": tables.MOST_RHO, "RHO_CELLS": tables.RHO_CELLS, "ALPHA_CELLS": tables.ALPHA_CELLS, "UNIT": tables.UNIT,
-        "T_KNOTS": len(tables.T), "V_KNOTS": len(tables.V), "CLOSURE_CELLS": tables.CLOSURE_CELLS,
-        "LEAST_RATIO": tables.LEAST_RATIO, "LEAST_KAPPA": tables.LEAST_KAPPA, "ANISOTROPIC_ALPHAS": tables.ANISOTROPIC_ALPHAS,
-        "ANISOTROPIC_RATIOS": tables.ANISOTROPIC_RATIOS, "ANISOTROPIC_COSINES": tables.ANISOTROPIC_COSINES,
+        "MOST_RHO": interface_tables.MOST_RHO, "RHO_CELLS": interface_tables.RHO_CELLS, "ALPHA_CELLS": interface_tables.ALPHA_CELLS, "UNIT": interface_tables.UNIT,
+        "T_KNOTS": len(interface_tables.T), "V_KNOTS": len(interface_tables.V), "CLOSURE_CELLS": interface_tables.CLOSURE_CELLS,
+        "LEAST_RATIO": interface_tables.LEAST_RATIO, "LEAST_KAPPA": interface_tables.LEAST_KAPPA, "ANISOTROPIC_ALPHAS": interface_tables.ANISOTROPIC_ALPHAS,
+        "ANISOTROPIC_RATIOS": interface_tables.ANISOTROPIC_RATIOS, "ANISOTROPIC_COSINES": interface_tables.ANISOTROPIC_COSINES,
         **dict(zip(TABLE_BLOCKS.values(), table_starts())),
     }  # fmt: skip
-    rows = {"ANISOTROPIC_KNOTS": np.cos(2.0 * tables.ANISOTROPIC_AZIMUTHS), "MEAN_COSINE": base.MEAN_COSINES, "MEAN_WEIGHT": base.MEAN_WEIGHTS}
+    rows = {"ANISOTROPIC_KNOTS": np.cos(2.0 * interface_tables.ANISOTROPIC_AZIMUTHS), "MEAN_COSINE": base.MEAN_COSINES, "MEAN_WEIGHT": base.MEAN_WEIGHTS}
     for name, value in (*vars(calibration).items(), *rows.items()):
         if name.isupper():
             values |= {f"{name}_{i}": v for i, v in enumerate(value)} if isinstance(value, tuple | np.ndarray) else {name: value}
@@ -86,5 +86,5 @@ def _literal(value: float) -> str:
 @cache
 def table_starts() -> tuple[int, ...]:
     """Where each block starts within the tables of a distribution, then where they end."""
-    sizes = tables.tables()["ggx"]
+    sizes = interface_tables.tables()["ggx"]
     return (0, *np.cumsum([sizes[block].size for block in TABLE_BLOCKS]).tolist())
