@@ -83,10 +83,12 @@ print(json.dumps([sorted(rooms), sorted(returns)]))
 
 @contextlib.contextmanager
 def checkout(commit: str) -> Iterator[Path]:
-    """A folder with the files of a commit, for a while."""
+    """A folder with the files of a commit, for a while. Exits with a line where there is no such commit."""
     with tempfile.TemporaryDirectory() as folder:
-        archive = subprocess.run(["git", "-C", str(ROOT), "archive", commit], check=True, capture_output=True).stdout
-        subprocess.run(["tar", "-x", "-C", folder], input=archive, check=True)
+        archive = subprocess.run(["git", "-C", str(ROOT), "archive", "--end-of-options", commit], capture_output=True)
+        if archive.returncode:
+            sys.exit(f"lamina: no commit {commit!r} in this repository; give one that `git log` lists")
+        subprocess.run(["tar", "-x", "-C", folder], input=archive.stdout, check=True)
         yield Path(folder)
 
 
