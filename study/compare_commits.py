@@ -15,10 +15,9 @@ from ..reference_py.errors import LaminaError
 
 ROOT = Path(__file__).parents[1]
 TOLERANCE = 1e-6
-# What runs in each checkout, by the names that the tree had before and has now.
-EVALUATE = """
+# What a process begins with that runs in a checkout, its argument: names are given as the tree had them before and has them now.
+START = """
 import importlib, importlib.util, json, sys
-import numpy as np
 root = sys.argv[1]
 spec = importlib.util.spec_from_file_location("lamina", root + "/__init__.py", submodule_search_locations=[root])
 sys.modules["lamina"] = importlib.util.module_from_spec(spec)
@@ -35,6 +34,10 @@ def one_of(*names):
             return getattr(found, attribute)
     raise SystemExit("none of " + ", ".join(names))
 
+"""
+EVALUATE = (
+    START
+    + """import numpy as np
 load, PAPER = (one_of(f"reference_py.material.presets:{name}", f"reference_py.presets:{name}") for name in ("load", "PAPER"))
 make_model = one_of("reference_py.registry:make_model", "reference_py.models:make_model")
 MODELS = one_of("reference_py.registry:MODELS", "reference_py.models:MODELS")
@@ -63,6 +66,7 @@ for name, stack in stacks.items():
         found[f"{method}, energy of {name}"] = sum(lobe_energy(lobe, np.cos(theta)) for lobe in lobes).tolist()
 print(json.dumps(found))
 """
+)
 
 
 def values_of(checkout: Path) -> dict[str, list]:

@@ -18,6 +18,7 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
+from .compare_commits import START
 from .tables import FIGURES, ROOT, write_table
 
 # The parent of the first commit of the rebuilding.
@@ -37,23 +38,9 @@ QUESTIONS = {
     "Where are bakes kept?": "cache",
 }
 # The way from what a method made to its text, by the names of both trees: files that are entered, and calls back into one that has not ended.
-TRACE = """
-import importlib, importlib.util, json, sys
-root = sys.argv[1]
-spec = importlib.util.spec_from_file_location("lamina", root + "/__init__.py", submodule_search_locations=[root])
-sys.modules["lamina"] = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(sys.modules["lamina"])
-
-def one_of(*names):
-    for name in names:
-        module, _, attribute = name.rpartition(":")
-        try:
-            return getattr(importlib.import_module("lamina." + module), attribute)
-        except ModuleNotFoundError:
-            continue
-    raise SystemExit("none of " + ", ".join(names))
-
-generate = one_of("addon.shader.osl.generate:generate", "addon.network.osl:generate")
+TRACE = (
+    START
+    + """generate = one_of("addon.shader.osl.generate:generate", "addon.network.osl:generate")
 make = one_of("reference_py.lobes.methods:make_lobe_set", "reference_py.network:make_network")
 load = one_of("reference_py.material.presets:load", "reference_py.presets:load")
 rooms, returns, way = set(), set(), []
@@ -79,6 +66,7 @@ for name in ("frosted_paint", "patina_copper", "anodised_titanium"):
         way.clear()
 print(json.dumps([sorted(rooms), sorted(returns)]))
 """
+)
 
 
 @contextlib.contextmanager
