@@ -175,6 +175,11 @@ def _file(key: str) -> Path:
     return _folder / f"{hashlib.sha256((_code() + key).encode()).hexdigest()[:32]}.json"
 
 
+def prepare() -> None:
+    """Read, once for a session, what every look for a bake needs."""
+    _code()
+
+
 @cache
 def _code() -> str:
     """A digest of the reference's own text and data."""

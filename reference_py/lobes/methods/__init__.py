@@ -4,6 +4,8 @@
 `closure_model` evaluates a lobe set exactly as Cycles does, and `addon.shader` writes it as a shader.
 """
 
+from dataclasses import replace
+
 from ...errors import LaminaError
 from ...material.coverage import Patch, is_plain, patches
 from ...material.place import Place, in_words
@@ -82,7 +84,8 @@ def make_lobe_set(stack: Stack, method: str = DEFAULT_METHOD, **options) -> Made
 
 def provisional(stack: Stack) -> Made:
     """What stands in for a method that takes time until it is there: `analytic`, or the quickest bake of media that scatter, which that does not know."""
-    return make_lobe_set(stack, baking.NAME, glossy=1) if scatters(stack) else make_lobe_set(stack, AnalyticLobes.name)
+    made = make_lobe_set(stack, baking.NAME, glossy=1) if scatters(stack) else make_lobe_set(stack, AnalyticLobes.name)
+    return replace(made, stands_in=True)
 
 
 def key_of(stack: Stack, method: str, **options) -> str:
