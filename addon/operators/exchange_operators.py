@@ -145,7 +145,7 @@ class LAMINA_OT_export_materials(ops.LaminaOperator, bpy.types.Operator):
         name="Textures", description="Bake what textures feed over the object's UV map, as pictures that the file names; without, their means are written"
     )
     size: bpy.props.EnumProperty(name="Size", description="Width and height of each picture", items=[(str(n), f"{n} px", "") for n in SIZES], default="1024")
-    reports: bpy.props.BoolProperty(name="Reports", description="Write beside each file what was kept, approximated and lost", default=True)
+    reports: bpy.props.BoolProperty(name="Write Reports", description="Write beside each file what was kept, approximated and lost", default=True)
 
     @classmethod
     def poll(cls, context):
