@@ -13,6 +13,7 @@ from ...material.qualities import AUTO
 from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
 from ...models.position_free import PositionFree
+from ...optics.error_measure import albedo_error
 from ...optics.frame import spherical
 from ...optics.optical_stack import Support
 from ..analytic import AnalyticLobes
@@ -106,7 +107,7 @@ def with_anisotropy(choice: Choice, stack: Stack, tolerance: float, cosines: np.
         if candidate.label in _LIVE:
             lobe_set = featured_analytic(stack) if candidate.label == AnalyticLobes.name else _LIVE[candidate.label](stack)
             albedo = np.stack([sum(lobe_energy(lobe, views, phi) for lobe in lobe_set.lobes(views, phi)) for phi in _AZIMUTHS], axis=1)
-            error = float(np.max(np.abs(albedo - truth) / truth))
+            error = float(np.max(albedo_error(albedo, truth)))
             tried.append((replace(candidate, albedo=error), lobe_set))
     (chosen, lobe_set), reason = _best(tried, tolerance)
     noise = float(np.max(stderr / truth))
