@@ -93,7 +93,6 @@ class Microsurface:
         descent = _descent(np.ones(1), cos_theta, self, detail.heights)[:, 0]
         solution, source = _solution(surface, detail)
         again = np.einsum("ih,mihr->mir", descent, scatter.apply(solution))
-        left = np.einsum("ih,ih->i", descent, scatter.leftover())
         again = np.moveaxis(again.reshape(detail.azimuths, len(cos_theta), -1, detail.moments), 2, 0)
         again = again[::-1] if side else again
         own = source[:, side, ..., side * detail.moments :][..., : detail.moments]
@@ -103,8 +102,10 @@ class Microsurface:
         energy = np.maximum(again[:, 0, :, 0], 0.0)
         least = _ACCURACY
         if self.etas:
-            left = energy.sum(axis=0)  # equal up to the collocation's error, which this takes out
+            left = energy.sum(axis=0)  # what does not leave directly, up to the collocation's error, which this takes out
             least = _NOTHING
+        else:
+            left = np.einsum("ih,ih->i", descent, scatter.leftover())
         shape = np.clip(again / np.maximum(energy, least)[:, None, :, None], -1.0, 1.0)
         shape[:, 0, :, 0] = 1.0
         share = np.where(left > _NOTHING, np.minimum(energy / np.maximum(left, _NOTHING), 1.0), 0.0)
@@ -190,14 +191,9 @@ class _Scatter:
         return np.stack(left, axis=1).reshape(len(turns), len(w), len(heights), -1)
 
     def leftover(self) -> np.ndarray:
-        """(I, heights): share of the light that does not leave directly after this event, without absorption."""
+        """(I, heights): share of the light that does not leave a conductor directly after this event, without absorption."""
         heights = _node_heights(self.detail.heights)
-        stays = np.einsum("iq,hiq->ih", self.weights, 1.0 - _free(self.reflected[..., 2], heights, self.surface))
-        if not self.surface.etas:
-            return stays
-        stays = np.einsum("iq,hiq->ih", self.w_reflected, 1.0 - _free(self.reflected[..., 2], heights, self.surface))
-        crossed = 1.0 - _free(self.refracted[..., 2], 1.0 - heights, self.surface)
-        return stays + np.einsum("iq,hiq->ih", self.w_refracted, crossed)
+        return np.einsum("iq,hiq->ih", self.weights, 1.0 - _free(self.reflected[..., 2], heights, self.surface))
 
     def apply(self, solution: np.ndarray) -> np.ndarray:
         """(azimuths, I, heights, ...): the unknown after this event, at the heights' nodes."""

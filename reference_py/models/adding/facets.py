@@ -7,6 +7,7 @@ Beckmann shares the points, its slope density is at most 1.48 times that of GGX 
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 
 import numpy as np
@@ -37,7 +38,7 @@ class Facets:
     distribution: str
     surface: str
 
-    @property
+    @cached_property
     def cos_om(self) -> np.ndarray:
         """(I, Q) cosine between wo and the facet normal."""
         return np.sum(self.wo * self.wm, axis=-1)
@@ -192,12 +193,16 @@ def _rooted(count, low, high):
     return low + (high - low) * np.square(np.sin(0.5 * pi * v)), (high - low) * 0.5 * pi * np.sin(pi * v) * w
 
 
-def dielectric_events(facets: Facets, eta: float):
-    """((wi, weights), (wt, weights)) of a dielectric, Fresnel included; eta = n_t / n_i."""
-    reflectance = fresnel_dielectric(facets.cos_om, eta)
-    wi, w_reflected = facets.reflected()
-    wt, w_refracted = facets.refracted(eta)
-    return (wi, w_reflected * reflectance), (wt, w_refracted * (1.0 - reflectance))
+def dielectric_reflected(facets: Facets, eta: float) -> tuple[np.ndarray, np.ndarray]:
+    """(wi, weights) of a dielectric, Fresnel included; eta = n_t / n_i."""
+    wi, weights = facets.reflected()
+    return wi, weights * fresnel_dielectric(facets.cos_om, eta)
+
+
+def dielectric_refracted(facets: Facets, eta: float) -> tuple[np.ndarray, np.ndarray]:
+    """(wt, weights) of a dielectric, Fresnel included; eta = n_t / n_i."""
+    wt, weights = facets.refracted(eta)
+    return wt, weights * (1.0 - fresnel_dielectric(facets.cos_om, eta))
 
 
 _LANCZOS = (

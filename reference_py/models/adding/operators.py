@@ -19,8 +19,8 @@ from ...optics.microfacet import is_specular
 from ...optics.slab import slab
 from .assembly import Layers, ScatteringMedium
 from .bounces import NARROW_ALPHA, Microsurface, detail_of
-from .direction_grid import Grid, gauss_legendre, legendre
-from .facets import MULTIPLE, dielectric_events, reflection_lobe, visible_facets
+from .direction_grid import Grid, chebyshev_moments, gauss_legendre, legendre
+from .facets import MULTIPLE, dielectric_reflected, dielectric_refracted, reflection_lobe, visible_facets
 
 # Azimuths of the quadrature of an Oren-Nayar base over the half circle.
 _OREN_NAYAR_AZIMUTHS = 128
@@ -29,7 +29,7 @@ _RESOLVED, _LOBE_AZIMUTHS = 2.0, 24
 # Below this alpha multiple scattering has no part in f, nor, in a draft, in what the grid holds of f.
 _SPIKE, _DRAFT_SPIKE = 0.01, 0.05
 # Directions and pairs of them handled at once, which bounds memory.
-_CHUNK, _PAIRS = 64, 512
+_CHUNK, _PAIRS = 64, 128
 
 
 @dataclass(frozen=True)
@@ -117,10 +117,13 @@ def _dielectric_chunk(n_own, n_other, cos_theta, eta, alpha, distribution, surfa
     """Of one event: rows reflected, where lobes are not resolved, and transmitted, and the share (I, 1) that crosses."""
     spread = resolution if transmits or not _is_resolved(alpha, grid) else ENERGY
     facets = visible_facets(cos_theta, alpha, distribution, surface, spread.across, spread.along, eta)
-    (wi, w_reflected), (wt, w_refracted) = dielectric_events(facets, eta)
-    empty = [np.zeros((resolution.modes, len(cos_theta), grid.count(n))) for n in (n_own, n_other)]
-    single = empty[0] if _is_resolved(alpha, grid) else grid.project(n_own, wi, resolution.modes)(w_reflected)[0]
-    transmitted = grid.project(n_other, wt, resolution.modes)(w_refracted)[0] if transmits else empty[1]
+    wt, w_refracted = dielectric_refracted(facets, eta)
+    single, transmitted = (np.zeros((resolution.modes, len(cos_theta), grid.count(n))) for n in (n_own, n_other))
+    if not _is_resolved(alpha, grid):
+        wi, w_reflected = dielectric_reflected(facets, eta)
+        single = grid.project(n_own, wi, resolution.modes)(w_reflected)[0]
+    if transmits:
+        transmitted = grid.project(n_other, wt, resolution.modes)(w_refracted)[0]
     return single, transmitted, w_refracted.sum(axis=1, keepdims=True)
 
 
@@ -264,10 +267,4 @@ def _lobe_modes(curves, cos_o, cos_i, alpha, distribution, surface, modes: int) 
     both = np.maximum(1.0 + cos_o * cos_i - sines * cos_turn, 1e-30)
     cos_m, cos_om = np.minimum((cos_o + cos_i) / np.sqrt(2.0 * both), 1.0), np.sqrt(0.5 * both)
     lobe = reflection_lobe(cos_o, cos_i, cos_m, alpha, distribution, surface) * measure
-    f = np.stack([lobe * curve(cos_om) for curve in curves])
-    before, now = cos_turn, np.ones_like(cos_turn)
-    result = np.empty((len(curves), modes, len(cos_o)))
-    for m in range(modes):
-        np.einsum("cpt,pt->cp", f, now, out=result[:, m])
-        before, now = now, 2.0 * cos_turn * now - before
-    return result
+    return chebyshev_moments(np.stack([lobe * curve(cos_om) for curve in curves]), cos_turn, modes)
