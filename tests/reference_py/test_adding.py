@@ -456,7 +456,7 @@ def test_lobes_between_the_grid_s_own_directions_are_those_of_any_directions():
 @pytest.mark.parametrize("top", [{}, {"extinction": [0.3] * 3, "scatter_albedo": [0.9] * 3, "scatter_g": 0.8}])
 def test_modes_that_rough_layers_blur_away_are_left_out_and_not_missed(top, monkeypatch):
     deep = stack(
-        {"kind": "conductor", "metal": "silver", "roughness": 0.3}, coat(1.6, 0.2, **top), *(coat((1.3, 1.6)[i % 2], 0.3 + 0.04 * i) for i in range(4))
+        {"kind": "conductor", "metal": "silver", "roughness": 0.3}, coat(1.6, 0.2, **top), *(coat((1.2, 1.7)[i % 2], (0.5, 0.6, 0.0, 0.7)[i]) for i in range(4))
     )
     wo, wi = spherical(np.radians([10.0, 60.0, 80.0]), 0.0), spherical(np.radians([20.0, 55.0, 70.0]), np.radians([180.0, 170.0, 60.0]))
     fewer = Adding(deep, nodes=12, modes=48)

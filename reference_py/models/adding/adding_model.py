@@ -229,12 +229,12 @@ class Adding:
         else:
             top = self._operators(k, resolution)
             below, specular_below, direct_below = self._reflection(k + 1, channel, resolution)
-            seen, whole = top.cut(len(below)), top.r_up.copy()
-            whole[: len(below)] += seen.t_down @ round_trips(below, seen.r_down, below @ seen.t_up)
+            reached, whole = top.cut(len(below)), top.r_up.copy()
+            whole[: len(below)] += reached.t_down @ round_trips(below, reached.r_down, below @ reached.t_up)
             if is_specular(effective.interfaces[k].alpha):
                 trips = 1.0 / (1.0 - (1.0 - TRAPPED_LOSS) * specular_below * np.diagonal(top.r_down[0]))
                 specular = np.diagonal(top.r_up[0] + top.t_down[0] * (trips * specular_below) @ top.t_up[0])
-                direct = (top.t_down * trips) @ direct_below @ (trips[:, None] * top.t_up)
+                direct = (reached.t_down * trips) @ direct_below @ (trips[:, None] * reached.t_up)
             else:
                 specular, direct = np.zeros(len(whole[0])), top.single
         medium = effective.medium(k, channel, grid, len(whole))

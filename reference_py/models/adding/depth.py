@@ -10,7 +10,7 @@ from .effective_stack import EffectiveStack
 from .operators import InterfaceOperators, Resolution, interface_operators
 
 # Modes that add less than this to f, in 1/sr, are left out: their bound is some ten times what they do add.
-_UNSEEN = 1e-6
+_UNSEEN = 1e-7
 
 
 def operators_by_depth(effective: EffectiveStack, surface: str, grid: Grid, resolution: Resolution) -> tuple[list[InterfaceOperators], Resolution]:
