@@ -41,7 +41,7 @@ class Facets:
     @cached_property
     def cos_om(self) -> np.ndarray:
         """(I, Q) cosine between wo and the facet normal."""
-        return np.sum(self.wo * self.wm, axis=-1)
+        return self.wo[..., 0] * self.wm[..., 0] + self.wo[..., 2] * self.wm[..., 2]
 
     def reflected(self) -> tuple[np.ndarray, np.ndarray]:
         """Directions (I, Q, 3) and weights (I, Q) of the light a perfect mirror turns out in one event."""
@@ -107,10 +107,11 @@ def visible_facets(cos_theta: np.ndarray, alpha: float, distribution: str, surfa
         else:
             ratio = (1.0 + smith_lambda(cos_theta, alpha, GGX)) / (1.0 + smith_lambda(cos_theta, alpha, distribution))
             weights = weights * ratio[:, None, None]
-    wm = np.stack([alpha * nx, alpha * ny, nz], axis=-1)
-    wm = wm / np.linalg.norm(wm, axis=-1, keepdims=True)
-    wo = np.stack([sin_theta, np.zeros_like(sin_theta), cos_theta], axis=-1)[:, None, :]
-    return Facets(wo, wm.reshape(len(cos_theta), -1, 3), weights.reshape(len(cos_theta), -1), alpha, distribution, surface)
+    # components one after the other, which computes fastest
+    wm = np.stack([alpha * nx, np.broadcast_to(alpha * ny, nx.shape), nz]).reshape(3, len(cos_theta), -1)
+    wm /= np.sqrt(np.sum(np.square(wm), axis=0))
+    wo = np.stack([sin_theta, np.zeros_like(sin_theta), cos_theta])[..., None]
+    return Facets(np.moveaxis(wo, 0, -1), np.moveaxis(wm, 0, -1), weights.reshape(len(cos_theta), -1), alpha, distribution, surface)
 
 
 def reflection_lobe(cos_o, cos_i, cos_m, alpha: float, distribution: str, surface: str) -> np.ndarray:
