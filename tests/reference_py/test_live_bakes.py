@@ -76,7 +76,7 @@ def drawn(rng, stack: Stack, live) -> Stack:
         (VARNISH, METAL, [(None, "reflectance")], 0.012, 1.1),
         (GLAZE, METAL, [(None, "edge_color")], 0.004, 1.1),
         (GLAZE, CLAY, [(None, "sigma_deg")], 0.004, 1.1),
-        (VARNISH, CLAY, [(None, "color")], 0.006, 1.6),  # bakes of each alone became closer, this did not
+        (VARNISH, CLAY, [(None, "color")], 0.006, 1.2),
         (VARNISH, WOOD, [(0, "ior")], 0.004, 1.1),
         (VARNISH, WOOD, [(0, "tint"), (None, "color")], 0.006, 1.6),
         (MILK, METAL, [(0, "density")], 0.004, 1.5),

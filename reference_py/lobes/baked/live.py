@@ -12,10 +12,10 @@ from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
 from ..axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, IndexAxis, NumberAxis, ReflectanceAxis, Scale, ScatterColorAxis, ThicknessAxis
-from ..live_grid import MIN_ENERGY, Energies, LiveLobes, grid_of
-from ..samples import view_of
+from ..live_grid import Energies, LiveLobes, grid_of
 from ..truth import truth_of
-from ..view_table import BASE_COLOR, KNOTS, BaseColorTable, knot_cosines
+from ..view_table import BASE_COLOR, DiffuseTable, GlossyTable
+from .base_color import base_of, over
 from .knot_energies import shares, top_lobe
 
 MOST_AXES = 2
@@ -30,8 +30,6 @@ _ROUGHNESSES, _NARROWEST = (0.2, 1.0), 0.05
 # At 1 the layer's surface is gone, and with a reflectance of 0 the metal.
 _INDICES, _REFLECTANCES = (1.02, 4.0), (0.004, 0.999)
 _DEEPEST, _DEEPEST_MEDIUM = 6.0, 30.0
-# Beside white, the color at which a rough diffuse base is right.
-_SOME_COLOR = 0.3
 
 
 def follows(stack: Stack, live: tuple[Place, ...]) -> bool:
@@ -43,30 +41,6 @@ def follows(stack: Stack, live: tuple[Place, ...]) -> bool:
 def _without_color(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
     """The live values that need knots: all but the color of a diffuse base."""
     return tuple(place for place in live if place != BASE_COLOR) if _is_diffuse(stack) else live
-
-
-def over_black(stack: Stack) -> Stack:
-    """The stack over a black base."""
-    return BASE_COLOR.with_value(stack, (0.0, 0.0, 0.0))
-
-
-def base_of(truth, here: Stack, stack: Stack) -> BaseColorTable:
-    """What a diffuse base of any color adds to the layers of `here`, whose base is black and whose truth is known; the color is that of `stack`.
-
-    Light that meets a Lambert base has lost its direction: three numbers per view say all. A rough one keeps some, and they are
-    those that are right at two colors.
-    """
-    layers = truth.layer_energies()
-    back, escapes = layers.diffuse_below
-    own, color = np.zeros((KNOTS, 3)), np.array(stack.base["color"])
-    if OpticalStack.of(here).base.sigma_deg == 0.0:
-        return BaseColorTable(own, layers.above(knot_cosines())[1] * escapes, np.broadcast_to(back, (KNOTS, 3)), color)
-    views = np.stack([view_of(c) for c in knot_cosines()])
-    some, all_ = (truth_of(BASE_COLOR.with_value(here, (c,) * 3)).albedo(views) - truth.albedo(views) for c in (_SOME_COLOR, 1.0))
-    # of through c / (1 - back c)
-    ratio = all_ * _SOME_COLOR / np.maximum(some, MIN_ENERGY)
-    back = np.clip((ratio - 1.0) / (ratio - _SOME_COLOR), 0.0, 0.999)
-    return BaseColorTable(own, all_ * (1.0 - back), back, color)
 
 
 def in_tables(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
@@ -135,7 +109,7 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     axes = axes_of(stack, _without_color(stack, live))
     assert axes is not None, "see follows"
     over_color = BASE_COLOR in live
-    ground = over_black(stack) if over_color else stack
+    ground = over(stack, 0.0) if over_color else stack
     knots = [axis.knots.knots[axis.before :] for axis in axes]
     size = tuple(map(len, knots))
     center = tuple(n // 2 for n in size)
@@ -152,7 +126,7 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
         else:
             near = min(found, key=lambda other: sum(abs(a - b) for a, b in zip(node, other)))
             found[node] = baker.continued(found[near])
-        nodes[node] = baker.lobe_set(found[node], keep=True)
+        nodes[node] = baker.lobe_set(found[node], keep=(GlossyTable, DiffuseTable))
         report(0.8 * (done + 1) / len(order))
 
     def energies(here: Stack) -> Energies:
