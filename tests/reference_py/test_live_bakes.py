@@ -79,9 +79,9 @@ def drawn(rng, stack: Stack, live) -> Stack:
         (VARNISH, CLAY, [(None, "color")], 0.006, 1.2),
         (VARNISH, WOOD, [(0, "ior")], 0.004, 1.1),
         (VARNISH, WOOD, [(0, "tint"), (None, "color")], 0.006, 1.6),
-        (MILK, METAL, [(0, "density")], 0.004, 1.5),
+        (MILK, METAL, [(0, "density")], 0.004, 1.1),
         (MILK, METAL, [(0, "scatter_color")], 0.004, 1.2),
-        (MILK, WOOD, [(0, "density"), (0, "scatter_color")], 0.0105, 1.6),
+        (MILK, WOOD, [(0, "density"), (0, "scatter_color")], 0.0105, 1.3),
     ],
 )
 def test_values_are_as_right_as_constants(layer, base, live, albedo, shape):

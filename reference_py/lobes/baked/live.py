@@ -101,6 +101,29 @@ def _even(kind: type[Axis], live: tuple[Place, ...], ends: tuple[float, float], 
     return kind(live, *(Scale(*ends, int(steps * finer) + 1) for finer in (1, fine, cross)))
 
 
+def _apart(node: tuple[int, ...], other: tuple[int, ...]) -> int:
+    return sum(abs(a - b) for a, b in zip(node, other))
+
+
+def _better_from(start: tuple[int, ...], bakers: dict, found: dict, glossy: int) -> None:
+    """Fits that a node begins by itself, and its neighbours go on from it, as far as these are closer than what was found.
+
+    What a deep medium shows is not what shows through a thin one, and fits that begin at the one do not find the other.
+    """
+    own, plan, kind = bakers[start].path(glossy), found[start].plan, found[start].path.distributions
+    if (own.plan, own.path.distributions) != (plan, kind) or own.path.mixtures.error.sum() >= found[start].path.mixtures.error.sum():
+        return
+    found[start], fresh, left = own, [start], set(found) - {start}
+    while fresh:
+        node = fresh.pop(0)
+        for other in [other for other in sorted(left) if _apart(node, other) == 1]:
+            left.remove(other)
+            continued = bakers[other].continued(found[node])
+            if continued.path.mixtures.error.sum() < found[other].path.mixtures.error.sum():
+                found[other] = continued
+                fresh.append(other)
+
+
 def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Callable, report: Callable[[float], None]) -> LiveLobes:
     """The grid of a stack over live values of which at least one needs knots.
 
@@ -114,20 +137,23 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     size = tuple(map(len, knots))
     center = tuple(n // 2 for n in size)
     order = sorted(np.ndindex(size), key=lambda node: sum(abs(a - b) for a, b in zip(node, center)))
-    found, nodes = {}, {}
+    found, bakers = {}, {}
     for done, node in enumerate(order):
         here = ground
         for axis, at, i in zip(axes, knots, node):
             here = axis.at(here, at[i])
-        truth = truth_of(here)
-        baker = make_baker(here, truth)
+        bakers[node] = make_baker(here, truth_of(here))
         if not found:
-            found[node] = baker.path(glossy)
+            found[node] = bakers[node].path(glossy)
         else:
-            near = min(found, key=lambda other: sum(abs(a - b) for a, b in zip(node, other)))
-            found[node] = baker.continued(found[near])
-        nodes[node] = baker.lobe_set(found[node], keep=(GlossyTable, DiffuseTable))
-        report(0.8 * (done + 1) / len(order))
+            near = min(found, key=lambda other: _apart(node, other))
+            found[node] = bakers[node].continued(found[near])
+        report(0.7 * (done + 1) / len(order))
+    for axis, last in zip(axes, size):
+        if isinstance(axis, ThicknessAxis):
+            _better_from(tuple(n - 1 if other is axis else n // 2 for other, n in zip(axes, size)), bakers, found, glossy)
+    nodes = {node: baker.lobe_set(found[node], keep=(GlossyTable, DiffuseTable)) for node, baker in bakers.items()}
+    report(0.8)
 
     def energies(here: Stack) -> Energies:
         truth = truth_of(here)
