@@ -70,8 +70,8 @@ def drawn(rng, stack: Stack, live) -> Stack:
 @pytest.mark.parametrize(
     "layer, base, live, albedo, shape",
     [
-        (VARNISH, WOOD, [(0, "tint")], 0.006, 1.2),
-        (VARNISH, WOOD, [(0, "tint"), (0, "thickness")], 0.0065, 1.2),  # one view between knots, in red
+        (VARNISH, WOOD, [(0, "tint")], 0.004, 1.2),
+        (VARNISH, WOOD, [(0, "tint"), (0, "thickness")], 0.004, 1.1),
         (GLAZE, METAL, [(0, "tint")], 0.006, 1.1),
         (VARNISH, METAL, [(None, "reflectance")], 0.012, 1.1),
         (GLAZE, METAL, [(None, "edge_color")], 0.004, 1.1),
