@@ -49,7 +49,8 @@ def eevee_albedo(alpha: np.ndarray, cos_theta_o: np.ndarray) -> np.ndarray:
     These are sampled by spherical caps (Dupuy and Benyoub 2023, "Sampling visible GGX normals with spherical caps").
     """
     alpha, z = (np.asarray(v, float)[..., None] for v in np.broadcast_arrays(alpha, np.clip(cos_theta_o, 1e-4, 1.0)))
-    u1, u2 = (u.ravel() for u in np.meshgrid(*2 * [(np.arange(_POINTS) + 0.5) / _POINTS]))
+    even = (np.arange(_POINTS) + 0.5) / _POINTS
+    u1, u2 = (u.ravel() for u in np.meshgrid(even[: _POINTS // 2], even))  # the other half of a ring mirrors these
     x = np.sqrt(1.0 - z * z)
     length = np.hypot(alpha * x, z)
     hx, hz = alpha * x / length, z / length

@@ -154,6 +154,7 @@ class TableLobes:
     tables: tuple[GlossyTable | DiffuseTable | OrenNayarTable | BaseColorTable, ...]
 
     name = "baked"
+    is_live = False
 
     @property
     def followed(self) -> tuple[Place, ...]:
