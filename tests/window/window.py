@@ -132,7 +132,7 @@ class Window:
     def pick(self, *commands: str) -> bool:
         """Choose with the arrow keys in the menu that is open, through its submenus, the last of which is an operator; whether they are there."""
         for command in commands:
-            for _ in range(40):
+            for _ in range(60):
                 self.key("Down")
                 text = self.copied() or self.copied()  # a busy machine may miss a key
                 if command in text:
