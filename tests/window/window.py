@@ -221,14 +221,14 @@ def convert(window: Window) -> None:
 def rust_by_a_mask(window: Window) -> None:
     """The ready layer Rust, which has a mask of its own, and a plain layer that gets one from the menu."""
     before = window.state()["layers"]
-    pick(window, ADD, 'layer_add_ready(ready="rust")')
+    pick(window, ADD, "layer_add_ready(ready='rust')")
     state = window.wait_for("rust", lambda s: len(s["layers"]) == len(before) + 1)
     assert state["masked"][state["active"]], state
     told(f"rust by its mask: {', '.join(state['layers'])}")
-    pick(window, ADD, 'layer_add(kind="dielectric")')
+    pick(window, ADD, "layer_add(kind='dielectric')")
     state = window.wait_for("a plain layer", lambda s: len(s["layers"]) == len(before) + 2)
     assert not state["masked"][state["active"]], state
-    pick(window, SPECIALS, "LAMINA_MT_add_mask", 'generator="edges"')
+    pick(window, SPECIALS, "LAMINA_MT_add_mask", "edges")
     window.wait_for("its mask", lambda s: s["masked"][s["active"]])
     told(f"a mask: {', '.join(state['layers'])}")
 
