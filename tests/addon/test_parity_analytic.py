@@ -26,7 +26,7 @@ STACKS = {
 
 
 # What stands in for a bake is written as loops, however few its layers are.
-STANDING_IN = ("metallic_car_paint", "plastic_tinted_deep")
+STANDING_IN = ("three_rough", "water_on_stone")
 
 
 @pytest.mark.parametrize(("name", "tier"), [*((name, "analytic") for name in STACKS), *((name, "baked") for name in STANDING_IN)])
