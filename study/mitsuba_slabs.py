@@ -12,6 +12,7 @@ import numpy as np
 
 from ..reference_py.exchange.writers.mitsuba import slab_scene
 from ..reference_py.material.stack import Stack
+from ..reference_py.optics.error_measure import albedo_error, worst_share
 from ..reference_py.optics.frame import spherical
 from ..reference_py.registry import make_model
 from .charts.output import print_table
@@ -49,7 +50,7 @@ def main(samples: int = 16) -> None:
             exact = make_model("adding", stack, surface="single").albedo(spherical(np.radians(theta), 0.0))
             found, stderr = mitsuba_albedo(mi, stack, theta, samples)
             numbers = (" ".join(f"{v:.4f}" for v in values) for values in (exact, found))
-            rows.append([name, f"{theta:g}", *numbers, f"{np.max(stderr / exact):.4f}", f"{np.max(np.abs(found / exact - 1.0)):.4f}"])
+            rows.append([name, f"{theta:g}", *numbers, f"{worst_share(stderr, exact):.4f}", f"{albedo_error(found, exact):.4f}"])
             print(rows[-1], file=sys.stderr, flush=True)
     print_table(columns, rows)
     heading = ("make mitsuba-slabs", f"Mitsuba {mi.__version__}, explicit slabs, single facets; relative errors of the worst channel")

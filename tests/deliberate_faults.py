@@ -31,6 +31,7 @@ class Fault:
     tests: tuple[str, ...]
 
 
+MEASURE = "reference_py/optics/error_measure.py"
 AUTO, ESTIMATE, COST = "reference_py/lobes/methods/auto.py", "reference_py/lobes/error_estimate.py", "reference_py/lobes/methods/cost.py"
 PATCHES, CACHE, METHODS = "reference_py/lobes/patch_lobes.py", "reference_py/lobes/cache.py", "reference_py/lobes/methods/__init__.py"
 PAPER, MICROFACET, FILM = "reference_py/models/weidlich_wilkie.py", "reference_py/optics/microfacet.py", "reference_py/optics/thin_film.py"
@@ -86,8 +87,10 @@ FAULTS = (
           (f"{OF_CACHE}test_of_live_values_only_that_they_are_live_counts",)),
     Fault("the newest files go first", CACHE, "key=lambda one: one[1].st_mtime)", "key=lambda one: -one[1].st_mtime)",
           (f"{OF_CACHE}test_the_oldest_go_first",)),
-    Fault("a kept choice keeps another stack's values", AUTO, "else type(lobe_set)(stack)", "else lobe_set",
+    Fault("a kept choice keeps another stack's values", AUTO, "choice.lobe_set.with_values_of(stack), f", "choice.lobe_set, f",
           (f"{OF_CACHE}test_a_chosen_live_method_is_made_of_the_stack_that_asks",)),
+    Fault("an error of the mean channel", MEASURE, "np.max(apart", "np.mean(apart",
+          ("tests/reference_py/test_error_measure.py::test_worst_channel_is_told_and_a_black_one_is_not_divided_by",)),
     Fault("V cavities of factor 1.9", MICROFACET, "2.0 * cos_m * np.minimum", "1.9 * cos_m * np.minimum",
           (f"{OF_CAVITIES}test_the_factor_is_what_rays_see_of_a_groove", f"{OF_CAVITIES}test_equation_1_with_its_factor", f"{OF_CAVITIES}test_out_of_the_plane")),
     Fault("V cavities block the upper direction", MICROFACET, "np.minimum(cos_i, cos_o) / safe", "np.maximum(cos_i, cos_o) / safe",

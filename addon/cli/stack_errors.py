@@ -12,6 +12,7 @@ from ...reference_py.lobes.methods.not_bakeable import not_bakeable
 from ...reference_py.lobes.truth import truth_of
 from ...reference_py.material.coverage import patches
 from ...reference_py.material.stack import Stack
+from ...reference_py.optics.error_measure import albedo_error, worst_share
 from ...reference_py.optics.frame import spherical
 from ...reference_py.registry import make_model
 
@@ -54,5 +55,5 @@ def _against_walks(stack: Stack, made: Made) -> StackErrors:
     wo = spherical(np.radians(THETA_DEG)[:, None], np.radians(_PHI_DEG)).reshape(-1, 3)
     truth, stderr = make_model("position_free", stack).albedo_stderr(wo)
     albedo = make_model("closure_model", stack, method=DEFAULT_METHOD).albedo(wo)
-    error, noise = np.abs(albedo / truth - 1.0), stderr / truth
+    error, noise = albedo_error(albedo, truth), worst_share(stderr, truth)
     return StackErrors(made.lobe_set.name, made.lobe_count, "position_free", float(error.max()), float(noise.max()), None)

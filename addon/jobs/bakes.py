@@ -12,7 +12,6 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.lobes import methods
 from ...reference_py.lobes.cache import stack_key
 from ...reference_py.material.schema import SCHEMA_VERSION
 from ..blender.user_folders import cache_folder
@@ -111,7 +110,7 @@ def _follow(material: bpy.types.Material) -> bool:
             if not is_older:
                 record.keep_record(material)
             return False
-        wanted = state.wanted_stock(material) if methods.holds_values(material.lamina.tier) else None
+        wanted = state.wanted_stock(material)
         if wanted is None:
             return _follow_with_stock(material)
     else:

@@ -5,7 +5,6 @@ import os
 import time
 from collections.abc import Callable, Iterable
 
-from ...reference_py.lobes.methods import holds_values
 from ..material.state import Wanted
 from .bakes import Bake
 
@@ -19,7 +18,7 @@ def prefetch(wanted: Iterable[Wanted], report: Callable[[str], None]) -> None:
 
     A bake that fails is left to whoever asks for it next, who then learns why.
     """
-    left = {w.key: w for w in wanted if holds_values(w.method) and not w.is_cached()}
+    left = {w.key: w for w in wanted if not w.is_cached()}
     total, running = len(left), []
     if total < 2:
         return

@@ -7,7 +7,6 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.lobes import methods
 from ..blender import environment
 from ..material import elements, hand_over, live_values, osl_setting, pasted, reading, record, roles, shader_node, state
 from ..material import material as materials
@@ -30,7 +29,7 @@ def make_ready(*_) -> None:
     _for_each(lambda material: True, reading.measure_means)
     if bpy.app.background:
         wanted: list[state.Wanted] = []
-        _for_each(_needs_bake, lambda material: wanted.extend(filter(None, (state.wanted_lobes(material), state.wanted_stock(material)))))
+        _for_each(_is_unready, lambda material: wanted.extend(state.to_compute(material)))
         prefetch.prefetch(wanted, lambda message: print(f"Lamina: {message}"))
     _for_each(_is_unready, _make_ready)
     _for_each(_is_not_handed_over, lambda material: materials.hand_over(material, settle=bpy.app.background))
@@ -39,10 +38,6 @@ def make_ready(*_) -> None:
 
 def _is_unready(material) -> bool:
     return _is_behind(material) or state.lags(material)
-
-
-def _needs_bake(material) -> bool:
-    return methods.holds_values(material.lamina.tier) and _is_unready(material)
 
 
 def _is_behind(material) -> bool:

@@ -256,7 +256,7 @@ def refresh_stock(material: bpy.types.Material, settle: bool = False) -> None:
 
 def _stock_lobes(material: bpy.types.Material, settle: bool) -> tuple[Made | None, str]:
     """What the stock nodes beside a script are to hold, and its key; nothing where that is not computed, or not yet."""
-    wanted = wanted_stock(material) if holds_values(material.lamina.tier) else None
+    wanted = wanted_stock(material)
     return (wanted.make(), wanted.key) if wanted is not None and (settle or wanted.is_cached()) else (None, "")
 
 

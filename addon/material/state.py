@@ -64,8 +64,11 @@ def wanted_lobes(material: bpy.types.Material) -> Wanted:
 def wanted_stock(material: bpy.types.Material) -> Wanted | None:
     """What the stock nodes beside a script stand for, of a tier that computes first: a bake that follows what they can.
 
-    None where they hold values that are live and follow none of these; then they are the tier analytic's. Raises LaminaError as `wanted_lobes`.
+    None of other tiers, and where they hold values that are live and follow none of these; then they are the tier analytic's. Raises LaminaError as
+    `wanted_lobes`.
     """
+    if not methods.holds_values(material.lamina.tier):
+        return None
     wanted = wanted_lobes(material)
     followed = live_in_nodes(material, wanted.stack)
     return replace(wanted, live=followed) if followed or not wanted.live else None
@@ -104,6 +107,16 @@ def is_settled(material: bpy.types.Material) -> bool:
     if not methods.holds_values(material.lamina.tier):
         return True
     return note_of(shader_of(material), SETTLED, material) == wanted_lobes(material).key
+
+
+def is_final(material: bpy.types.Material) -> bool:
+    """Whether what this Blender renders was computed for the present values. Raises LaminaError for bad ones."""
+    return methods.holds_values(material.lamina.tier) and is_settled(material)
+
+
+def to_compute(material: bpy.types.Material) -> list[Wanted]:
+    """What a material wants computed, both branches of it. Raises LaminaError as `wanted_lobes`."""
+    return [w for w in (wanted_lobes(material), wanted_stock(material)) if w is not None] if methods.holds_values(material.lamina.tier) else []
 
 
 def lacks_branch(material: bpy.types.Material) -> bool:

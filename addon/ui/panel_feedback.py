@@ -66,7 +66,7 @@ def _draw_line(row, material, problem: str) -> None:
 def shown_quality(material) -> str:
     """How final what a material shows is, in words."""
     try:
-        return iface_("Final look" if methods.holds_values(material.lamina.tier) and state.is_settled(material) else "Preview")
+        return iface_("Final look" if state.is_final(material) else "Preview")
     except LaminaError:
         return iface_("Preview")  # a value is out of range, which Check tells
 

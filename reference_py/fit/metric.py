@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..optics.error_measure import worst_share
 from .readers.measurement import STEEPEST_DEG, Measurement
 
 FLOOR = 0.1
@@ -96,4 +97,4 @@ def rms(residual: np.ndarray) -> float:
 def shape_error(f: np.ndarray, truth: np.ndarray, cos_i: np.ndarray) -> float:
     """Cosine-weighted L1 of f (n, c) over that of the truth, the worst channel."""
     cos = cos_i[:, None]
-    return float(np.max(np.sum(np.abs(f - truth) * cos, axis=0) / np.maximum(np.sum(truth * cos, axis=0), 1e-30)))
+    return float(worst_share(np.mean(np.abs(f - truth) * cos, axis=0), np.mean(truth * cos, axis=0)))

@@ -11,9 +11,8 @@ from functools import cache
 import numpy as np
 
 from ..optics.diffuse import oren_nayar
-from ..optics.directions import components, vectors
 from ..optics.fresnel import fresnel_dielectric
-from ..optics.ggx import ggx_visible_normals
+from ..optics.ggx import ggx_visible_columns
 from ..optics.microfacet import GGX, anisotropic_distribution, distribution_of, is_specular, smith_lambda_stretched
 from ..optics.quadrature import GOLDEN, cosine_directions, points
 from ..optics.thin_film import film_reflectance
@@ -217,21 +216,22 @@ def _throughput(distribution: str, shapes: np.ndarray, wo: np.ndarray, u1: np.nd
 
 
 def _throughput_at_once(distribution: str, alpha_x, alpha_y, tilt, wo: np.ndarray, u1: np.ndarray, u2: np.ndarray):
+    alpha_x, alpha_y, tilt, ox, oy, oz = (column[:, None] for column in (alpha_x, alpha_y, tilt, *wo.T))
     cos_t, sin_t = np.cos(tilt), np.sin(tilt)
-    in_lobe_frame = cos_t * wo[:, 0] - sin_t * wo[:, 2], wo[:, 1], cos_t * wo[:, 2] + sin_t * wo[:, 0]
-    alpha_x, alpha_y, cos_t, sin_t, ox, oy, oz = (np.repeat(v, len(u1)) for v in (alpha_x, alpha_y, cos_t, sin_t, *in_lobe_frame))
-    m = ggx_visible_normals(vectors(ox, oy, oz), (alpha_x, alpha_y), np.tile(u1, len(wo)), np.tile(u2, len(wo)))
-    mx, my, mz = components(m)
+    ox, oz = cos_t * ox - sin_t * oz, cos_t * oz + sin_t * ox
+    mx, my, mz = ggx_visible_columns(ox, oy, oz, alpha_x, alpha_y, u1, u2)
     cos_om = ox * mx + oy * my + oz * mz
     ix, iy, iz = 2.0 * cos_om * mx - ox, 2.0 * cos_om * my - oy, 2.0 * cos_om * mz - oz
     stretched_o, stretched_i = (np.square(alpha_x * x) + np.square(alpha_y * y) for x, y in ((ox, oy), (ix, iy)))
-    lambda_o, lambda_i = _lambda(stretched_o, oz, GGX), _lambda(stretched_i, iz, GGX)
-    throughput = (1.0 + lambda_o) / (1.0 + lambda_o + lambda_i)
-    if distribution != GGX:
-        ratio = anisotropic_distribution(distribution, alpha_x, alpha_y, mx, my, mz) / anisotropic_distribution(GGX, alpha_x, alpha_y, mx, my, mz)
+    lambda_o = _lambda(stretched_o, oz, GGX)
+    if distribution == GGX:
+        throughput = (1.0 + lambda_o) / (1.0 + lambda_o + _lambda(stretched_i, iz, GGX))
+    else:
+        slope2 = (np.square(mx / alpha_x) + np.square(my / alpha_y)) / np.maximum(np.square(mz), 1e-20)
+        ratio = distribution_of(distribution).slope_density(slope2) / distribution_of(GGX).slope_density(slope2)
         throughput = ratio * (1.0 + lambda_o) / (1.0 + _lambda(stretched_o, oz, distribution) + _lambda(stretched_i, iz, distribution))
     seen = (oz > 0.0) & (iz > 0.0) & (cos_t * iz > sin_t * ix)
-    return np.where(seen, throughput, 0.0).reshape(len(wo), -1), cos_om.reshape(len(wo), -1)
+    return np.where(seen, throughput, 0.0), cos_om
 
 
 def lobe_energy(lobe: GlossyLobe | DiffuseLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -> np.ndarray:

@@ -19,7 +19,7 @@ from .live_tables import LiveTable, LiveTables
 from .lobe import GlossyLobe
 from .patch_lobes import PatchLobes
 from .tabulate import tabulate
-from .view_table import AZIMUTHS, KNOTS, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
+from .view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
 
 # Points along each side of the unit square that an albedo is the mean over.
 _POINTS = 32
@@ -49,7 +49,8 @@ def eevee_albedo(alpha: np.ndarray, cos_theta_o: np.ndarray) -> np.ndarray:
     These are sampled by spherical caps (Dupuy and Benyoub 2023, "Sampling visible GGX normals with spherical caps").
     """
     alpha, z = (np.asarray(v, float)[..., None] for v in np.broadcast_arrays(alpha, np.clip(cos_theta_o, 1e-4, 1.0)))
-    u1, u2 = (u.ravel() for u in np.meshgrid(*2 * [(np.arange(_POINTS) + 0.5) / _POINTS]))
+    even = (np.arange(_POINTS) + 0.5) / _POINTS
+    u1, u2 = (u.ravel() for u in np.meshgrid(even[: _POINTS // 2], even))  # the other half of a ring mirrors these
     x = np.sqrt(1.0 - z * z)
     length = np.hypot(alpha * x, z)
     hx, hz = alpha * x / length, z / length
@@ -106,6 +107,9 @@ def _tilted(slope: np.ndarray) -> np.ndarray:
 def _table(table):
     if isinstance(table, OrenNayarTable):
         return DiffuseTable(oren_nayar_albedo(knot_cosines(), table.weight, table.sigma_deg, table.power), table.axis, table.normal)
+    if isinstance(table, BaseColorTable) and table.distribution is not None:
+        white = _table(GlossyTable(table.distribution, np.ones((KNOTS, 3)), table.shape))
+        return replace(table, own=table.own * white.weight, through=table.through * white.weight, distribution=white.distribution, shape=white.shape)
     if not isinstance(table, GlossyTable):
         return table
     cosines = knot_cosines()

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..material.stack import Stack
+from ..optics.error_measure import albedo_error, worst_share
 from ..optics.frame import spherical
 from ..optics.optical_stack import rough_surfaces
 from .closure import lobe_energy, lobe_f
@@ -48,17 +49,17 @@ class ErrorEstimator:
     def __init__(self, stack: Stack, truth, cosines: np.ndarray, light_deg: float = SOFT_LIGHT_DEG):
         self._cosines = np.asarray(cosines, float)
         self._views = truth_at(truth, self._cosines, [alpha for _, alpha in rough_surfaces(stack)], _POINTS)
-        self._albedo = np.maximum(truth.albedo(self._views.wo), 1e-9)
+        self._albedo = truth.albedo(self._views.wo)
         self._lights = _soft_lights(self._views, light_deg)
 
     def errors(self, lobe_set) -> Errors:
         """Errors of a lobe set of the stack."""
-        albedo = np.max(np.abs(sum(lobe_energy(lobe, self._cosines) for lobe in lobe_set.lobes(self._cosines)) - self._albedo) / self._albedo, axis=-1)
+        albedo = albedo_error(sum(lobe_energy(lobe, self._cosines) for lobe in lobe_set.lobes(self._cosines)), self._albedo)
         views = self._views
         f = sum(lobe_f(lobe, views.wo[:, None], views.wi) for lobe in lobe_set.lobes(views.cos_theta_o[:, None]))
         gap = views.share[..., None] * (f - views.f)
-        shape = np.max(np.sum(np.abs(gap), axis=1) / self._albedo, axis=-1)
-        soft = np.sum(np.abs(self._lights @ gap), axis=(1, 2)) / np.sum(self._albedo, axis=1)
+        shape = worst_share(np.sum(np.abs(gap), axis=1), self._albedo)
+        soft = np.sum(np.abs(self._lights @ gap), axis=(1, 2)) / np.maximum(np.sum(self._albedo, axis=1), 1e-9)
         return Errors(albedo, soft, shape)
 
 

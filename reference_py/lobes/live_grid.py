@@ -98,6 +98,7 @@ class LiveLobes:
     base: LiveBase | None = None
 
     name = "baked"
+    is_live = False
 
     @property
     def followed(self) -> tuple[Place, ...]:

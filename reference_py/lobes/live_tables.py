@@ -56,6 +56,7 @@ class LiveTables:
     tables: tuple[LiveTable, ...]
 
     name = "baked"
+    is_live = False
 
     @property
     def followed(self) -> tuple[Place, ...]:

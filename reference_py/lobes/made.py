@@ -22,6 +22,20 @@ class LobeSet(Protocol):
         ...
 
     @property
+    def is_live(self) -> bool:
+        """Whether its shader computes with the values themselves, which tables hold."""
+        ...
+
+    @property
+    def followed(self) -> tuple[Place, ...]:
+        """Values that tables follow beside."""
+        ...
+
+    def with_values_of(self, stack: Stack) -> "LobeSet":
+        """The same for a stack's own live values."""
+        ...
+
+    @property
     def lobe_count(self) -> int:
         """How many closures they are."""
         ...

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..material.stack import Stack
+from ..optics.error_measure import albedo_error, worst_share
 from ..optics.frame import spherical
 from ..optics.optical_stack import rough_surfaces
 from ..optics.quadrature import directional_albedo
@@ -26,11 +27,8 @@ def distance(stack: Stack, model, truth, theta: np.ndarray) -> Distance:
     """
     wo = spherical(theta, 0.0)
     exact = truth.albedo(wo)
-    scale = np.maximum(exact, 1e-12)
-    albedo = np.max(np.abs(model.albedo(wo) - exact) / scale, axis=-1)
 
     def gap(wo, wi):
         return np.abs(model.f(wo, wi) - truth.f(wo, wi))
 
-    shape = np.max(directional_albedo(gap, wo, rough_surfaces(stack)) / scale, axis=-1)
-    return Distance(albedo, shape)
+    return Distance(albedo_error(model.albedo(wo), exact), worst_share(directional_albedo(gap, wo, rough_surfaces(stack)), exact))

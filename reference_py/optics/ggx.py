@@ -53,18 +53,19 @@ class Ggx(Distribution):
 
 
 def ggx_visible_normals(w: np.ndarray, alpha, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
-    """GGX normals seen from w for uniform u1, u2 (n,).
+    """GGX normals (n, 3) seen from w for uniform u1, u2 (n,)."""
+    return vectors(*ggx_visible_columns(*components(w), *axes(alpha), u1, u2))
+
+
+def ggx_visible_columns(x, y, z, alpha_x, alpha_y, u1, u2) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The columns of `ggx_visible_normals`; what is given by columns is broadcast.
 
     GGX is a stretched hemisphere (Heitz18). Seen from w, its normals mirror w into directions that fill a
     spherical cap evenly (Dupuy23), whatever the sign of w_z.
     """
-    x, y, z = components(w)
-    alpha_x, alpha_y = axes(alpha)
     ax, ay = alpha_x * x, alpha_y * y
     scale = 1.0 / np.sqrt(ax * ax + ay * ay + z * z)
-    ax *= scale
-    ay *= scale
-    az = z * scale
+    ax, ay, az = ax * scale, ay * scale, z * scale
     height = (1.0 - u1) * (1.0 + az)  # z of the half vector, free of cancellation
     cap_z = height - az
     sin = np.sqrt(np.maximum(1.0 - cap_z * cap_z, 0.0))
@@ -72,4 +73,4 @@ def ggx_visible_normals(w: np.ndarray, alpha, u1: np.ndarray, u2: np.ndarray) ->
     hx = alpha_x * (sin * np.cos(phi) + ax)
     hy = alpha_y * (sin * np.sin(phi) + ay)
     scale = 1.0 / np.sqrt(hx * hx + hy * hy + height * height)
-    return vectors(hx * scale, hy * scale, height * scale)
+    return hx * scale, hy * scale, height * scale

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...reference_py.atomic import require_writable
 from ...reference_py.material.stack import Stack
+from ...reference_py.optics.error_measure import albedo_error
 from ...reference_py.optics.frame import spherical
 from ...reference_py.registry import make_model
 from ..tables import Report, read_table, write_table
@@ -118,4 +119,4 @@ def _shader(closure: str) -> str:
 
 
 def _errors(found: np.ndarray, exact: np.ndarray) -> list[str]:
-    return [f"{error:.4f}" for error in np.max(np.abs(found[:, :3] / np.maximum(exact, 1e-6) - 1.0), axis=1)]
+    return [f"{error:.4f}" for error in albedo_error(found[:, :3], exact)]

@@ -15,6 +15,7 @@ import numpy as np
 from ...reference_py.atomic import require_writable
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.baselines import LayeredBxdf
+from ...reference_py.optics.error_measure import albedo_error
 from ...reference_py.optics.frame import spherical
 from ...reference_py.optics.quadrature import cosine_directions, points
 from ...reference_py.registry import make_model
@@ -88,7 +89,7 @@ def peer_rows(stacks: Iterable[tuple[str, Stack]], report: Report, walks: int = 
             found = way.make(stack, _ALBEDO * walks).albedo_stderr(_views())[0] if way.is_stochastic else model.albedo(_views())
             noise = _share(stderr, f)
             cost = seconds * (noise / EQUAL) ** 2 if way.is_stochastic else seconds
-            numbers = (np.max(np.abs(found - albedo) / np.maximum(albedo, 1e-9)), _share(np.abs(value - f), f), noise, prepared - start, 1e3 * cost)
+            numbers = (np.max(albedo_error(found, albedo)), _share(np.abs(value - f), f), noise, prepared - start, 1e3 * cost)
             yield [name, way.name, *(f"{v:.4g}" for v in numbers)]
 
 

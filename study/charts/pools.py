@@ -15,6 +15,7 @@ from ...reference_py.lobes.methods import make_lobe_set
 from ...reference_py.lobes.patch_lobes import PatchLobes
 from ...reference_py.material.coverage import patches
 from ...reference_py.material.stack import Stack
+from ...reference_py.optics.error_measure import albedo_error
 from ..tables import Report, write_table
 from .output import print_table
 
@@ -77,7 +78,7 @@ def pool_errors(lobe_set: PatchLobes, layers: Sequence[dict]) -> tuple[np.ndarra
         parts = tuple((patch, part) for patch, (_, part) in zip(patches(stack_at(layers, masks.tolist())), lobe_set.parts, strict=True))
         shown = replace(lobe_set, parts=parts)
         expected = sum(patch.share * energy for (patch, _), energy in zip(parts, energies))
-        errors.append(np.max(np.abs(_albedo(shown) / expected - 1.0)))
+        errors.append(np.max(albedo_error(_albedo(shown), expected)))
         closures = max(closures, shown.lobe_count)
     return np.array(errors), closures
 

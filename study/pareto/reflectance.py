@@ -15,6 +15,7 @@ from ...reference_py.lobes.lobe import GlossyLobe
 from ...reference_py.lobes.samples import truth_at
 from ...reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines
 from ...reference_py.material.stack import Stack
+from ...reference_py.optics.error_measure import albedo_error, worst_share
 from ...reference_py.optics.frame import spherical
 from ...reference_py.optics.microfacet import GGX
 from ...reference_py.optics.optical_stack import OpticalStack, rough_surfaces
@@ -109,15 +110,15 @@ class Reference:
         self._cosines = np.cos(np.radians(THETA_DEG))
         self._views = truth_at(truth, self._cosines, [alpha for _, alpha in rough_surfaces(stack)], _POINTS)
         exact = TruthReflectance(truth)
-        self._albedo, self._specular_albedo = np.maximum(exact.albedo(self._cosines), 1e-9), exact.specular_albedo(self._cosines)
+        self._albedo, self._specular_albedo = exact.albedo(self._cosines), exact.specular_albedo(self._cosines)
 
     def errors(self, reflectance: Reflectance) -> Errors:
-        albedo = np.abs(reflectance.albedo(self._cosines) / self._albedo - 1.0)
+        albedo = albedo_error(reflectance.albedo(self._cosines), self._albedo)
         views = self._views
         gaps = np.abs(reflectance.specular_albedo(self._cosines) - self._specular_albedo)
         for gap, wo, wi, share, f in zip(gaps, views.wo, views.wi, views.share, views.f):
             gap += share @ np.abs(reflectance.f(np.broadcast_to(wo, wi.shape), wi) - f)
-        shape = np.max(gaps / self._albedo, axis=-1)
+        shape = worst_share(gaps, self._albedo)
         return Errors(float(np.max(albedo)), float(np.max(shape)), float(np.mean(shape)))
 
 

@@ -5,6 +5,7 @@ import numpy as np
 
 from ...addon.blender.versions import node_tree
 from ...reference_py.material.stack import Stack
+from ...reference_py.optics.error_measure import albedo_error, worst_share
 from ...reference_py.optics.frame import spherical
 from ...reference_py.registry import make_model
 from .bench import Stage, look_along
@@ -36,8 +37,8 @@ def slab_errors(stage: Stage, sample, stack: Stack, truth, renders: int) -> Erro
         measured /= renders * stage.size**2
         expected = walker.histogram(wo, _THETA_EDGES, phi_edges).energy
         gap = 0.5 * np.abs(_folded(measured) - _folded(expected)).sum(axis=(0, 1))
-        albedo.append(np.max(np.abs(measured.sum(axis=(0, 1)) / exact - 1.0)))
-        shape.append(np.max(gap / exact))
+        albedo.append(albedo_error(measured.sum(axis=(0, 1)), exact))
+        shape.append(worst_share(gap, exact))
     return Errors(float(np.max(albedo)), float(np.max(shape)), float(np.mean(shape)))
 
 

@@ -451,3 +451,18 @@ def test_lobes_between_the_grid_s_own_directions_are_those_of_any_directions():
     curves = [lambda c: fresnel_dielectric(c, 1.0 / 1.5), np.ones_like]
     own, any_ = operators._resolved_lobes(curves, cos, *lobe), operators._resolved_lobes(curves, cos[:-1], *lobe)
     np.testing.assert_allclose(np.array(own)[:, :, :-1], any_, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("top", [{}, {"extinction": [0.3] * 3, "scatter_albedo": [0.9] * 3, "scatter_g": 0.8}])
+def test_modes_that_rough_layers_blur_away_are_left_out_and_not_missed(top, monkeypatch):
+    deep = stack(
+        {"kind": "conductor", "metal": "silver", "roughness": 0.3}, coat(1.6, 0.2, **top), *(coat((1.2, 1.7)[i % 2], (0.5, 0.6, 0.0, 0.7)[i]) for i in range(4))
+    )
+    wo, wi = spherical(np.radians([10.0, 60.0, 80.0]), 0.0), spherical(np.radians([20.0, 55.0, 70.0]), np.radians([180.0, 170.0, 60.0]))
+    fewer = Adding(deep, nodes=12, modes=48)
+    f, seen = fewer.f(wo, wi), [len(operators.r_up) for operators in fewer._by_depth[0]]
+    monkeypatch.setattr("lamina.reference_py.models.adding.depth._UNSEEN", 0.0)
+    every = Adding(deep, nodes=12, modes=48)
+    np.testing.assert_allclose(f, every.f(wo, wi), rtol=1e-6)
+    assert [len(operators.r_up) for operators in every._by_depth[0]] == [48] * 5
+    assert seen == sorted(seen, reverse=True) and seen[0] == 48 and (seen[-1] == 48) == bool(top)

@@ -31,6 +31,7 @@ class AnalyticLobes:
     """
 
     name = ANALYTIC
+    is_live, followed = True, ()
 
     def __init__(self, stack: Stack):
         self.stack = stack
@@ -38,6 +39,10 @@ class AnalyticLobes:
         surfaces, self.base = optics.interfaces, optics.base
         self._down = [Crossing(s.n_above, s.n_below, s.alpha, s.distribution, s.tau) for s in surfaces]
         self._up = [Crossing(s.n_below, s.n_above, s.alpha, s.distribution, s.tau) for s in reversed(surfaces)]
+
+    def with_values_of(self, stack: Stack) -> "AnalyticLobes":
+        """The same for a stack's own values."""
+        return type(self)(stack)
 
     @property
     def lobe_count(self) -> int:

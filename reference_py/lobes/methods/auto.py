@@ -13,6 +13,7 @@ from ...material.qualities import AUTO
 from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
 from ...models.position_free import PositionFree
+from ...optics.error_measure import albedo_error
 from ...optics.frame import spherical
 from ...optics.optical_stack import Support
 from ..analytic import AnalyticLobes
@@ -20,10 +21,8 @@ from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, baked, follows, pack_lobe
 from ..cache import stack_key
 from ..closure import lobe_energy
 from ..error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosines
-from ..live_grid import LiveLobes
 from ..made import Candidate, Choice, Made, Options
 from ..truth import truth_of
-from ..view_table import TableLobes
 from .cost import cost
 from .method import Computed, Method
 from .not_bakeable import scatters
@@ -38,7 +37,7 @@ _HOPELESS = 8.0
 # Of albedos with anisotropy: azimuths, views, and walks for each.
 _AZIMUTHS = np.radians([0.0, 45.0, 90.0, 135.0])
 _FEW, _WALKS = 4, 1 << 15
-_LIVE = {lobes.name: lobes for lobes in (PaperLobes, AnalyticLobes)}
+_LIVE = {PaperLobes.name: PaperLobes, AnalyticLobes.name: featured_analytic}
 
 
 def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = None, light_deg: float = SOFT_LIGHT_DEG) -> Choice:
@@ -104,9 +103,9 @@ def with_anisotropy(choice: Choice, stack: Stack, tolerance: float, cosines: np.
     tried = []
     for candidate in choice.tried:
         if candidate.label in _LIVE:
-            lobe_set = featured_analytic(stack) if candidate.label == AnalyticLobes.name else _LIVE[candidate.label](stack)
+            lobe_set = _LIVE[candidate.label](stack)
             albedo = np.stack([sum(lobe_energy(lobe, views, phi) for lobe in lobe_set.lobes(views, phi)) for phi in _AZIMUTHS], axis=1)
-            error = float(np.max(np.abs(albedo - truth) / truth))
+            error = float(np.max(albedo_error(albedo, truth)))
             tried.append((replace(candidate, albedo=error), lobe_set))
     (chosen, lobe_set), reason = _best(tried, tolerance)
     noise = float(np.max(stderr / truth))
@@ -116,12 +115,7 @@ def with_anisotropy(choice: Choice, stack: Stack, tolerance: float, cosines: np.
 
 def _make(stack: Stack, options: Options) -> Made:
     choice = COMPUTED.result(stack, options)
-    return Made(NAME, stack, _with_values_of(stack, choice.lobe_set), f"{choice.chosen}: {choice.reason}", choice)
-
-
-def _with_values_of(stack: Stack, lobe_set):
-    """A remembered lobe set with a stack's own live values."""
-    return lobe_set.with_values_of(stack) if isinstance(lobe_set, (TableLobes, LiveLobes)) else type(lobe_set)(stack)
+    return Made(NAME, stack, choice.lobe_set.with_values_of(stack), f"{choice.chosen}: {choice.reason}", choice)
 
 
 def _candidate(label: str, lobe_set, errors: Errors, live: bool) -> Candidate:

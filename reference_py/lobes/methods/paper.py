@@ -45,12 +45,17 @@ class PaperLobes:
     """Lobes of a stack; see the module's head for how weights are found."""
 
     name = PAPER
+    is_live, followed = True, ()
 
     def __init__(self, stack: Stack):
         self.stack = stack
         optics = OpticalStack.of(stack, self)
         self._surfaces, self._base = optics.interfaces, optics.base
         self._n = np.array([1.0] + [s.n_below for s in self._surfaces])
+
+    def with_values_of(self, stack: Stack) -> "PaperLobes":
+        """The same for a stack's own values."""
+        return type(self)(stack)
 
     @property
     def lobe_count(self) -> int:

@@ -2,10 +2,8 @@
 """What is said of a lobe set that was made: what it holds, by which methods, at which error and cost."""
 
 from ...material.schema import THIN_FILM
-from ..live_grid import LiveLobes
 from ..made import Made
 from ..patch_lobes import PatchLobes
-from ..view_table import TableLobes
 from .cost import cost
 
 
@@ -16,12 +14,12 @@ def parts_of(made: Made) -> list[Made]:
 
 def has_tables(made: Made) -> bool:
     """Whether the shader holds a stack's values."""
-    return any(isinstance(part.lobe_set, TableLobes | LiveLobes) for part in parts_of(made))
+    return any(not part.lobe_set.is_live for part in parts_of(made))
 
 
 def live_methods(made: Made) -> set[str]:
     """The methods of its lobes that are no tables."""
-    return {part.lobe_set.name for part in parts_of(made) if not isinstance(part.lobe_set, TableLobes | LiveLobes)}
+    return {part.lobe_set.name for part in parts_of(made) if part.lobe_set.is_live}
 
 
 def estimated_error(made: Made) -> float | None:

@@ -40,11 +40,12 @@ from ...optics.optical_stack import OpticalStack, supports
 from ...optics.quadrature import LobeMixture
 from .assembly import TRAPPED_LOSS, Layers, add, empty, round_trips
 from .bounces import NARROW_ALPHA
+from .depth import operators_by_depth
 from .direct import direct_f, specular_reflectance
 from .direction_grid import Grid, chebyshev
 from .effective_stack import EffectiveStack, base_rows
 from .facets import MULTIPLE, SURFACES
-from .operators import ENERGY, Resolution, dielectric_rows, interface_operators, transmittance
+from .operators import ENERGY, InterfaceOperators, Resolution, dielectric_rows, interface_operators, transmittance
 
 _NODES, _MODES = 32, 64
 # Lobes this wide and wider have an f within the stated error.
@@ -196,10 +197,15 @@ class Adding:
             whole = add(whole, self._operators(k, ENERGY).over_medium(effective.medium(k + 1, channel, grid, 1)))
         return whole
 
-    def _operators(self, k: int, resolution: Resolution):
+    def _operators(self, k: int, resolution: Resolution) -> InterfaceOperators:
+        if resolution is self._shape:
+            return self._by_depth[0][k]
         i = self._effective.interfaces[k]
-        grid = self._grid_for(resolution)
-        return interface_operators(i.n_above, i.n_below, i.alpha, i.distribution, self.surface, grid, resolution)
+        return interface_operators(i.n_above, i.n_below, i.alpha, i.distribution, self.surface, self._grid, resolution)
+
+    @cached_property
+    def _by_depth(self) -> tuple[list[InterfaceOperators], Resolution]:
+        return operators_by_depth(self._effective, self.surface, self._shape_grid, self._shape)
 
     def _grid_for(self, resolution: Resolution) -> Grid:
         return self._shape_grid if resolution is self._shape else self._grid
@@ -216,20 +222,22 @@ class Adding:
         effective, grid = self._effective, self._grid_for(resolution)
         if k == len(effective.interfaces):
             base = effective.base
-            single, multi = base_rows(base, channel, grid.cosines(base.n_above), self.surface, grid, resolution)
+            seen = self._by_depth[1] if resolution is self._shape else resolution
+            single, multi = base_rows(base, channel, grid.cosines(base.n_above), self.surface, grid, seen)
             whole, direct = single + multi, single
             specular = np.diagonal(multi[0]) if base.is_specular else np.zeros(len(single[0]))
         else:
             top = self._operators(k, resolution)
             below, specular_below, direct_below = self._reflection(k + 1, channel, resolution)
-            whole = top.r_up + top.t_down @ round_trips(below, top.r_down, below @ top.t_up)
+            reached, whole = top.cut(len(below)), top.r_up.copy()
+            whole[: len(below)] += reached.t_down @ round_trips(below, reached.r_down, below @ reached.t_up)
             if is_specular(effective.interfaces[k].alpha):
                 trips = 1.0 / (1.0 - (1.0 - TRAPPED_LOSS) * specular_below * np.diagonal(top.r_down[0]))
                 specular = np.diagonal(top.r_up[0] + top.t_down[0] * (trips * specular_below) @ top.t_up[0])
-                direct = (top.t_down * trips) @ direct_below @ (trips[:, None] * top.t_up)
+                direct = (reached.t_down * trips) @ direct_below @ (trips[:, None] * reached.t_up)
             else:
                 specular, direct = np.zeros(len(whole[0])), top.single
-        medium = effective.medium(k, channel, grid, resolution.modes)
+        medium = effective.medium(k, channel, grid, len(whole))
         share = medium.share
         direct = direct * (share[:, None] * share)
         if effective.is_smooth_above(k):

@@ -42,31 +42,33 @@ class Detail:
     along: int
     directions: int = 20
     heights: int = 10
-    is_rest: bool = False
-    """Whether moments are those of what `two_events` does not know, damped to those of light that is spread by about 2.8 / azimuths."""
+    damped: int = 0
+    """Azimuths, or 0 for none: moments are those of what `two_events` does not know, damped to those of light that is spread by about 2.8 / azimuths."""
 
     @property
     def damping(self) -> np.ndarray:
         """(azimuths, 1, moments) factors: light that is spread stays positive, where a cut series puts as much light far from a lobe as in it."""
-        if not self.is_rest:
+        if not self.damped:
             return np.ones((1, 1, 1))
-        by_azimuth, by_moment = (np.exp(-_DAMPED * np.square(np.arange(count) / count)) for count in (self.azimuths, self.moments))
+        by_azimuth, by_moment = (
+            np.exp(-_DAMPED * np.square(np.arange(count) / whole)) for count, whole in ((self.azimuths, self.damped), (self.moments, self.moments))
+        )
         return by_azimuth[:, None, None] * by_moment
 
 
 ENERGY = Detail(azimuths=1, moments=8, across=16, along=28)
 # Of f, what `two_events` does not know: little, or smooth.
-_REST = Detail(azimuths=24, moments=16, across=16, along=28, heights=6, is_rest=True)
+_REST = Detail(azimuths=24, moments=16, across=16, along=28, heights=6, damped=24)
 # Fewer azimuths or moments would show, which is not so of the rest.
 _DRAFT = replace(_REST, across=10, along=16, directions=12, heights=5)
 # A surface narrower than this reflects what meets more facets about where two send it.
 NARROW_ALPHA = 0.25
 
 
-def detail_of(modes: int, is_draft: bool = False) -> Detail:
-    """What is told of a surface when operators have so many azimuthal modes."""
+def detail_of(modes: int, whole: int | None = None, is_draft: bool = False) -> Detail:
+    """What is told of a surface when operators have so many azimuthal modes, of a `whole` that is as many if not given."""
     rest = _DRAFT if is_draft else _REST
-    return ENERGY if modes == 1 else replace(rest, azimuths=min(modes, rest.azimuths))
+    return ENERGY if modes == 1 else replace(rest, azimuths=min(modes, rest.azimuths), damped=min(whole or modes, rest.azimuths))
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,6 @@ class Microsurface:
         descent = _descent(np.ones(1), cos_theta, self, detail.heights)[:, 0]
         solution, source = _solution(surface, detail)
         again = np.einsum("ih,mihr->mir", descent, scatter.apply(solution))
-        left = np.einsum("ih,ih->i", descent, scatter.leftover())
         again = np.moveaxis(again.reshape(detail.azimuths, len(cos_theta), -1, detail.moments), 2, 0)
         again = again[::-1] if side else again
         own = source[:, side, ..., side * detail.moments :][..., : detail.moments]
@@ -103,8 +104,10 @@ class Microsurface:
         energy = np.maximum(again[:, 0, :, 0], 0.0)
         least = _ACCURACY
         if self.etas:
-            left = energy.sum(axis=0)  # equal up to the collocation's error, which this takes out
+            left = energy.sum(axis=0)  # what does not leave directly, up to the collocation's error, which this takes out
             least = _NOTHING
+        else:
+            left = np.einsum("ih,ih->i", descent, scatter.leftover())
         shape = np.clip(again / np.maximum(energy, least)[:, None, :, None], -1.0, 1.0)
         shape[:, 0, :, 0] = 1.0
         share = np.where(left > _NOTHING, np.minimum(energy / np.maximum(left, _NOTHING), 1.0), 0.0)
@@ -151,53 +154,27 @@ class _Scatter:
             reflectance = fresnel_dielectric(cos, eta)
             cos_t = np.sqrt(np.maximum(1.0 - (1.0 - cos * cos) / eta**2, 0.0))
             refracted = (cos / eta - cos_t)[..., None] * facets.wm - facets.wo / eta
-            self.refracted = refracted * np.array([1.0, 1.0, -1.0])
-            self.w_refracted = facets.weights * (1.0 - reflectance)
+            self._refracted = _Rays(surface, refracted * np.array([1.0, 1.0, -1.0]), facets.weights * (1.0 - reflectance), detail)
         else:
             reflectance = fresnel_conductor(cos, *surface.index)
-        self.reflected = 2.0 * cos[..., None] * facets.wm - facets.wo
-        self.weights = facets.weights
-        self.w_reflected = facets.weights * reflectance
-        self.reflect = self._matrix(self.reflected, self.w_reflected)
-        self.refract = self._matrix(self.refracted, self.w_refracted) if surface.etas else None
-
-    def _matrix(self, w, weights) -> np.ndarray:
-        """(azimuths, I, directions): weights of the direction nodes, half of them up and half down."""
-        alpha = self.surface.alpha
-        polar = np.arctan2(alpha * np.hypot(w[..., 0], w[..., 1]), w[..., 2])
-        # the unknown jumps at the horizon: of two rays from the top, one leaves and one comes down again
-        down = polar > 0.5 * np.pi
-        half = self.detail.directions // 2
-        basis = legendre(4.0 / np.pi * (polar - np.where(down, 0.5 * np.pi, 0.0)) - 1.0, half)
-        turns = np.swapaxes(_turns(w, self.detail.azimuths), 0, 1)
-        moments = [turns @ np.moveaxis(weights * part * basis, 0, -1) for part in (~down, down)]
-        return np.swapaxes(np.concatenate(moments @ _to_nodes(half), axis=-1), 0, 1)
+        self._mirrored, self._weights = 2.0 * cos[..., None] * facets.wm - facets.wo, facets.weights
+        self._reflected = _Rays(surface, self._mirrored, facets.weights * reflectance, detail)
+        self.reflect = self._reflected.at_directions()
+        self.refract = self._refracted.at_directions() if surface.etas else None
 
     def single(self, sides: int) -> np.ndarray:
         """(azimuths, I, heights, sides * moments): what leaves directly after this event, at the heights' nodes."""
         heights = _node_heights(self.detail.heights)
-        result = np.zeros((self.detail.azimuths, len(self.weights), len(heights), sides, self.detail.moments))
-        result[:, :, :, self.side] = self._leaving(self.reflected, self.w_reflected, heights)
+        result = np.zeros((self.detail.azimuths, len(self._weights), len(heights), sides, self.detail.moments))
+        result[:, :, :, self.side] = self._reflected.leaving(heights)
         if sides == 2:
-            result[:, :, :, 1 - self.side] = self._leaving(self.refracted, self.w_refracted, 1.0 - heights)
+            result[:, :, :, 1 - self.side] = self._refracted.leaving(1.0 - heights)
         return result.reshape(*result.shape[:3], -1)
 
-    def _leaving(self, w, weights, heights) -> np.ndarray:
-        free = weights * _free(w[..., 2], heights, self.surface)
-        shapes = legendre(1.0 - 2.0 * np.square(w[..., 2]), self.detail.moments)
-        turns = _turns(w, self.detail.azimuths)
-        left = [turns[:, i] @ (free[:, None, i] * shapes[:, i]).reshape(-1, w.shape[1]).T for i in range(len(w))]
-        return np.stack(left, axis=1).reshape(len(turns), len(w), len(heights), -1)
-
     def leftover(self) -> np.ndarray:
-        """(I, heights): share of the light that does not leave directly after this event, without absorption."""
+        """(I, heights): share of the light that does not leave a conductor directly after this event, without absorption."""
         heights = _node_heights(self.detail.heights)
-        stays = np.einsum("iq,hiq->ih", self.weights, 1.0 - _free(self.reflected[..., 2], heights, self.surface))
-        if not self.surface.etas:
-            return stays
-        stays = np.einsum("iq,hiq->ih", self.w_reflected, 1.0 - _free(self.reflected[..., 2], heights, self.surface))
-        crossed = 1.0 - _free(self.refracted[..., 2], 1.0 - heights, self.surface)
-        return stays + np.einsum("iq,hiq->ih", self.w_refracted, crossed)
+        return np.einsum("iq,hiq->ih", self._weights, 1.0 - _free(self._mirrored[..., 2], heights, self.surface))
 
     def apply(self, solution: np.ndarray) -> np.ndarray:
         """(azimuths, I, heights, ...): the unknown after this event, at the heights' nodes."""
@@ -207,14 +184,44 @@ class _Scatter:
         return result
 
 
+class _Rays:
+    """Rays of travel w (I, Q, 3) and weights (I, Q) after an event. In each row those that rise come first, then those that fall, and none that is empty."""
+
+    def __init__(self, surface: Microsurface, w: np.ndarray, weights: np.ndarray, detail: Detail):
+        part = np.where(weights > 0.0, w[..., 2] < 0.0, 2)
+        order = np.argsort(part, axis=1, kind="stable")
+        self._ends = [np.count_nonzero(part <= last, axis=1) for last in (0, 1)]
+        x, y, self._z = (np.take_along_axis(component, order, axis=1) for component in np.moveaxis(w, -1, 0))
+        self._weights, self._across = np.take_along_axis(weights, order, axis=1), np.hypot(x, y)
+        self._surface, self._detail = surface, detail
+        # the ray travelled along -x before
+        self._turns = chebyshev(-x / np.maximum(self._across, 1e-12), detail.azimuths)
+
+    def at_directions(self) -> np.ndarray:
+        """(azimuths, I, directions): weights of the direction nodes, half of them up and half down."""
+        polar, half = np.arctan2(self._surface.alpha * self._across, self._z), self._detail.directions // 2
+        # the unknown jumps at the horizon: of two rays from the top, one leaves and one comes down again
+        basis = legendre(4.0 / np.pi * (polar - np.where(self._z < 0.0, 0.5 * np.pi, 0.0)) - 1.0, half) * self._weights
+        moments = np.empty((2, len(polar), len(self._turns), half))
+        for i, (rising, filled) in enumerate(zip(*self._ends)):
+            for moment, rays in zip(moments, (slice(rising), slice(rising, filled))):
+                np.matmul(self._turns[:, i, rays], basis[:, i, rays].T, out=moment[i])
+        return np.swapaxes(np.concatenate(moments @ _to_nodes(half), axis=-1), 0, 1)
+
+    def leaving(self, heights) -> np.ndarray:
+        """(azimuths, I, heights, moments): what leaves directly."""
+        free = self._weights * _free(self._z, heights, self._surface)
+        shapes = legendre(1.0 - 2.0 * np.square(self._z), self._detail.moments)
+        left = np.empty((len(self._z), len(self._turns), len(heights) * len(shapes)))
+        for i, rising in enumerate(self._ends[0]):
+            both = (free[:, None, i, :rising] * shapes[:, i, :rising]).reshape(left.shape[-1], rising)
+            np.matmul(self._turns[:, i, :rising], both.T, out=left[i])
+        return np.swapaxes(left, 0, 1).reshape(len(self._turns), len(left), len(heights), -1)
+
+
 def _through(matrix, values) -> np.ndarray:
     """(m, i, ...) of matrix (m, i, j) on values (m, j, ...)."""
     return (matrix @ values.reshape(*values.shape[:2], -1)).reshape(*matrix.shape[:2], *values.shape[2:])
-
-
-def _turns(w, modes: int) -> np.ndarray:
-    """(modes, ...) cos(m turn); the ray travelled along -x before."""
-    return chebyshev(-w[..., 0] / np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-12), modes)
 
 
 def _node_cosines(alpha: float, directions: int) -> np.ndarray:

@@ -19,8 +19,8 @@ from ...optics.microfacet import is_specular
 from ...optics.slab import slab
 from .assembly import Layers, ScatteringMedium
 from .bounces import NARROW_ALPHA, Microsurface, detail_of
-from .direction_grid import Grid, gauss_legendre, legendre
-from .facets import MULTIPLE, dielectric_events, reflection_lobe, visible_facets
+from .direction_grid import Grid, chebyshev_moments, gauss_legendre, legendre
+from .facets import MULTIPLE, dielectric_reflected, dielectric_refracted, reflection_lobe, visible_facets
 
 # Azimuths of the quadrature of an Oren-Nayar base over the half circle.
 _OREN_NAYAR_AZIMUTHS = 128
@@ -29,7 +29,7 @@ _RESOLVED, _LOBE_AZIMUTHS = 2.0, 24
 # Below this alpha multiple scattering has no part in f, nor, in a draft, in what the grid holds of f.
 _SPIKE, _DRAFT_SPIKE = 0.01, 0.05
 # Directions and pairs of them handled at once, which bounds memory.
-_CHUNK, _PAIRS = 64, 512
+_CHUNK, _PAIRS = 64, 128
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,8 @@ class Resolution:
     across: int
     along: int
     is_draft: bool = False
+    left_out: int = 0
+    """Modes after these that quadratures are good for, and that nobody sees (`depth`)."""
 
 
 # Facets per direction: energies need fewer than azimuthal modes do.
@@ -51,6 +53,10 @@ class InterfaceOperators(Layers):
     """Operators of one interface; `single` is the part of r_up that meets exactly one facet."""
 
     single: np.ndarray
+
+    def cut(self, modes: int) -> "InterfaceOperators":
+        """The first modes of them."""
+        return InterfaceOperators(*(matrices[:modes] for matrices in (self.r_up, self.t_down, self.r_down, self.t_up, self.single)))
 
 
 @lru_cache(maxsize=24)
@@ -97,11 +103,13 @@ def dielectric_rows(n_own, n_other, cos_theta, alpha, distribution, surface, gri
     parts = [_dielectric_chunk(n_own, n_other, cos_theta[i : i + _CHUNK], *setup) for i in range(0, len(cos_theta), _CHUNK)]
     single, transmitted, crossed = (np.concatenate(rows, axis=-2) for rows in zip(*parts))
     if _is_resolved(alpha, grid):
-        single = _resolved_lobes([lambda cos: fresnel_dielectric(cos, eta)], cos_theta, n_own, alpha, distribution, surface, grid, modes)[0]
+        single = _resolved_lobes([lambda cos: fresnel_dielectric(cos, eta)], cos_theta, n_own, alpha, distribution, surface, grid, modes, resolution.left_out)[
+            0
+        ]
     multi = np.zeros_like(single)
     if _scatters_more_than_once(surface, alpha, resolution):
         left = 1.0 - single[0].sum(axis=1, keepdims=True) - crossed
-        detail = detail_of(modes, resolution.is_draft)
+        detail = detail_of(modes, modes + resolution.left_out, resolution.is_draft)
         moments, twice = (shares * left for shares in Microsurface(alpha, distribution, etas=(eta, n_own / n_other)).shares(cos_theta, detail))
         multi[: moments.shape[1]] = _spread(moments[0], grid, n_own)
         if transmits:
@@ -117,10 +125,13 @@ def _dielectric_chunk(n_own, n_other, cos_theta, eta, alpha, distribution, surfa
     """Of one event: rows reflected, where lobes are not resolved, and transmitted, and the share (I, 1) that crosses."""
     spread = resolution if transmits or not _is_resolved(alpha, grid) else ENERGY
     facets = visible_facets(cos_theta, alpha, distribution, surface, spread.across, spread.along, eta)
-    (wi, w_reflected), (wt, w_refracted) = dielectric_events(facets, eta)
-    empty = [np.zeros((resolution.modes, len(cos_theta), grid.count(n))) for n in (n_own, n_other)]
-    single = empty[0] if _is_resolved(alpha, grid) else grid.project(n_own, wi, resolution.modes)(w_reflected)[0]
-    transmitted = grid.project(n_other, wt, resolution.modes)(w_refracted)[0] if transmits else empty[1]
+    wt, w_refracted = dielectric_refracted(facets, eta)
+    single, transmitted = (np.zeros((resolution.modes, len(cos_theta), grid.count(n))) for n in (n_own, n_other))
+    if not _is_resolved(alpha, grid):
+        wi, w_reflected = dielectric_reflected(facets, eta)
+        single = grid.project(n_own, wi, resolution.modes)(w_reflected)[0]
+    if transmits:
+        transmitted = grid.project(n_other, wt, resolution.modes)(w_refracted)[0]
     return single, transmitted, w_refracted.sum(axis=1, keepdims=True)
 
 
@@ -204,7 +215,7 @@ def _conductor_chunk(index, n, cos_theta, alpha, distribution, surface, grid, re
     curves = [lambda cos, pair=pair: fresnel_conductor(cos, *pair) for pair in index]
     if _is_resolved(alpha, grid):
         lobe = (cos_theta, n, alpha, distribution, surface, grid)
-        single, white = _resolved_lobes(curves, *lobe, modes), _resolved_lobes([np.ones_like], *lobe, 1)[0][0].sum(axis=1)
+        single, white = _resolved_lobes(curves, *lobe, modes, resolution.left_out), _resolved_lobes([np.ones_like], *lobe, 1)[0][0].sum(axis=1)
     else:
         # along the plane of incidence a draft needs as many, or loses 2 % of a foil's light
         across = resolution.across if resolution.is_draft else 2 * resolution.across
@@ -216,7 +227,9 @@ def _conductor_chunk(index, n, cos_theta, alpha, distribution, surface, grid, re
     if _scatters_more_than_once(surface, alpha, resolution):
         left = np.maximum(1.0 - white, 0.0)[:, None]
         for once, rows, pair in zip(single, multi, index):
-            (moments,), twice = Microsurface(alpha, distribution, index=pair).shares(cos_theta, detail_of(modes, resolution.is_draft))
+            (moments,), twice = Microsurface(alpha, distribution, index=pair).shares(
+                cos_theta, detail_of(modes, modes + resolution.left_out, resolution.is_draft)
+            )
             rows[: len(moments)] = _spread(moments * left, grid, n)
             if knows_two_events(surface, alpha, resolution):
                 known = _spread((moments if alpha < NARROW_ALPHA else twice) * left, grid, n)
@@ -229,7 +242,7 @@ def _is_resolved(alpha: float, grid: Grid) -> bool:
     return alpha * grid.nodes >= _RESOLVED
 
 
-def _resolved_lobes(curves: Sequence[Callable], cos_theta, n: float, alpha, distribution, surface, grid: Grid, modes: int) -> list[np.ndarray]:
+def _resolved_lobes(curves: Sequence[Callable], cos_theta, n, alpha, distribution, surface, grid: Grid, modes: int, left_out: int = 0) -> list[np.ndarray]:
     """By Fresnel curve, rows (modes, I, N) of one reflection whose lobe is so wide that its values at the nodes do.
 
     Scattered facets would miss the root that radiance has at a critical angle; the grid's panels do not.
@@ -242,16 +255,16 @@ def _resolved_lobes(curves: Sequence[Callable], cos_theta, n: float, alpha, dist
     f = np.empty((len(curves), modes, len(cos_theta), len(nodes)))
     for start in range(0, len(own), _PAIRS):
         o, i = own[start : start + _PAIRS], other[start : start + _PAIRS]
-        f[:, :, o, i] = _lobe_modes(curves, cos_theta[o], nodes[i], alpha, distribution, surface, modes)
+        f[:, :, o, i] = _lobe_modes(curves, cos_theta[o], nodes[i], alpha, distribution, surface, modes, _LOBE_AZIMUTHS + 2 * (modes + left_out))
     if len(own) < len(cos_theta) * len(nodes):
         f[:, :, other, own] = f[:, :, own, other]
     return list(f * grid.weights[: len(nodes)] / (n * n))
 
 
-def _lobe_modes(curves, cos_o, cos_i, alpha, distribution, surface, modes: int) -> np.ndarray:
+def _lobe_modes(curves, cos_o, cos_i, alpha, distribution, surface, modes: int, azimuths: int) -> np.ndarray:
     """(curves, modes, P) means of f cos(m turn) over azimuth, of one reflection between cosines (P,)."""
     # turn = 2 atan(width tan(u / 2)) is dense about the mirror direction; u crowds towards pi for the lobe's far tail
-    x, gauss = gauss_legendre(_LOBE_AZIMUTHS + 2 * modes)
+    x, gauss = gauss_legendre(azimuths)
     remainder = 0.5 * (1.0 - x)
     u, step = np.pi * (1.0 - remainder**4), 2.0 * gauss * remainder**3
     cos_o, cos_i = cos_o[:, None], cos_i[:, None]
@@ -264,10 +277,4 @@ def _lobe_modes(curves, cos_o, cos_i, alpha, distribution, surface, modes: int) 
     both = np.maximum(1.0 + cos_o * cos_i - sines * cos_turn, 1e-30)
     cos_m, cos_om = np.minimum((cos_o + cos_i) / np.sqrt(2.0 * both), 1.0), np.sqrt(0.5 * both)
     lobe = reflection_lobe(cos_o, cos_i, cos_m, alpha, distribution, surface) * measure
-    f = np.stack([lobe * curve(cos_om) for curve in curves])
-    before, now = cos_turn, np.ones_like(cos_turn)
-    result = np.empty((len(curves), modes, len(cos_o)))
-    for m in range(modes):
-        np.einsum("cpt,pt->cp", f, now, out=result[:, m])
-        before, now = now, 2.0 * cos_turn * now - before
-    return result
+    return chebyshev_moments(np.stack([lobe * curve(cos_om) for curve in curves]), cos_turn, modes)
