@@ -18,8 +18,8 @@ TICK = 0.5
 class Fit(Process):
     """One fit in the making, for a material or for an object that has none."""
 
-    def __init__(self, target: bpy.types.ID, file: str, layers: int | str, base: str):
-        super().__init__("a fit", worker(fit_process.MODULE), fit_process.request(file, layers, base, forward.DEFAULT_MODEL))
+    def __init__(self, target: bpy.types.ID, file: str, layers: int | str, base: str, cloudy: bool):
+        super().__init__("a fit", worker(fit_process.MODULE), fit_process.request(file, layers, base, forward.DEFAULT_MODEL, cloudy))
         self.target, self.file = target.session_uid, file
         self.is_object = isinstance(target, bpy.types.Object)
 
@@ -80,13 +80,13 @@ def last_summary(owner: bpy.types.ID | None) -> str:
     return _last.get(owner.session_uid, "") if owner is not None else ""
 
 
-def start(target: bpy.types.ID, file: str, layers: int | str, base: str) -> Fit:
-    """Begin a fit. Raises LaminaError when one runs already, or it cannot start."""
+def start(target: bpy.types.ID, file: str, layers: int | str, base: str, cloudy: bool = False) -> Fit:
+    """Begin a fit; `cloudy` tries a medium that scatters above the base too. Raises LaminaError when one runs already, or it cannot start."""
     global _running
     if _running is not None:
         raise LaminaError(f"{Path(_running.file).name} is being fitted; wait for it, or cancel it")
     _last.pop(target.session_uid, None)
-    _running = Fit(target, file, layers, base)
+    _running = Fit(target, file, layers, base, cloudy)
     return _running
 
 

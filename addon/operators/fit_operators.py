@@ -31,6 +31,7 @@ class LAMINA_OT_fit_measurement(LaminaOperator, ImportHelper, bpy.types.Operator
     base: bpy.props.EnumProperty(
         name="Base", items=[(AUTO, "Automatic", "The base that the data support")] + [(k.name, k.label, k.help) for k in SCHEMA.bases.values()],
     )  # fmt: skip
+    cloudy: bpy.props.BoolProperty(name="Cloudy", description="Try a cloudy medium above the base too, which takes minutes")
 
     @classmethod
     def poll(cls, context):
@@ -52,7 +53,7 @@ class LAMINA_OT_fit_measurement(LaminaOperator, ImportHelper, bpy.types.Operator
         if not path.is_file():
             raise LaminaError(f"{path}: there is no such file")
         layers = AUTO if self.layers == _AUTO_LAYERS else self.layers
-        fitting.start(material or context.object, str(path), layers, self.base)
+        fitting.start(material or context.object, str(path), layers, self.base, self.cloudy)
         if not bpy.app.background:
             bpy.app.timers.register(fitting.tick, first_interval=fitting.TICK, persistent=True)
             return

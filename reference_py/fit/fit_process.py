@@ -2,7 +2,7 @@
 """Makes one fit in a process of its own, so that a window stays responsive and a cancelled fit is gone at once.
 
 Reads a request as JSON from stdin; prints lines "progress SHARE" and at last "result JSON" (see `outcome`) or "error
-MESSAGE". Started by `lobe_set.worker.command`.
+MESSAGE". `addon.jobs.process.worker` has the command.
 """
 
 import json
@@ -13,9 +13,9 @@ from ..errors import LaminaError
 MODULE = "fit.fit_process"
 
 
-def request(file: str, layers: int | str, base: str, model: str) -> str:
+def request(file: str, layers: int | str, base: str, model: str, cloudy: bool = False) -> str:
     """What `main` reads."""
-    return json.dumps({"file": file, "layers": layers, "base": base, "model": model})
+    return json.dumps({"file": file, "layers": layers, "base": base, "model": model, "cloudy": cloudy})
 
 
 def main() -> None:
@@ -27,7 +27,7 @@ def main() -> None:
     data = json.load(sys.stdin)
     try:
         measurement = read(data["file"])
-        selection = select(measurement, data["layers"], data["base"], data["model"], progress=_progress)
+        selection = select(measurement, data["layers"], data["base"], data["model"], progress=_progress, cloudy=data["cloudy"])
         result = outcome(measurement, selection)
     except (LaminaError, MemoryError) as error:
         print(f"error {' '.join(str(error).split()) or 'not enough memory'}", flush=True)

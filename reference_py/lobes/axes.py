@@ -22,6 +22,8 @@ from ..optics.scattering import color_of_similarity, similarity_of_color
 REFLECTANCE_OFFSET = 0.05
 # The optical depth that is half-way of all.
 HALF_DEPTH = 1.2
+# What a channel counts at least where shapes are read at the bright ones: all may be black.
+LEAST_COUNT = 1e-6
 # Of a density or a thickness: less is none, and its other factor is not seen.
 _LEAST_FACTOR = 1e-3
 _MOST = {p.name: p.maximum for p in (*DIELECTRIC.parameters, *SCATTERING.parameters)}
@@ -88,7 +90,7 @@ class Axis(ABC):
         """The stack of a coordinate, the same in all channels."""
 
     def shared(self, coordinate: np.ndarray) -> float:
-        """The coordinate at which shapes are read."""
+        """The coordinate at which shapes are read; shaders have the same formula."""
         return float(np.mean(coordinate))
 
 
@@ -142,7 +144,10 @@ class ThicknessAxis(Axis):
 
 @dataclass(frozen=True)
 class DepthAxis(Axis):
-    """The optical depth of a layer's medium, of which its tint, its thickness or both are live, as a share of all depths."""
+    """The optical depth of a layer's medium, of which its tint, its thickness or both are live, as a share of all depths.
+
+    Channels that little light passes have next to nothing in the lobes below the medium: shapes are read where the bright ones are.
+    """
 
     is_color = True
 
@@ -151,6 +156,11 @@ class DepthAxis(Axis):
         layer = self.live[0].element(stack)
         depth = optical_depth(layer["tint"], layer["thickness"])
         return depth / (depth + HALF_DEPTH)
+
+    def shared(self, coordinate: np.ndarray) -> float:
+        """The mean over channels, each counted by the square of what it is short of all depths."""
+        counts = np.square(1.0 - coordinate) + LEAST_COUNT
+        return float(np.sum(counts * coordinate) / np.sum(counts))
 
     def at(self, stack: Stack, coordinate: float) -> Stack:
         """As in `Axis`."""

@@ -23,7 +23,8 @@ def unpack_tables(data: list[dict], stack: Stack) -> TableLobes:
 
 def _pack(table) -> dict:
     if isinstance(table, BaseColorTable):
-        return {"own": table.own.tolist(), "through": table.through.tolist(), "back": table.back.tolist()}
+        shape = None if table.shape is None else table.shape.tolist()
+        return {name: getattr(table, name).tolist() for name in ("own", "through", "back")} | {"distribution": table.distribution, "shape": shape}
     weight = np.asarray(table.weight).tolist()
     if isinstance(table, DiffuseTable):
         return {"weight": weight}
@@ -33,7 +34,9 @@ def _pack(table) -> dict:
 
 def _unpack(data: dict, stack: Stack):
     if "through" in data:
-        return BaseColorTable(_array(data["own"]), _array(data["through"]), _array(data["back"]), np.array(stack.base["color"]))
+        light = (_array(data[name]) for name in ("own", "through", "back"))
+        shape = None if data["shape"] is None else _array(data["shape"])
+        return BaseColorTable(*light, np.array(stack.base["color"]), distribution=data["distribution"], shape=shape)
     weight = _array(data["weight"])
     if "shape" not in data:
         return DiffuseTable(weight)

@@ -113,11 +113,12 @@ class OrenNayarTable:
 
 @dataclass(frozen=True)
 class BaseColorTable:
-    """All diffuse light of a stack over a diffuse base, for all its colors c: a Lambert lobe of weight own + through c / (1 - back c).
+    """A fitted lobe of a stack over a diffuse base, for all its colors c: of weight own + through c / (1 - back c), and Lambert where it has no distribution.
 
-    `own` (KNOTS, 3) is that of the layers. `through` (KNOTS, 3) is what of the light at a view gets down to the base and, reflected there
-    once by white, up again. `back` (KNOTS, 3) is what of the base's light the layers send back to it, over a Lambert base the same at all views. `color` (3,) is the present one, of which
-    only 0 to 1 counts.
+    `own` (KNOTS, 3) is that of the layers. `through` (KNOTS, 3) is this lobe's part of the light at a view that gets down to the base and, reflected there
+    once by white, up again. Lobes together have no less than none; one may have less over white than over black. `back` (KNOTS, 3) is what of the base's light
+    the layers send back to it, for all lobes of a stack, and over a Lambert base at all views the same. `color` (3,) is the present one, of which only 0 to 1 counts.
+    `shape` is that of `GlossyTable`.
     """
 
     own: np.ndarray
@@ -125,16 +126,25 @@ class BaseColorTable:
     back: np.ndarray
     color: np.ndarray
     normal: Place | None = None
+    distribution: str | None = None
+    shape: np.ndarray | None = None
 
     @property
     def weight(self) -> np.ndarray:
         """(KNOTS, 3)."""
         color = np.clip(self.color, 0.0, 1.0)
-        return self.own + self.through * color / (1.0 - self.back * color)
+        return np.maximum(self.own + self.through * color / (1.0 - self.back * color), 0.0)
 
-    def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> DiffuseLobe:
+    @property
+    def now(self) -> "GlossyTable | DiffuseTable":
+        """The table for the present color alone."""
+        if self.distribution is None:
+            return DiffuseTable(self.weight, normal=self.normal)
+        return GlossyTable(self.distribution, self.weight, self.shape, normal=self.normal)
+
+    def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> GlossyLobe | DiffuseLobe:
         """The lobe at views of cosine cos_theta_o (...) and azimuth phi (...)."""
-        return DiffuseLobe(interpolate(self.weight, cos_theta_o), normal=self.normal)
+        return self.now.lobe(cos_theta_o, phi)
 
 
 @dataclass(frozen=True)
@@ -168,8 +178,15 @@ class TableLobes:
         return [table.lobe(cos_o, phi) for table in self.tables]
 
 
+def is_glossy(table) -> bool:
+    """Whether a table is of a glossy lobe."""
+    return isinstance(table, GlossyTable) or (isinstance(table, BaseColorTable) and table.distribution is not None)
+
+
 def _kind(table) -> str:
     """What a fitted lobe is (`own_normals`)."""
-    if not isinstance(table, GlossyTable):
+    if not is_glossy(table):
         return DIFFUSE
+    if isinstance(table, BaseColorTable):
+        return BELOW
     return TOP if table.fresnel is not None or table.is_mirror else BELOW

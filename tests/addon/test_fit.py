@@ -151,6 +151,8 @@ def test_the_operator_gives_the_object_the_fitted_stack(blender, item, matte):
     assert material.stack_of(made).base["color"] == pytest.approx((0.2 * np.pi, 0.1 * np.pi, 0.05 * np.pi), rel=1e-3)
     with pytest.raises(RuntimeError, match="matte.exr"):
         blender.ops.lamina.fit_measurement(filepath=str(matte.with_suffix(".exr")))
+    with pytest.raises(RuntimeError, match="a cloudy layer goes with .* at least one layer"):
+        blender.ops.lamina.fit_measurement(filepath=str(matte), layers=0, base="lambert", cloudy=True)
 
 
 @pytest.mark.blender

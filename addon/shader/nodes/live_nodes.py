@@ -15,6 +15,7 @@ import numpy as np
 from ....reference_py.errors import LaminaError
 from ....reference_py.lobes.axes import (
     HALF_DEPTH,
+    LEAST_COUNT,
     REFLECTANCE_OFFSET,
     Axis,
     DepthAxis,
@@ -200,6 +201,10 @@ class LiveNodes:
             return [build.math("DIVIDE", value, build.math("ADD", value, axis.half(self._tables.stack)))] * 4
         if isinstance(axis, DepthAxis):
             channels = [build.math("DIVIDE", depth, build.math("ADD", depth, HALF_DEPTH)) for depth in self._depths(axis)]
+            short = build.vector("SUBTRACT", (1.0,) * 3, build.combined(channels))
+            counts = build.vector("MULTIPLY_ADD", short, short, (LEAST_COUNT,) * 3)
+            total, seen = (build.vector("DOT_PRODUCT", counts, of) for of in ((1.0,) * 3, build.combined(channels)))
+            return [*channels, build.math("DIVIDE", seen, total)]
         elif isinstance(axis, ReflectanceAxis):
             channels = [build.math("LOGARITHM", build.math("ADD", c, REFLECTANCE_OFFSET), math.e) for c in self._channels(first)]
         elif isinstance(axis, EdgeAxis):

@@ -17,7 +17,7 @@ from ....reference_py.lobes.live_tables import LiveTables
 from ....reference_py.lobes.patch_lobes import PatchLobes
 from ....reference_py.lobes.pools import MAX_NODE_CLOSURES
 from ....reference_py.lobes.tabulate import is_grey_dielectric, tabulate
-from ....reference_py.lobes.view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
+from ....reference_py.lobes.view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, is_glossy, knot_cosines
 from ....reference_py.material.schema import COLOR, COVERAGE, FLOAT, VECTOR
 from ....reference_py.optics.diffuse import fujii_roughness, oren_nayar_albedo, oren_nayar_color
 from ....reference_py.optics.microfacet import SPECULAR_ALPHA
@@ -150,15 +150,18 @@ def _lambert(build: Builder, view: View, table: DiffuseTable) -> bpy.types.NodeS
 
 
 def _base(build: Builder, view: View, table: BaseColorTable) -> bpy.types.NodeSocket:
-    return build.shader("ShaderNodeBsdfDiffuse", Color=_base_weight(build, view, table), Roughness=0.0, **view.own_normal)
+    color = _base_weight(build, view, table)
+    if table.distribution is not None:
+        return _glossy(build, view, table.now, color)
+    return build.shader("ShaderNodeBsdfDiffuse", Color=color, Roughness=0.0, **view.own_normal)
 
 
 def _base_weight(build: Builder, view: View, table: BaseColorTable) -> bpy.types.NodeSocket:
     """own + through c / (1 - back c), channel by channel of Rec.709: numbers, which Blender would convert if they were colors."""
-    color = view.base_color
-    once = build.vector("DIVIDE", color, build.vector("MULTIPLY_ADD", color, build.combined(_columns(build, view, -table.back)), 1.0))
     columns = _columns(build, view, np.column_stack([table.through, table.own]))
-    weight = build.vector("MULTIPLY_ADD", once, build.combined(columns[:3]), build.combined(columns[3:]))
+    weight = build.vector("MULTIPLY_ADD", view.base_light(table.back), build.combined(columns[:3]), build.combined(columns[3:]))
+    if np.any(table.through < 0.0):
+        weight = build.vector("MAXIMUM", weight, 0.0)
     return in_space(build, weight, primaries())
 
 
@@ -190,7 +193,7 @@ class _FixedPart:
     def is_lambert(self, number: int) -> bool:
         """Whether it is Lambert about the surface's normal."""
         table = self.tables[number]
-        return isinstance(table, BaseColorTable | DiffuseTable) and table.normal is None
+        return isinstance(table, BaseColorTable | DiffuseTable) and not is_glossy(table) and table.normal is None
 
     def weight(self, number: int):
         table, view = self.tables[number], self._views[number]
@@ -252,10 +255,10 @@ class _LivePart:
         return False
 
 
-def _glossy(build: Builder, view: View, table: GlossyTable) -> bpy.types.NodeSocket:
+def _glossy(build: Builder, view: View, table: GlossyTable, color=None) -> bpy.types.NodeSocket:
     if table.fresnel is not None:
         return _dielectric(build, view, table)
-    color = _weight(build, view, table.weight, table.axis)
+    color = _weight(build, view, table.weight, table.axis) if color is None else color
     alpha_x, alpha_y, slope = _columns(build, view, table.shape)
     round_ = _is_round(table.shape)
     roughness = build.math("SQRT", alpha_x if round_ else build.math("SQRT", build.math("MULTIPLY", alpha_x, alpha_y)))

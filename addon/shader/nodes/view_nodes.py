@@ -38,6 +38,7 @@ class View:
         self.base_owner = BASE
         self._about: dict[str, View] = {}
         self._base_colors: dict[str, bpy.types.NodeSocket] = {}
+        self._base_lights: dict[tuple[str, bytes], bpy.types.NodeSocket] = {}
         self._azimuths: dict[float, list[bpy.types.NodeSocket]] = {}
 
     def about(self, own: ShaderInput | None) -> "View":
@@ -109,6 +110,14 @@ class View:
         if self.base_owner not in self._base_colors:
             self._base_colors[self.base_owner] = self.bounded(self.given(base_color_input(self.base_owner)))
         return self._base_colors[self.base_owner]
+
+    def base_light(self, back: np.ndarray) -> bpy.types.NodeSocket:
+        """c / (1 - back c) for that color c and a table `back` (KNOTS, 3): what of light that got down to the base leaves it up again."""
+        key = self.base_owner, back.tobytes()
+        if key not in self._base_lights:
+            returned = self._build.combined(numbers(self._build, self.place, STEP * np.arange(KNOTS), -back))
+            self._base_lights[key] = self._build.vector("DIVIDE", self.base_color, self._build.vector("MULTIPLY_ADD", self.base_color, returned, 1.0))
+        return self._base_lights[key]
 
     def given(self, live: ShaderInput) -> bpy.types.NodeSocket:
         """What the group gets for a live value."""

@@ -6,6 +6,7 @@ import numpy as np
 from ....reference_py.errors import LaminaError
 from ....reference_py.lobes.axes import (
     HALF_DEPTH,
+    LEAST_COUNT,
     REFLECTANCE_OFFSET,
     Axis,
     DepthAxis,
@@ -92,7 +93,10 @@ class _Writer:
             return (name,) * 2
         if isinstance(axis, DepthAxis):
             self.functions.append("medium.h")
+            counts = self._name(f"counts{i}")
             self._say(f"color {name} = optical_depth({value('tint')}, {value('thickness')});", f"{name} /= {name} + {HALF_DEPTH:g};")
+            self._say(f"color {counts} = (1.0 - {name}) * (1.0 - {name}) + {LEAST_COUNT:g};")
+            return name, f"mean_of({counts} * {name}) / mean_of({counts})"
         elif isinstance(axis, ReflectanceAxis):
             self._say(f"color {name} = log(clamp({first}, color(0.0), color(1.0)) + {REFLECTANCE_OFFSET:g});")
         elif isinstance(axis, EdgeAxis):

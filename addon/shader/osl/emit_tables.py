@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ....reference_py.lobes.lobe import DielectricCurve
-from ....reference_py.lobes.view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
+from ....reference_py.lobes.view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes, is_glossy
 from ..inputs import base_color_input
 from .block import Block, Closure, numbers
 from .view_frame import FRAME_FUNCTIONS, Frame
@@ -26,27 +26,28 @@ def clamped_color(owner: str) -> str:
 def table_block(lobe_set: TableLobes, owners: Sequence[str], prefix: str = "") -> Block:
     """The block of a lobe set of a stack whose shader parameters begin with `owners`; its array parameters begin with `prefix`."""
     arrays: list[str] = []
-    widths: list[str] = []
+    said: dict[str, str] = {}
     frames = [Frame.of(table.normal, owners) for table in lobe_set.tables]
-    closures = tuple([_closure(arrays, widths, f"{prefix}{i}", *lobe, owners[-1]) for i, lobe in enumerate(zip(lobe_set.tables, frames))])
-    glossy = dict.fromkeys(frame for table, frame in zip(lobe_set.tables, frames) if isinstance(table, GlossyTable))
+    closures = tuple([_closure(arrays, said, f"{prefix}{i}", *lobe, owners[-1]) for i, lobe in enumerate(zip(lobe_set.tables, frames))])
+    glossy = dict.fromkeys(frame for table, frame in zip(lobe_set.tables, frames) if is_glossy(table))
     return Block(
         functions=(*(FRAME_FUNCTIONS if glossy else ("bent.h", "view_place.h")), *(name for frame in frames for name in frame.functions)),
         arrays=tuple(arrays),
-        common=(*(line for frame in dict.fromkeys(frames) for line in frame.table_view), *(line for frame in glossy for line in frame.glossy), *widths),
+        common=(*(line for frame in dict.fromkeys(frames) for line in frame.table_view), *(line for frame in glossy for line in frame.glossy), *said.values()),
         body=(),
         closures=closures,
     )
 
 
-def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable | DiffuseTable | BaseColorTable, about: Frame, owner: str) -> Closure:
-    """A lobe; its array parameters are added to `arrays`, the statement of a varying width to `widths`."""
+def _closure(arrays: list[str], said: dict[str, str], name: str, table: GlossyTable | DiffuseTable | BaseColorTable, about: Frame, owner: str) -> Closure:
+    """A lobe; its array parameters are added to `arrays`, statements that it needs to `said`, by what they make known."""
     if isinstance(table, BaseColorTable):
-        return Closure(_base_weight(arrays, name, table, about, owner), f"diffuse({about.normal})")
-    weight = _value(arrays, f"Weight{name}", table.weight, about)
+        weight, table = _base_weight(arrays, said, name, table, about, owner), table.now
+    else:
+        weight = _value(arrays, f"Weight{name}", table.weight, about)
     if isinstance(table, DiffuseTable):
         return Closure(weight, f"diffuse({about.normal})")
-    alpha_x, alpha_y, slope = _shape(arrays, widths, name, table.shape, about)
+    alpha_x, alpha_y, slope = _shape(arrays, said, name, table.shape, about)
     upright = f"{about.normal}, tangent{about.suffix}"
     if isinstance(table.fresnel, DielectricCurve):
         eta, distribution = f"{table.fresnel.eta:.9g}", table.distribution
@@ -58,26 +59,37 @@ def _closure(arrays: list[str], widths: list[str], name: str, table: GlossyTable
     return Closure(weight, f'microfacet("{table.distribution}", {frame}, {alpha_x}, {alpha_y}, 1.0, 0)', shape=(alpha_x, alpha_y, slope))
 
 
-def _base_weight(arrays: list[str], name: str, table: BaseColorTable, about: Frame, owner: str) -> str:
-    color = clamped_color(owner)
-    through, back = _value(arrays, f"Through{name}", table.through, about), _value(arrays, f"Back{name}", table.back, about)
-    weight = f"{through} * {color} / (color(1.0) - {back} * {color})"
-    return f"({_value(arrays, f'Own{name}', table.own, about)} + {weight})" if np.any(table.own) else weight
+def _base_weight(arrays: list[str], said: dict[str, str], name: str, table: BaseColorTable, about: Frame, owner: str) -> str:
+    light = _base_light(arrays, said, name, table, about, owner)
+    weight = f"{_value(arrays, f'Through{name}', table.through, about)} * {light}"
+    if not np.any(table.own):
+        return weight
+    weight = f"{_value(arrays, f'Own{name}', table.own, about)} + {weight}"
+    return f"({weight})" if np.all(table.through >= 0.0) else f"max({weight}, color(0.0))"
+
+
+def _base_light(arrays: list[str], said: dict[str, str], name: str, table: BaseColorTable, about: Frame, owner: str) -> str:
+    """What of light that got down to the base leaves it up again: one expression for all lobes of equal tables."""
+    key = f"{about.suffix}/{table.back.tobytes().hex()}"
+    if key not in said:
+        color = clamped_color(owner)
+        said[key] = f"color base_light_{name} = {color} / (color(1.0) - {_value(arrays, f'Back{name}', table.back, about)} * {color});"
+    return said[key].split()[1]
 
 
 def _is_round(shape: np.ndarray) -> bool:
     return not np.any(shape[:, 2]) and np.all(shape[:, 0] == shape[:, 1])
 
 
-def _shape(arrays: list[str], widths: list[str], name: str, shape: np.ndarray, about: Frame) -> tuple[str, str, str]:
+def _shape(arrays: list[str], said: dict[str, str], name: str, shape: np.ndarray, about: Frame) -> tuple[str, str, str]:
     """Expressions for the columns of a lobe's shape (KNOTS, 3) at the view."""
     if _is_round(shape):
         alpha = _value(arrays, f"Alpha{name}", shape[:, 0], about)
         if np.any(shape[:, 0] != shape[0, 0]):
-            widths.append(f"float alpha_{name} = {alpha};")
+            said[f"alpha_{name}"] = f"float alpha_{name} = {alpha};"
             alpha = f"alpha_{name}"
         return alpha, alpha, "0"
-    widths.append(f"color shape_{name} = {_value(arrays, f'Shape{name}', shape, about)};")
+    said[f"shape_{name}"] = f"color shape_{name} = {_value(arrays, f'Shape{name}', shape, about)};"
     return f"shape_{name}[0]", f"shape_{name}[1]", f"shape_{name}[2]"
 
 

@@ -20,9 +20,10 @@ from ..samples import Views, truth_at
 from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
 from ..truth import truth_of
 from ..view_table import BASE_COLOR, KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
+from .base_color import BlackAndWhite, base_of, followed, over
 from .fit_lobes import LEAST_ALPHA
 from .knot_energies import left_over, top_lobe
-from .live import bake_live, base_of, over_black
+from .live import bake_live
 from .plan import Branches, Path, Plan, best_path, continued_path
 
 DEFAULT_GLOSSY, MAX_GLOSSY = 2, 4
@@ -57,7 +58,7 @@ class Found:
 class Baker:
     """Bakes one stack with ever more lobes; what fewer lobes found is where more begin.
 
-    `truth` is a model with f, albedo and specular_albedo. `progress` is called with the share done; an exception that
+    `truth` is a model with f, albedo and specular_albedo, of three channels or, with weights of as many, more. `progress` is called with the share done; an exception that
     it raises cancels.
     """
 
@@ -119,30 +120,30 @@ class Baker:
         """The fits to this stack's truth that begin at those of a stack much like it."""
         return replace(found, path=continued_path(self._plans[found.plan], found.path))
 
-    def lobe_set(self, found: Found, keep: bool = False) -> TableLobes:
-        """The tables of fits. Lobes that carry next to nothing are left out unless `keep`."""
+    def lobe_set(self, found: Found, keep: tuple[type, ...] = ()) -> TableLobes:
+        """The tables of fits. Lobes that carry next to nothing are left out, but those of the kinds `keep`."""
         known, distributions, mixtures = self._plans[found.plan].known, found.path.distributions, found.path.mixtures
         weights = mixtures.weight[:, self._channels]
         cosines = knot_cosines()
         tables = []
-        ones = np.ones((len(cosines), 3))
+        ones = np.ones_like(self._albedo)
         if np.any(self._specular > 0.0):
             tables.append(GlossyTable(GGX, self._specular, np.zeros((len(cosines), 3))))
         if known is not None:
-            shape = np.array([known.alpha_x, known.alpha_y, 0.0]) * ones
+            shape = np.tile([known.alpha_x, known.alpha_y, 0.0], (len(cosines), 1))
             tables.append(GlossyTable(known.distribution, ones, shape, known.fresnel))
         fitted = []
         for i, distribution in enumerate(distributions):
             shape, weight = mixtures.shape[:, i], weights[:, :, i]
             table = GlossyTable(distribution, weight, np.concatenate([np.exp(shape[:, :2]), shape[:, 2:]], axis=1))
-            fitted.append((table, unit_energy(table.lobe(cosines), cosines)))
-        fitted.append((DiffuseTable(weights[:, :, -1]), ones))
-        fitted = [(table, unit) for table, unit in fitted if keep or np.any(table.weight * unit > _NEGLIGIBLE * self._albedo)]
+            fitted.append((table, unit_energy(table.lobe(cosines), cosines)[:, :1]))
+        fitted.append((DiffuseTable(weights[:, :, -1]), ones[:, :1]))
+        fitted = [(table, unit) for table, unit in fitted if isinstance(table, keep) or np.any(table.weight * unit > _NEGLIGIBLE * self._albedo)]
         return TableLobes((*tables, *_with_energy(fitted, self._rest[found.plan])))
 
 
 def _with_energy(fitted: list[tuple[GlossyTable | DiffuseTable, np.ndarray]], rest: np.ndarray) -> list:
-    """The fitted tables, scaled to carry `rest` (KNOTS, 3) together; each comes with its energy (KNOTS, 3) at weight 1.
+    """The fitted tables, scaled to carry `rest` (KNOTS, c) together; each comes with its energy (KNOTS, 1) at weight 1.
 
     A channel that no lobe was fitted for gets its energy as the others have it.
     """
@@ -178,12 +179,10 @@ def baked(stack: Stack, live: tuple[Place, ...], glossy: int, progress: Callable
 
 
 def _over_base_color(stack: Stack, glossy: int, progress) -> TableLobes:
-    """The layers over black, and what a base of any color adds."""
-    black = over_black(stack)
-    truth = truth_of(black)
-    tables = Baker(black, truth, progress).bake(glossy).lobe_set.tables
-    own = sum((table.weight for table in tables if isinstance(table, DiffuseTable)), np.zeros((KNOTS, 3)))
-    return TableLobes((*(table for table in tables if not isinstance(table, DiffuseTable)), replace(base_of(truth, black, stack), own=own)))
+    """The lobes of a stack over a diffuse base of any color."""
+    black, truth = over(stack, 0.0), BlackAndWhite(stack)
+    baker = Baker(black, truth, progress)
+    return followed(baker.lobe_set(baker.path(glossy), keep=(DiffuseTable,)), base_of(truth.black, black, stack))
 
 
 def pack_lobes(lobe_set: TableLobes | LiveLobes) -> dict:

@@ -33,5 +33,5 @@ def shares(truth, known: GlossyLobe | None) -> tuple[np.ndarray, np.ndarray]:
 
 
 def left_over(albedo: np.ndarray, mirrors: np.ndarray, known: GlossyLobe | None) -> np.ndarray:
-    """What of an albedo (KNOTS, 3) is neither in mirrors (KNOTS, 3) nor in a known lobe."""
-    return np.maximum(albedo - (mirrors if known is None else mirrors + unit_energy(known, knot_cosines())), 0.0)
+    """What of an albedo (KNOTS, c) is neither in mirrors (KNOTS, c) nor in a known lobe, which is grey."""
+    return np.maximum(albedo - (mirrors if known is None else mirrors + unit_energy(known, knot_cosines())[:, :1]), 0.0)

@@ -12,10 +12,10 @@ from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
 from ..axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, IndexAxis, NumberAxis, ReflectanceAxis, Scale, ScatterColorAxis, ThicknessAxis
-from ..live_grid import MIN_ENERGY, Energies, LiveLobes, grid_of
-from ..samples import view_of
+from ..live_grid import Energies, LiveLobes, grid_of
 from ..truth import truth_of
-from ..view_table import BASE_COLOR, KNOTS, BaseColorTable, knot_cosines
+from ..view_table import BASE_COLOR, DiffuseTable, GlossyTable
+from .base_color import base_of, over
 from .knot_energies import shares, top_lobe
 
 MOST_AXES = 2
@@ -30,8 +30,6 @@ _ROUGHNESSES, _NARROWEST = (0.2, 1.0), 0.05
 # At 1 the layer's surface is gone, and with a reflectance of 0 the metal.
 _INDICES, _REFLECTANCES = (1.02, 4.0), (0.004, 0.999)
 _DEEPEST, _DEEPEST_MEDIUM = 6.0, 30.0
-# Beside white, the color at which a rough diffuse base is right.
-_SOME_COLOR = 0.3
 
 
 def follows(stack: Stack, live: tuple[Place, ...]) -> bool:
@@ -43,30 +41,6 @@ def follows(stack: Stack, live: tuple[Place, ...]) -> bool:
 def _without_color(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
     """The live values that need knots: all but the color of a diffuse base."""
     return tuple(place for place in live if place != BASE_COLOR) if _is_diffuse(stack) else live
-
-
-def over_black(stack: Stack) -> Stack:
-    """The stack over a black base."""
-    return BASE_COLOR.with_value(stack, (0.0, 0.0, 0.0))
-
-
-def base_of(truth, here: Stack, stack: Stack) -> BaseColorTable:
-    """What a diffuse base of any color adds to the layers of `here`, whose base is black and whose truth is known; the color is that of `stack`.
-
-    Light that meets a Lambert base has lost its direction: three numbers per view say all. A rough one keeps some, and they are
-    those that are right at two colors.
-    """
-    layers = truth.layer_energies()
-    back, escapes = layers.diffuse_below
-    own, color = np.zeros((KNOTS, 3)), np.array(stack.base["color"])
-    if OpticalStack.of(here).base.sigma_deg == 0.0:
-        return BaseColorTable(own, layers.above(knot_cosines())[1] * escapes, np.broadcast_to(back, (KNOTS, 3)), color)
-    views = np.stack([view_of(c) for c in knot_cosines()])
-    some, all_ = (truth_of(BASE_COLOR.with_value(here, (c,) * 3)).albedo(views) - truth.albedo(views) for c in (_SOME_COLOR, 1.0))
-    # of through c / (1 - back c)
-    ratio = all_ * _SOME_COLOR / np.maximum(some, MIN_ENERGY)
-    back = np.clip((ratio - 1.0) / (ratio - _SOME_COLOR), 0.0, 0.999)
-    return BaseColorTable(own, all_ * (1.0 - back), back, color)
 
 
 def in_tables(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
@@ -127,6 +101,29 @@ def _even(kind: type[Axis], live: tuple[Place, ...], ends: tuple[float, float], 
     return kind(live, *(Scale(*ends, int(steps * finer) + 1) for finer in (1, fine, cross)))
 
 
+def _apart(node: tuple[int, ...], other: tuple[int, ...]) -> int:
+    return sum(abs(a - b) for a, b in zip(node, other))
+
+
+def _better_from(start: tuple[int, ...], bakers: dict, found: dict, glossy: int) -> None:
+    """Fits that a node begins by itself, and its neighbours go on from it, as far as these are closer than what was found.
+
+    What a deep medium shows is not what shows through a thin one, and fits that begin at the one do not find the other.
+    """
+    own, plan, kind = bakers[start].path(glossy), found[start].plan, found[start].path.distributions
+    if (own.plan, own.path.distributions) != (plan, kind) or own.path.mixtures.error.sum() >= found[start].path.mixtures.error.sum():
+        return
+    found[start], fresh, left = own, [start], set(found) - {start}
+    while fresh:
+        node = fresh.pop(0)
+        for other in [other for other in sorted(left) if _apart(node, other) == 1]:
+            left.remove(other)
+            continued = bakers[other].continued(found[node])
+            if continued.path.mixtures.error.sum() < found[other].path.mixtures.error.sum():
+                found[other] = continued
+                fresh.append(other)
+
+
 def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Callable, report: Callable[[float], None]) -> LiveLobes:
     """The grid of a stack over live values of which at least one needs knots.
 
@@ -135,25 +132,28 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     axes = axes_of(stack, _without_color(stack, live))
     assert axes is not None, "see follows"
     over_color = BASE_COLOR in live
-    ground = over_black(stack) if over_color else stack
+    ground = over(stack, 0.0) if over_color else stack
     knots = [axis.knots.knots[axis.before :] for axis in axes]
     size = tuple(map(len, knots))
     center = tuple(n // 2 for n in size)
     order = sorted(np.ndindex(size), key=lambda node: sum(abs(a - b) for a, b in zip(node, center)))
-    found, nodes = {}, {}
+    found, bakers = {}, {}
     for done, node in enumerate(order):
         here = ground
         for axis, at, i in zip(axes, knots, node):
             here = axis.at(here, at[i])
-        truth = truth_of(here)
-        baker = make_baker(here, truth)
+        bakers[node] = make_baker(here, truth_of(here))
         if not found:
-            found[node] = baker.path(glossy)
+            found[node] = bakers[node].path(glossy)
         else:
-            near = min(found, key=lambda other: sum(abs(a - b) for a, b in zip(node, other)))
-            found[node] = baker.continued(found[near])
-        nodes[node] = baker.lobe_set(found[node], keep=True)
-        report(0.8 * (done + 1) / len(order))
+            near = min(found, key=lambda other: _apart(node, other))
+            found[node] = bakers[node].continued(found[near])
+        report(0.7 * (done + 1) / len(order))
+    for axis, last in zip(axes, size):
+        if isinstance(axis, ThicknessAxis):
+            _better_from(tuple(n - 1 if other is axis else n // 2 for other, n in zip(axes, size)), bakers, found, glossy)
+    nodes = {node: baker.lobe_set(found[node], keep=(GlossyTable, DiffuseTable)) for node, baker in bakers.items()}
+    report(0.8)
 
     def energies(here: Stack) -> Energies:
         truth = truth_of(here)
