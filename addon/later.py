@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What Blender need not import when it starts: modules that are imported when something of them is first asked for.
 
-Once an artist sees the panel they are read one by one between the window's events (`read_soon`), so that the first click
-waits for none. What registers classes, draws and listens imports these as modules (`from ..material import reading`), never names out
+Once an artist sees the panel they are read one by one between the window's events (`read_soon`), and what they compute once
+for a session is computed (`material.first_click`), so that the first click waits for none. What registers classes, draws and listens imports these as modules (`from ..material import reading`), never names out
 of them, and so costs Blender's start neither numpy nor the reference. Where `import_later` was not called, as on the
 command line, they are imported as ever.
 """
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from importlib import import_module
 from importlib.util import find_spec, module_from_spec
 from types import ModuleType
@@ -27,6 +27,7 @@ MODULES = (
     "addon/material/chosen",
     "addon/material/elements",
     "addon/material/entry",
+    "addon/material/first_click",
     "addon/material/hand_over",
     "addon/material/kind_groups",
     "addon/material/layers",
@@ -82,17 +83,24 @@ def _read(module: ModuleType) -> None:
 
 
 def read_soon() -> Callable[[], float | None]:
-    """A timer that reads one unread module whenever it is called. Returns the seconds to the next call, None once all are read."""
+    """A timer that reads an unread module, or does a piece of the first click's work, whenever it is called.
+
+    Returns the seconds to the next call, None once all is done.
+    """
     package = __package__.rpartition(".")[0]
     names = [f"{package}.{path.replace('/', '.')}" for path in MODULES]
 
-    def read_one() -> float | None:
-        unread = [name for name in names if type(sys.modules.get(name)) is _Unread]
-        if unread:
-            _read(sys.modules[unread[0]])
-        return _BETWEEN if len(unread) > 1 else None
+    def steps() -> Iterator[None]:
+        for name in names:
+            if type(sys.modules.get(name)) is _Unread:
+                _read(sys.modules[name])
+                yield
+        from .material import first_click
 
-    return read_one
+        yield from first_click.pieces()
+
+    left = steps()
+    return lambda: next((_BETWEEN for _ in left), None)
 
 
 def import_later() -> None:

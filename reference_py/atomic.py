@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from .errors import LaminaError
+from .errors import LaminaError, Sentence
 
 
 @contextmanager
@@ -21,7 +21,7 @@ def replacing(path: str | os.PathLike) -> Iterator[Path]:
         handle, name = tempfile.mkstemp(prefix=f".{path.stem[:40]}.", suffix=path.suffix, dir=path.parent)
         os.close(handle)
     except OSError as error:
-        raise LaminaError(f"{path}: cannot write into folder {path.parent}: {error.strerror}") from None
+        raise LaminaError("{path}: cannot write into folder {folder}: {reason}", path=path, folder=path.parent, reason=error.strerror) from None
     temporary = Path(name)
     try:
         yield temporary
@@ -31,7 +31,7 @@ def replacing(path: str | os.PathLike) -> Iterator[Path]:
         os.chmod(temporary, 0o666 & ~umask)
         os.replace(temporary, path)
     except OSError as error:
-        raise LaminaError(f"{path}: cannot write: {error.strerror or error}") from None
+        raise LaminaError("{path}: cannot write: {reason}", path=path, reason=error.strerror or error) from None
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -39,16 +39,16 @@ def replacing(path: str | os.PathLike) -> Iterator[Path]:
 def require_writable(path: str | os.PathLike) -> None:
     """Raise LaminaError now if `path` could not be written later, before long work starts."""
     if Path(path).is_dir():
-        raise LaminaError(f"{path}: this is a folder; choose the name of a file")
-    _try_folder(Path(path).parent, f"{path}: cannot write into folder {Path(path).parent}")
+        raise LaminaError("{path}: this is a folder; choose the name of a file", path=path)
+    _try_folder(Path(path).parent, Sentence("{path}: cannot write into folder {folder}", path=path, folder=Path(path).parent))
 
 
-def _try_folder(folder: Path, complaint: str) -> None:
+def _try_folder(folder: Path, complaint: Sentence) -> None:
     try:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        raise LaminaError(f"{complaint}: {error.strerror}") from None
+        raise LaminaError("{complaint}: {reason}", complaint=complaint, reason=error.strerror) from None
 
 
 def output_folder(path: str | os.PathLike) -> Path:
@@ -57,8 +57,8 @@ def output_folder(path: str | os.PathLike) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise LaminaError(f"{folder}: cannot make this folder: {error.strerror}") from None
-    _try_folder(folder, f"{folder}: cannot write into this folder")
+        raise LaminaError("{folder}: cannot make this folder: {reason}", folder=folder, reason=error.strerror) from None
+    _try_folder(folder, Sentence("{folder}: cannot write into this folder", folder=folder))
     return folder
 
 

@@ -18,13 +18,13 @@ def open_file(path: str | os.PathLike) -> None:
     try:
         bpy.ops.wm.open_mainfile(filepath=str(Path(path).resolve()), load_ui=False)
     except RuntimeError as error:
-        raise LaminaError(f"{path}: Blender cannot open it: {str(error).strip()}") from None
+        raise LaminaError("{path}: Blender cannot open it: {reason}", path=path, reason=str(error).strip()) from None
 
 
 def refuse_missing(name: str, missing: Sequence[str], is_allowed: bool, report: Callable[[str], None]) -> None:
     """Raise LaminaError naming what a .blend asks for and that is not there (`dependencies.missing`); where that is allowed, report it."""
     if missing and not is_allowed:
-        raise LaminaError(f"{name}: {named(missing)}; mend that, or give --allow-missing to go on without")
+        raise LaminaError("{name}: {missing}; mend that, or give --allow-missing to go on without", name=name, missing=named(missing))
     if missing:
         report(f"{name}: goes on without what is missing: {named(missing)}")
 
@@ -57,9 +57,9 @@ def _replace(path: str | os.PathLike, save) -> None:
         try:
             save(str(temporary.resolve()))
         except RuntimeError as error:
-            raise LaminaError(f"{output}: Blender cannot save it: {str(error).strip()}") from None
+            raise LaminaError("{output}: Blender cannot save it: {reason}", output=output, reason=str(error).strip()) from None
         if not _is_whole(temporary):  # Blender calls it saved even where the disk is full
-            raise LaminaError(f"{output}: Blender could not write all of it; is the disk full?")
+            raise LaminaError("{output}: Blender could not write all of it; is the disk full?", output=output)
 
 
 def _is_whole(path: Path) -> bool:

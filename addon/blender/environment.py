@@ -5,9 +5,11 @@ import importlib.util
 import sys
 from pathlib import Path
 
+from ...reference_py.errors import Sentence
+
 # Why there may be no OSL.
-NO_CYCLES, NO_OSL = "this Blender has no Cycles", "this Blender was built without OSL"
-NO_QUERY = "Python cannot import oslquery, so Script nodes would get no sockets"
+NO_CYCLES, NO_OSL = Sentence("this Blender has no Cycles"), Sentence("this Blender was built without OSL")
+NO_QUERY = Sentence("Python cannot import oslquery, so Script nodes would get no sockets")
 
 
 def is_wheel() -> bool:

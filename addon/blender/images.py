@@ -22,7 +22,7 @@ class Exr(NamedTuple):
         try:
             return np.stack([self.channels[f"{prefix}.{c}"] for c in components], axis=-1).astype(np.float64)
         except KeyError as missing:
-            raise LaminaError(f"EXR channel {missing} is not there; choose from {', '.join(self.channels)}") from None
+            raise LaminaError("EXR channel {missing} is not there; choose from {choices}", missing=missing, choices=", ".join(self.channels)) from None
 
 
 def require_pictures() -> None:
@@ -37,11 +37,11 @@ def _read(path: str | os.PathLike, kind: str, what: str):
     try:
         return oiio.read(path, kind)
     except OSError as error:
-        raise LaminaError(f"{path}: cannot read: {error.strerror or error}") from None
+        raise LaminaError("{path}: cannot read: {reason}", path=path, reason=error.strerror or error) from None
     except ImportError as error:
         raise LaminaError(str(error)) from None
     except (ValueError, MemoryError) as error:
-        raise LaminaError(f"{path}: not {what} file that can be read here: {' '.join(str(error).split())}") from None
+        raise LaminaError("{path}: not {what} file that can be read here: {reason}", path=path, what=what, reason=" ".join(str(error).split())) from None
 
 
 def _write(path: str | os.PathLike, channels: dict[str, np.ndarray], metadata: dict[str, str]) -> None:

@@ -12,7 +12,7 @@ from math import isfinite
 
 import bpy
 
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.material.schema import COLOR, FLOAT, Parameter
 from ..blender import environment
 from ..blender.texture_limit import texture_limit
@@ -102,7 +102,10 @@ class Finding:
 
     def text(self, translate=str) -> str:
         """The sentence; `translate` gets its template."""
-        return translate(CODES[self.code][1]).format(**self.words)
+        return self.sentence().told(translate)
+
+    def sentence(self) -> Sentence:
+        return Sentence(CODES[self.code][1], **self.words)
 
 
 def find(material: bpy.types.Material, scene: bpy.types.Scene, preferences: bpy.types.Preferences) -> list[Finding]:
@@ -112,7 +115,7 @@ def find(material: bpy.types.Material, scene: bpy.types.Scene, preferences: bpy.
         require_editable(material)
         found = []
     except LaminaError as error:
-        found = [Finding("not_editable", {"reason": str(error)})]
+        found = [Finding("not_editable", {"reason": error.sentence})]
     if material.node_tree is None:
         return found
     found += [
@@ -130,9 +133,9 @@ def mend(material: bpy.types.Material, scene: bpy.types.Scene, preferences: bpy.
     """Mend the finding of this key. Raises LaminaError where there is none any more, or nothing can be done."""
     finding = next((f for f in find(material, scene, preferences) if f.key == key), None)
     if finding is None:
-        raise LaminaError(f"there is no finding {key!r} any more")
+        raise LaminaError("there is no finding {key!r} any more", key=key)
     if not finding.mending:
-        raise LaminaError(f"this cannot be mended here: {finding.text()}")
+        raise LaminaError("this cannot be mended here: {finding}", finding=finding.sentence())
     require_editable(material)
     MENDS[finding.code](material, scene, finding)
 
@@ -142,7 +145,7 @@ def _machine(material, scene, preferences) -> Iterator[Finding]:
     try:
         branches_here(material.lamina.backend)
     except LaminaError as error:
-        yield Finding("backend_missing", {"reason": str(error)})
+        yield Finding("backend_missing", {"reason": error.sentence})
         return
     script, stock = node_with(material, OSL), node_with(material, NODES)
     reason = why_stock_nodes(scene, preferences)
@@ -150,14 +153,20 @@ def _machine(material, scene, preferences) -> Iterator[Finding]:
         yield Finding("script_alone" if environment.osl_available()[0] else "osl_missing", {"reason": reason})
     elif script is not None and stock is not None and reason:
         gain = _ignored_names(material)
-        words = {"reason": reason, "gain": f"{gain[0]} and {len(gain) - 1} more" if len(gain) > 1 else gain[0] if gain else "nothing to this picture"}
+        words = {"reason": reason, "gain": _gain(gain)}
         cannot = not environment.osl_available()[0] or (scene.render.engine == "CYCLES" and device_problem(scene, preferences))
         yield Finding("without_osl", words | {"is_final": bool(cannot)}, is_note=not gain)
     if (script is None) != (stock is None) and material.lamina.backend == AUTO and not (reason and stock is None):
         if stock is None:
-            yield Finding("one_branch", {"missing": "Made by an older Lamina: where OSL does not run, it renders black"})
+            yield Finding("one_branch", {"missing": Sentence("Made by an older Lamina: where OSL does not run, it renders black")})
         elif environment.osl_available()[0]:
-            yield Finding("one_branch", {"missing": "Made in a Blender without OSL: the OSL script is still missing"})
+            yield Finding("one_branch", {"missing": Sentence("Made in a Blender without OSL: the OSL script is still missing")})
+
+
+def _gain(names: list[str]) -> str:
+    if len(names) > 1:
+        return Sentence("{first} and {count} more", first=names[0], count=len(names) - 1)
+    return names[0] if names else Sentence("nothing to this picture")
 
 
 def _elements(material) -> Iterator[Finding]:
@@ -306,7 +315,9 @@ def _stock(material, scene, osl_shows: bool) -> Iterator[Finding]:
         # of a bake that is on its way, both branches stand in
         if beside and shader_of(material) == node_with(material, OSL) and state.is_settled(material) and state.lags(material):
             changed = changed_values(material)
-            behind = f"{len(changed)} values changed since, the first is {changed[0]}" if changed else "they stand in for what the script shows"
+            behind = Sentence("they stand in for what the script shows")
+            if changed:
+                behind = Sentence("{count} values changed since, the first is {first}", count=len(changed), first=changed[0])
             yield Finding("stock_behind", {"behind": behind}, is_note=osl_shows)
         yield from _ignored(material, beside and osl_shows)
     except LaminaError:

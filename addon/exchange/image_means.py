@@ -14,13 +14,13 @@ def mean_of_image(image: Image) -> np.ndarray:
     try:
         block = bpy.data.images.load(image.file)
     except RuntimeError:
-        raise LaminaError(f"{image.file}: no image that Blender can read") from None
+        raise LaminaError("{file}: no image that Blender can read", file=image.file) from None
     try:
         block.colorspace_settings.name = "Non-Color"  # the file's own numbers
         width, height = block.size
         pixels = np.empty(width * height * block.channels, np.float32)
         if not len(pixels):
-            raise LaminaError(f"{image.file}: no image that Blender can read")
+            raise LaminaError("{file}: no image that Blender can read", file=image.file)
         block.pixels.foreach_get(pixels)
     finally:
         bpy.data.images.remove(block)

@@ -23,7 +23,7 @@ def bake_masks(material: bpy.types.Material, items: Sequence[bpy.types.Object], 
     """
     masks = masks_in(material)
     if not masks:
-        raise LaminaError(f"material {material.name} has no masks to bake; choose Add Mask first")
+        raise LaminaError("material {material} has no masks to bake; choose Add Mask first", material=material.name)
     for item in items:
         _require_bakeable(item, material, into)
     if into == ATTRIBUTE:
@@ -52,13 +52,13 @@ def draw_live(material: bpy.types.Material) -> int:
 
 def _require_bakeable(item, material, into: str) -> None:
     if item is None or item.type != "MESH" or material.name_full not in [s.material.name_full for s in item.material_slots if s.material]:
-        raise LaminaError(f"material {material.name}: select a mesh that has it")
+        raise LaminaError("material {material}: select a mesh that has it", material=material.name)
     if item.mode != "OBJECT":
-        raise LaminaError(f"object {item.name}: leave {item.mode.title()} mode first")
+        raise LaminaError("object {object}: leave {mode} mode first", object=item.name, mode=item.mode.title())
     if into == IMAGE and not item.data.uv_layers:
-        raise LaminaError(f"object {item.name} has no UV map; unwrap it first, or bake to an attribute")
+        raise LaminaError("object {object} has no UV map; unwrap it first, or bake to an attribute", object=item.name)
     if into == ATTRIBUTE and not item.data.is_editable:
-        raise LaminaError(f"object {item.name}: its mesh is linked from another file; make it local, or bake to an image")
+        raise LaminaError("object {object}: its mesh is linked from another file; make it local, or bake to an image", object=item.name)
 
 
 def _drawn(studio: BakeStudio, node: bpy.types.Node) -> bpy.types.NodeSocket:

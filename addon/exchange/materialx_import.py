@@ -44,7 +44,8 @@ def import_materials(path: str, chosen: Callable[[bpy.types.Material], tuple[str
 
     Raises LaminaError, and leaves nothing behind, where the file cannot be read or none can be shown.
     """
-    made, left_out = [], []
+    made: list[Imported] = []
+    left_out: list[LaminaError] = []
     try:
         for source in load_mtlx(path):
             target = bpy.data.materials.new(source.name or "Lamina")
@@ -52,7 +53,7 @@ def import_materials(path: str, chosen: Callable[[bpy.types.Material], tuple[str
                 made.append(apply_material(target, source, *chosen(target)))
             except LaminaError as error:
                 bpy.data.materials.remove(target)
-                left_out.append(f"lost: {error}")
+                left_out.append(error)
             except Exception:
                 bpy.data.materials.remove(target)
                 raise
@@ -61,8 +62,8 @@ def import_materials(path: str, chosen: Callable[[bpy.types.Material], tuple[str
             bpy.data.materials.remove(imported.material)
         raise
     if not made:
-        raise LaminaError(left_out[0].removeprefix("lost: "))
-    return made, left_out
+        raise left_out[0]
+    return made, [f"lost: {error}" for error in left_out]
 
 
 def apply_material(target: bpy.types.Material, source: AnyMaterial, tier: str, backend: str) -> Imported:

@@ -6,7 +6,7 @@ import re
 import bpy
 import numpy as np
 
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.exchange.principled import DEFAULTS
 from ...reference_py.material.schema import COLOR, FLOAT, Parameter
 from ..material.entry import find_entry
@@ -23,8 +23,8 @@ def principled_of(material: bpy.types.Material) -> bpy.types.Node:
     output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL") if tree is not None else None
     node = find_entry(output).former
     if node is None or node.bl_idname != PRINCIPLED:
-        what = node.bl_label if node is not None else "nothing"
-        raise LaminaError(f"material {material.name}: its surface is {what}; only a Principled BSDF can be converted")
+        what = node.bl_label if node is not None else Sentence("nothing")
+        raise LaminaError("material {material}: its surface is {what}; only a Principled BSDF can be converted", material=material.name, what=what)
     return node
 
 

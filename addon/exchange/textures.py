@@ -85,11 +85,11 @@ class TextureBake:
 def can_be_baked(material: bpy.types.Material, item: bpy.types.Object | None) -> None:
     """Raises LaminaError for an object without the material or without UVs."""
     if item is None or item.type != "MESH" or material.name_full not in [s.material.name_full for s in item.material_slots if s.material]:
-        raise LaminaError(f"material {material.name}: select a mesh that has it")
+        raise LaminaError("material {material}: select a mesh that has it", material=material.name)
     if item.mode != "OBJECT":
-        raise LaminaError(f"object {item.name}: leave {item.mode.title()} mode first")
+        raise LaminaError("object {object}: leave {mode} mode first", object=item.name, mode=item.mode.title())
     if not item.data.uv_layers:
-        raise LaminaError(f"object {item.name} has no UV map; unwrap it first")
+        raise LaminaError("object {object} has no UV map; unwrap it first", object=item.name)
 
 
 def corrected(pixels: np.ndarray, channel: str, colors: ColorMap | None) -> np.ndarray:
@@ -145,7 +145,7 @@ class BakeStudio:
             with bpy.context.temp_override(scene=self._scene, view_layer=layer, **target):
                 bpy.ops.object.bake(type="NORMAL" if is_normal else "EMIT", margin=_MARGIN, use_clear=True, target=into, save_mode="INTERNAL")
         except RuntimeError as error:
-            raise LaminaError(f"material {self.material.name}: Blender cannot bake it: {str(error).strip()}") from None
+            raise LaminaError("material {material}: Blender cannot bake it: {reason}", material=self.material.name, reason=str(error).strip()) from None
         finally:
             tree.nodes.remove(shader)
 
@@ -202,7 +202,7 @@ def _mesh_of(item: bpy.types.Object, material: bpy.types.Material) -> bpy.types.
     if not edit.faces:
         edit.free()
         bpy.data.meshes.remove(mesh)
-        raise LaminaError(f"object {item.name}: no face has the material {material.name}")
+        raise LaminaError("object {object}: no face has the material {material}", object=item.name, material=material.name)
     edit.to_mesh(mesh)
     edit.free()
     return mesh

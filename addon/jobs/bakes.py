@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import bpy
 from bpy.app.handlers import persistent
 
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.lobes.cache import stack_key
 from ...reference_py.material.schema import SCHEMA_VERSION
 from ..blender.user_folders import cache_folder
@@ -31,7 +31,7 @@ class Bake(Process):
         from ...reference_py.lobes.methods import bake_process  # that package is imported with the first bake
 
         request = bake_process.request(wanted.stack, wanted.method, wanted.live, wanted.tolerance, cache_folder())
-        super().__init__("a bake", worker(bake_process.MODULE), request)
+        super().__init__(Sentence("a bake"), worker(bake_process.MODULE), request)
         self.wanted, self.key = wanted, wanted.key
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import bpy
 
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.exchange import conversion_process
 from ...reference_py.exchange import hand_over as solving
 from ...reference_py.material.stack import Stack
@@ -18,7 +18,7 @@ class _Conversion(Process):
     """One base color in the making, in a process of its own."""
 
     def __init__(self, stack: Stack, textured: bool, key: str):
-        super().__init__("a conversion", worker(conversion_process.MODULE), conversion_process.request(stack, textured))
+        super().__init__(Sentence("a conversion"), worker(conversion_process.MODULE), conversion_process.request(stack, textured))
         self.stack, self.textured, self.key = stack, textured, key
 
 

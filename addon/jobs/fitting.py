@@ -4,8 +4,9 @@
 from pathlib import Path
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.fit import fit_process, forward, metric, outcome
 from ...reference_py.material.stack import Stack
 from ..material import chosen
@@ -19,7 +20,7 @@ class Fit(Process):
     """One fit in the making, for a material or for an object that has none."""
 
     def __init__(self, target: bpy.types.ID, file: str, layers: int | str, base: str, cloudy: bool):
-        super().__init__("a fit", worker(fit_process.MODULE), fit_process.request(file, layers, base, forward.DEFAULT_MODEL, cloudy))
+        super().__init__(Sentence("a fit"), worker(fit_process.MODULE), fit_process.request(file, layers, base, forward.DEFAULT_MODEL, cloudy))
         self.target, self.file = target.session_uid, file
         self.is_object = isinstance(target, bpy.types.Object)
 
@@ -29,7 +30,9 @@ class Fit(Process):
             raise LaminaError(self.error)
         owner = _with_uid(bpy.data.objects if self.is_object else bpy.data.materials, self.target)
         if owner is None:
-            raise LaminaError(f"{Path(self.file).name} is fitted, but the {'object' if self.is_object else 'material'} that it was for is gone")
+            if self.is_object:
+                raise LaminaError("{file} is fitted, but the object that it was for is gone", file=Path(self.file).name)
+            raise LaminaError("{file} is fitted, but the material that it was for is gone", file=Path(self.file).name)
         stack = Stack.from_dict(self.result["stack"], Path(self.file).name)
         material = bpy.data.materials.new(Path(self.file).stem) if self.is_object else owner
         try:
@@ -84,7 +87,7 @@ def start(target: bpy.types.ID, file: str, layers: int | str, base: str, cloudy:
     """Begin a fit; `cloudy` tries a medium that scatters above the base too. Raises LaminaError when one runs already, or it cannot start."""
     global _running
     if _running is not None:
-        raise LaminaError(f"{Path(_running.file).name} is being fitted; wait for it, or cancel it")
+        raise LaminaError("{file} is being fitted; wait for it, or cancel it", file=Path(_running.file).name)
     _last.pop(target.session_uid, None)
     _running = Fit(target, file, layers, base, cloudy)
     return _running
@@ -111,7 +114,7 @@ def tick() -> float | None:
         sentences = fit.apply(bpy.context.scene)
         bpy.ops.ed.undo_push(message="Fit Measurement")
     except LaminaError as error:
-        sentences = [f"fit failed: {error}"]
+        sentences = [rpt_("fit failed: {reason}").format(reason=error.told(rpt_))]
     # the panel has notes of its own on how the material is made
     _last[fit.target] = sentences[0]
     for sentence in sentences:

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import threading
 
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 
 
 def worker(module: str) -> list[str]:
@@ -23,7 +23,7 @@ class Process:
     Raises LaminaError, which names `what`, where no process can be started.
     """
 
-    def __init__(self, what: str, command: list[str], request: str):
+    def __init__(self, what: Sentence, command: list[str], request: str):
         from ...reference_py.lobes.methods.bake_process import ENVIRONMENT
 
         self.share, self.error, self.result = 0.0, "", None
@@ -35,7 +35,7 @@ class Process:
             self._process.stdin.write(request)
             self._process.stdin.close()
         except OSError as error:
-            raise LaminaError(f"cannot start {what} with {command[0]}: {error.strerror or error}") from None
+            raise LaminaError("cannot start {what} with {command}: {reason}", what=what, command=command[0], reason=error.strerror or error) from None
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
 from ..blender.user_folders import presets_folder
@@ -32,7 +32,7 @@ class Saving(Process):
         self.folder = Path(self._folder.name)
         try:
             preset_assets.write_asset(self.folder / preset_process.ASSET, material, stack, catalogue, None)
-            super().__init__("the picture of a preset", preset_process.command(self.folder), "")
+            super().__init__(Sentence("the picture of a preset"), preset_process.command(self.folder), "")
         except BaseException:
             self.clear()
             raise
@@ -58,7 +58,7 @@ def _copy(source: Path, target: Path) -> None:
     try:
         shutil.copyfile(source, target)
     except OSError as error:
-        raise LaminaError(f"{target}: cannot write it: {error.strerror or error}") from None
+        raise LaminaError("{target}: cannot write it: {reason}", target=target, reason=error.strerror or error) from None
 
 
 _running: Saving | None = None
@@ -74,7 +74,7 @@ def start(material: bpy.types.Material, label: str, stack: Stack, catalogue: str
     """Begin to save a material's stack as a preset. Raises LaminaError when one is being saved already, or for what cannot be saved."""
     global _running
     if _running is not None:
-        raise LaminaError(f"preset {_running.label} is being saved; wait for it, or cancel it")
+        raise LaminaError("preset {name} is being saved; wait for it, or cancel it", name=_running.label)
     _running = Saving(material, label, stack, catalogue)
     bpy.app.timers.register(tick, first_interval=TICK, persistent=True)
 
@@ -99,7 +99,7 @@ def tick() -> float | None:
         try:
             sentences = saving.keep()
         except LaminaError as error:
-            sentences = [rpt_("the preset is not saved: {reason}").format(reason=error)]
+            sentences = [rpt_("the preset is not saved: {reason}").format(reason=error.told(rpt_))]
         saving.clear()
         for sentence in sentences:
             print(f"Lamina: {sentence}")

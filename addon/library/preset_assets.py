@@ -42,7 +42,7 @@ def dress(source: bpy.types.Material, target: bpy.types.Material) -> None:
     """Give the layers of a material the textures of those shown of another, which has the same. Raises LaminaError where it has not."""
     pairs = list(zip(_shown(source), _shown(target)))
     if [a.kind for a in _shown(source)] != [b.kind for b in _shown(target)]:
-        raise LaminaError(f"the layers of {source.name} are others than those of {target.name}, so its textures fit nowhere")
+        raise LaminaError("the layers of {source} are others than those of {target}, so its textures fit nowhere", source=source.name, target=target.name)
     before = set(target.node_tree.nodes)
     try:
         for former, element in pairs:
@@ -79,9 +79,9 @@ def require_savable(material: bpy.types.Material) -> None:
     """Raise LaminaError for a texture that cannot come along as it looks now."""
     for image in _images(_feeding(material)):
         if image.source == "FILE" and image.packed_file is None and not Path(bpy.path.abspath(image.filepath, library=image.library)).is_file():
-            raise LaminaError(f"image {image.name} cannot come along: there is no file {image.filepath}")
+            raise LaminaError("image {image} cannot come along: there is no file {path}", image=image.name, path=image.filepath)
         if image.is_dirty:
-            raise LaminaError(f"image {image.name} has changes that are not saved, and a preset takes it as it is saved; save or pack it first")
+            raise LaminaError("image {image} has changes that are not saved, and a preset takes it as it is saved; save or pack it first", image=image.name)
 
 
 def _feeding(material) -> list[bpy.types.Node]:
@@ -174,7 +174,7 @@ def _packed(images: Sequence[bpy.types.Image]) -> Iterator[None]:
             try:
                 image.pack()
             except RuntimeError as error:
-                raise LaminaError(f"image {image.name} cannot come along: {' '.join(str(error).split())}") from None
+                raise LaminaError("image {image} cannot come along: {reason}", image=image.name, reason=" ".join(str(error).split())) from None
             packed.append(image)
         yield
     finally:
@@ -191,9 +191,9 @@ def asset_of(path: Path) -> Iterator[bpy.types.Material]:
         with bpy.data.libraries.load(str(path), link=False, assets_only=True) as (there, here):
             here.materials = list(there.materials)[:1]
     except (OSError, RuntimeError) as error:
-        raise LaminaError(f"{path}: Blender cannot read the preset's textures: {' '.join(str(error).split())}") from None
+        raise LaminaError("{path}: Blender cannot read the preset's textures: {reason}", path=path, reason=" ".join(str(error).split())) from None
     if not here.materials or here.materials[0] is None:
-        raise LaminaError(f"{path}: there is no material in this file of a preset")
+        raise LaminaError("{path}: there is no material in this file of a preset", path=path)
     try:
         yield here.materials[0]
     finally:

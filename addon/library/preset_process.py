@@ -54,7 +54,7 @@ def draw(folder: Path) -> None:
         with bpy.data.libraries.load(str(asset), link=False, assets_only=True) as (there, here):
             here.materials = list(there.materials)
     except (OSError, RuntimeError) as error:
-        raise LaminaError(f"{asset}: Blender cannot read it: {' '.join(str(error).split())}") from None
+        raise LaminaError("{asset}: Blender cannot read it: {reason}", asset=asset, reason=" ".join(str(error).split())) from None
     material = here.materials[0]
     bpy.app.handlers.render_stats.append(_tell)
     render_thumbnail(material, folder / PICTURE)

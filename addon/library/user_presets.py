@@ -5,8 +5,10 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+from bpy.app.translations import pgettext_rpt as rpt_
+
 from ...reference_py.atomic import output_folder, write_text
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.material import presets
 from ...reference_py.material.json_input import read_text
 from ...reference_py.material.stack import Stack
@@ -47,16 +49,18 @@ def free_name(label: str) -> str:
     if not text:
         raise LaminaError("a preset needs a name")
     if len(text) > LONGEST:
-        raise LaminaError(f"preset name {text[:24]}... has {len(text)} letters; choose at most {LONGEST}")
+        raise LaminaError("preset name {start}... has {count} letters; choose at most {most}", start=text[:24], count=len(text), most=LONGEST)
     if wrong := re.search(r"[^\w \-]", text):
-        raise LaminaError(f"preset name {text!r}: {wrong.group()!r} cannot be in a file's name; choose letters, digits, spaces, - and _")
+        raise LaminaError(
+            "preset name {text!r}: {letter!r} cannot be in a file's name; choose letters, digits, spaces, - and _", text=text, letter=wrong.group()
+        )
     name = re.sub(r"\s+", "_", text.lower())
     if name in _DEVICES:
-        raise LaminaError(f"preset name {text!r} is a device's on Windows; choose another")
+        raise LaminaError("preset name {text!r} is a device's on Windows; choose another", text=text)
     if name in presets.names():
-        raise LaminaError(f"preset name {text!r} is one of Lamina's own; choose another")
+        raise LaminaError("preset name {text!r} is one of Lamina's own; choose another", text=text)
     if name in names():
-        raise LaminaError(f"preset name {text!r} is taken by a preset of yours; choose another, or remove that one first")
+        raise LaminaError("preset name {text!r} is taken by a preset of yours; choose another, or remove that one first", text=text)
     return name
 
 
@@ -74,7 +78,7 @@ def save(label: str, stack: Stack, draw: Callable[[Path], None], keep: Callable[
             draw(files[0])
         except LaminaError as error:
             files[0].unlink(missing_ok=True)
-            why = str(error)
+            why = error.told(rpt_)
         keep(files[1])
         stack.save(presets_folder() / f"{name}.json")
     except BaseException:
@@ -100,10 +104,11 @@ def remove(name: str) -> None:
         picture_of(name).unlink(missing_ok=True)
         asset_of(name).unlink(missing_ok=True)
     except OSError as error:
-        raise LaminaError(f"{path}: cannot delete it: {error.strerror or error}") from None
+        raise LaminaError("{path}: cannot delete it: {reason}", path=path, reason=error.strerror or error) from None
 
 
 def _existing(name: str) -> Path:
     if name not in names():  # nothing else is a path below: neither ".." nor an absolute one is the stem of a file here
-        raise LaminaError(f"unknown preset {name!r} of yours; choose {', '.join(names()) or 'none, there are none'}")
+        choices = ", ".join(names()) or Sentence("none, there are none")
+        raise LaminaError("unknown preset {name!r} of yours; choose {choices}", name=name, choices=choices)
     return presets_folder() / f"{name}.json"

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The ways to write a lobe set in a material: an OSL shader, a group of stock nodes, or both. Does not need bpy."""
 
-from collections.abc import Callable
-
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 from ..blender import environment
 
 AUTO, OSL, NODES = "auto", "osl", "nodes"
@@ -20,8 +18,11 @@ def require_osl() -> None:
     available, reason = environment.osl_available()
     if not available:
         raise LaminaError(
-            f"backend {OSL} needs Cycles with OSL, and {reason}; choose backend {AUTO} or {NODES}, "
-            "or use a Blender from blender.org, with CPU or OptiX rendering"
+            "backend {osl} needs Cycles with OSL, and {reason}; choose backend {auto} or {nodes}, or use a Blender from blender.org, with CPU or OptiX rendering",
+            osl=OSL,
+            reason=reason,
+            auto=AUTO,
+            nodes=NODES,
         )
 
 
@@ -31,7 +32,7 @@ def branches_here(wanted: str) -> tuple[str, ...]:
     Raises LaminaError for an unknown backend and for "osl" where there is none.
     """
     if wanted not in BACKENDS:
-        raise LaminaError(f"unknown backend {wanted!r}; choose {', '.join(BACKENDS)}")
+        raise LaminaError("unknown backend {wanted!r}; choose {choices}", wanted=wanted, choices=", ".join(BACKENDS))
     if wanted == OSL:
         require_osl()
     if wanted == AUTO:
@@ -39,11 +40,11 @@ def branches_here(wanted: str) -> tuple[str, ...]:
     return (wanted,)
 
 
-def notice(wanted: str, translated: Callable[[str], str] = str) -> str:
+def notice(wanted: str) -> Sentence:
     """One line for the user where `wanted` leaves the choice and it fell on stock nodes; empty when it did not."""
     if wanted != AUTO or OSL in branches_here(wanted):
-        return ""
-    sentence = translated(
-        "made of stock nodes, because {reason}; of all textures and animation of layers only coverages and what a bake follows have an effect"
+        return Sentence("")
+    return Sentence(
+        "made of stock nodes, because {reason}; of all textures and animation of layers only coverages and what a bake follows have an effect",
+        reason=environment.osl_available()[1],
     )
-    return sentence.format(reason=translated(environment.osl_available()[1]))

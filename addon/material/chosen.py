@@ -2,7 +2,6 @@
 """What a user wants of new materials, by the extension's preferences. Only the window's buttons ask: commands and batches have options of their own."""
 
 import bpy
-from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.qualities import DEFAULT_METHOD
@@ -27,5 +26,5 @@ def for_new(material: bpy.types.Material) -> tuple[str, str]:
     try:
         branches_here(backend)
     except LaminaError as error:
-        raise LaminaError(rpt_("Lamina's preferences: {reason}").format(reason=error)) from None
+        raise LaminaError("Lamina's preferences: {reason}", reason=error) from None
     return tier, backend

@@ -70,7 +70,11 @@ def node_of(element) -> bpy.types.ShaderNodeGroup:
     """The group node that holds an element's values. Raises LaminaError when somebody deleted it."""
     node = find_node(element)
     if node is None:
-        raise LaminaError(f"material {element.id_data.name}: the node of {element.name!r} was deleted; undo, remove the layer, or pick a preset anew")
+        raise LaminaError(
+            "material {material}: the node of {element!r} was deleted; undo, remove the layer, or pick a preset anew",
+            material=element.id_data.name,
+            element=element.name,
+        )
     return node
 
 
@@ -78,7 +82,12 @@ def socket_of(element, parameter: Parameter) -> bpy.types.NodeSocket:
     """The socket that holds a value. Raises LaminaError when somebody took it out of the node's group."""
     socket = node_of(element).inputs.get(parameter.label)
     if socket is None:
-        raise LaminaError(f"material {element.id_data.name}: the node of {element.name!r} has no socket {parameter.label}; Check replaces its group")
+        raise LaminaError(
+            "material {material}: the node of {element!r} has no socket {label}; Check replaces its group",
+            material=element.id_data.name,
+            element=element.name,
+            label=parameter.label,
+        )
     return socket
 
 

@@ -27,7 +27,9 @@ def holder_named(objects: Iterable[bpy.types.Object], name: str) -> bpy.types.Ob
         return found[0]
     by_lower: dict[str, str] = {item.name.lower(): item.name for item in holders}
     nearest = [by_lower[lower] for lower in get_close_matches(name.lower(), sorted(by_lower), _NEAREST, 0.0)]
-    raise LaminaError(f"no object {name!r} that takes a surface material; {'the nearest are ' + ', '.join(nearest) if nearest else 'there is none'}")
+    if not nearest:
+        raise LaminaError("no object {name!r} that takes a surface material; there is none", name=name)
+    raise LaminaError("no object {name!r} that takes a surface material; the nearest are {choices}", name=name, choices=", ".join(nearest))
 
 
 def slots_of(target: bpy.types.Object, wanted: str | None) -> list[int]:
@@ -45,20 +47,25 @@ def slots_of(target: bpy.types.Object, wanted: str | None) -> list[int]:
     if wanted.isdecimal() and int(wanted) < max(len(names), 1):
         return [int(wanted)]
     choices = ", ".join(f"{i} ({name or 'empty'})" for i, name in enumerate(names)) or "0"
-    raise LaminaError(f"object {target.name} has no slot {wanted!r}; choose {ALL}, or one of {choices}")
+    raise LaminaError(
+        "object {target} has no slot {wanted!r}; choose {every}, or one of {choices}", target=target.name, wanted=wanted, every=ALL, choices=choices
+    )
 
 
 def require_own(target: bpy.types.Object, alone: bool) -> None:
     """Raise LaminaError for an object that is a library's, or whose mesh is, unless the material is given to the object `alone`."""
     if target.library is not None:
         raise LaminaError(
-            f"object {target.name} is the library {target.library.filepath}'s, so it cannot be changed here; "
-            "make it local, or make a library override of the object and its mesh"
+            "object {target} is the library {library}'s, so it cannot be changed here; make it local, or make a library override of the object and its mesh",
+            target=target.name,
+            library=target.library.filepath,
         )
     if not target.data.is_editable and not alone:
         raise LaminaError(
-            f"the mesh {target.data.name} of object {target.name} is the library {target.data.library.filepath}'s; make it local or a library override, "
-            "or give --object-level or --single-user"
+            "the mesh {mesh} of object {target} is the library {library}'s; make it local or a library override, or give --object-level or --single-user",
+            mesh=target.data.name,
+            target=target.name,
+            library=target.data.library.filepath,
         )
 
 

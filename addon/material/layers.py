@@ -130,7 +130,12 @@ def _require_room(material, count: int) -> None:
     require_layered(material)
     require_editable(material)
     if len(material.lamina.layers) + count > MAX_LAYERS:
-        raise LaminaError(f"material {material.name} has {len(material.lamina.layers)} layers already; at most {MAX_LAYERS} are allowed")
+        raise LaminaError(
+            "material {material} has {count} layers already; at most {most} are allowed",
+            material=material.name,
+            count=len(material.lamina.layers),
+            most=MAX_LAYERS,
+        )
 
 
 def _insert(material, tree, layers: Sequence[Layer], index: int) -> list:

@@ -20,4 +20,4 @@ def require_shader(stack: Stack, backend: str) -> None:
     try:
         shader_inputs(stack)
     except LaminaError as error:
-        raise LaminaError(f"{error}, or the backend {NODES}") from None
+        raise LaminaError("{error}, or the backend {backend}", error=error, backend=NODES) from None

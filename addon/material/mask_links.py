@@ -95,7 +95,7 @@ def _coverage(layer) -> bpy.types.NodeSocket:
 def _masked(layer) -> bpy.types.NodeSocket:
     socket = _coverage(layer)
     if not layer.use_coverage or not socket.is_linked:
-        raise LaminaError(f"{layer.name} has no mask; add one first")
+        raise LaminaError("{layer} has no mask; add one first", layer=layer.name)
     return socket
 
 

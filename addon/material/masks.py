@@ -37,7 +37,7 @@ def add_mask(tree: bpy.types.NodeTree, element, name: str, generator: str) -> No
     mask = masks_of({name: {"generator": generator}}, kind.sockets, element.name)[name]
     socket = node_of(element).inputs[kind.parameter(name).label]
     if socket.is_linked:
-        raise LaminaError(f"{element.name}: {socket.name} has a link already; remove it first, or choose another value")
+        raise LaminaError("{element}: {socket} has a link already; remove it first, or choose another value", element=element.name, socket=socket.name)
     if name != COVERAGE.parameters[0].name:  # the value stays where the mask is not
         low = socket.default_value
         mask = replace(mask, values={**mask.values, "low": low, "high": min(low + _CONTRAST, 1.0)})

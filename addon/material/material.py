@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.lobes.cache import stack_key
 from ...reference_py.lobes.made import Made
 from ...reference_py.lobes.methods import DEFAULT_METHOD, MAX_CLOSURES, holds_values, make_lobe_set, method_of, provisional
@@ -73,7 +73,7 @@ def apply_stack(
 def set_base(material: bpy.types.Material, kind: str) -> list[tuple[str, str]]:
     """Replace the base by one of another kind, see `change_kind`. Returns what is lost, see `lost_by_change`."""
     require_layered(material)
-    base, new_kind = material.lamina.base, SCHEMA.base(kind, f"material {material.name}")
+    base, new_kind = material.lamina.base, SCHEMA.base(kind, Sentence("material {material}", material=material.name))
     is_there = find_node(base) is not None  # gone if somebody deleted it; then this is the way back
     if is_there and base.kind == kind:
         return []
@@ -90,12 +90,12 @@ def regenerate(material: bpy.types.Material) -> None:
         material.lamina.problem = ""
 
 
-def make_renderable(material: bpy.types.Material, scene: bpy.types.Scene) -> list[str]:
+def make_renderable(material: bpy.types.Material, scene: bpy.types.Scene) -> list[Sentence]:
     """Switch OSL on in a scene where nothing speaks against it. Returns one sentence for each thing that the user should see."""
     if backend_of(material) == OSL:
         return prefer_osl(scene, bpy.context.preferences)
     sentence = notice(material.lamina.backend)
-    return [f"{material.name} is {sentence}"] if sentence else []
+    return [Sentence("{material} is {sentence}", material=material.name, sentence=sentence)] if sentence else []
 
 
 def structure_changed(group: bpy.types.PropertyGroup, name: str) -> None:
@@ -273,7 +273,7 @@ def _structure(material) -> Stack:
     """The stack without its values."""
     lamina = material.lamina
     *layers, base = [structure_dict(e, kind_of(e)) for e in (*lamina.shown_layers, lamina.base)]
-    return Stack.from_dict({"layers": layers, "base": base}, f"material {material.name}")
+    return Stack.from_dict({"layers": layers, "base": base}, Sentence("material {material}", material=material.name))
 
 
 def _make_stock(surface: Surface, material, owners, lobe_set, key: str):

@@ -6,6 +6,7 @@ Lamina's materials are right either way. With OSL their textures and animated va
 
 import bpy
 
+from ...reference_py.errors import Sentence
 from ..blender import environment
 from .backend import require_osl
 
@@ -26,7 +27,7 @@ def why_stock_nodes(scene: bpy.types.Scene, preferences: bpy.types.Preferences) 
 def reason_against(scene: bpy.types.Scene, preferences: bpy.types.Preferences) -> str:
     """Why a scene should be left without OSL: it would lose something, or gain nothing; empty where it should have OSL."""
     if scene.render.engine != "CYCLES":
-        return "the render engine is not Cycles"
+        return Sentence("the render engine is not Cycles")
     return device_problem(scene, preferences) or _would_break(scene)
 
 
@@ -35,24 +36,24 @@ def device_problem(scene: bpy.types.Scene, preferences: bpy.types.Preferences) -
     cycles = preferences.addons.get("cycles")
     device = cycles.preferences.compute_device_type if cycles else "NONE"
     if scene.cycles.device == "GPU" and device not in ("NONE", "OPTIX"):
-        return f"{device} devices cannot run Open Shading Language"
+        return Sentence("{device} devices cannot run Open Shading Language", device=device)
     return ""
 
 
 def _setting_problem(scene) -> str:
     if scene.render.engine != "CYCLES":
-        return "the render engine is not Cycles"
-    return "" if scene.cycles.shading_system else "Open Shading Language is switched off"
+        return Sentence("the render engine is not Cycles")
+    return "" if scene.cycles.shading_system else Sentence("Open Shading Language is switched off")
 
 
 def _would_break(scene) -> str:
     """What in a scene Cycles renders wrong with OSL, whoever's material it is (seen in 4.5, 5.2 and 5.3)."""
     for layer in scene.view_layers:
         if layer.aovs:
-            return f"the shader AOV {layer.aovs[0].name} would be black under Open Shading Language"
+            return Sentence("the shader AOV {aov} would be black under Open Shading Language", aov=layer.aovs[0].name)
     for material in {slot.material for item in scene.objects for slot in item.material_slots if slot.material is not None}:
         if material.node_tree is not None and _has_mixed_multiscatter(material.node_tree, set()):
-            return f"{material.name} mixes a Multiscatter GGX node, which would be darker under Open Shading Language"
+            return Sentence("{material} mixes a Multiscatter GGX node, which would be darker under Open Shading Language", material=material.name)
     return ""
 
 
@@ -70,21 +71,21 @@ def _has_mixed_multiscatter(tree, seen: set[str]) -> bool:
     return False
 
 
-def prefer_osl(scene: bpy.types.Scene, preferences: bpy.types.Preferences) -> list[str]:
+def prefer_osl(scene: bpy.types.Scene, preferences: bpy.types.Preferences) -> list[Sentence]:
     """Switch OSL on where nothing speaks against it. Returns one sentence per thing that was changed, for the user to see."""
     if not environment.osl_available()[0] or reason_against(scene, preferences):
         return []
     return enable_osl(scene)
 
 
-def enable_osl(scene: bpy.types.Scene) -> list[str]:
+def enable_osl(scene: bpy.types.Scene) -> list[Sentence]:
     """Switch a scene to Cycles with OSL, whatever speaks against it. Returns one sentence per thing that was changed."""
     require_osl()
     notices = []
     if scene.render.engine != "CYCLES":
-        notices.append(f"render engine of {scene.name} set to Cycles (was {scene.render.engine})")
+        notices.append(Sentence("render engine of {scene} set to Cycles (was {engine})", scene=scene.name, engine=scene.render.engine))
         scene.render.engine = "CYCLES"
     if not scene.cycles.shading_system:
-        notices.append(f"Open Shading Language switched on in {scene.name}")
+        notices.append(Sentence("Open Shading Language switched on in {scene}", scene=scene.name))
         scene.cycles.shading_system = True
     return notices

@@ -5,7 +5,7 @@ import json
 
 import bpy
 
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.material.schema import SCHEMA_VERSION
 from ...reference_py.material.stack import Stack
 from .elements import find_node, kind_of
@@ -16,9 +16,11 @@ from .means import measure_node
 def require_editable(material: bpy.types.Material) -> None:
     """Raise LaminaError for a material that belongs to another file."""
     if material.library is not None:
-        raise LaminaError(f"material {material.name} is linked from {material.library.filepath}; make it local to edit it")
+        raise LaminaError("material {material} is linked from {library}; make it local to edit it", material=material.name, library=material.library.filepath)
     if material.override_library is not None:
-        raise LaminaError(f"material {material.name} is a library override, of which Blender keeps no values of nodes; make it local to edit it")
+        raise LaminaError(
+            "material {material} is a library override, of which Blender keeps no values of nodes; make it local to edit it", material=material.name
+        )
 
 
 def is_own(material: bpy.types.Material) -> bool:
@@ -29,7 +31,7 @@ def is_own(material: bpy.types.Material) -> bool:
 def require_layered(material: bpy.types.Material) -> None:
     """Raise LaminaError for a material without a Lamina stack."""
     if not material.lamina.is_layered:
-        raise LaminaError(f"material {material.name} has no Lamina stack; pick a preset first")
+        raise LaminaError("material {material} has no Lamina stack; pick a preset first", material=material.name)
 
 
 def stack_of(material: bpy.types.Material, hidden: bool = False) -> Stack:
@@ -49,7 +51,7 @@ def stack_of(material: bpy.types.Material, hidden: bool = False) -> Stack:
             "layers": [read_with_masks(e) for e in (lamina.layers if hidden else lamina.shown_layers)],
             "base": read_with_masks(lamina.base),
         },
-        f"material {material.name}",
+        Sentence("material {material}", material=material.name),
     )
 
 

@@ -66,7 +66,7 @@ def set_script(node: bpy.types.ShaderNodeScript, shader: Shader) -> None:
     missing = _missing(node, shader)
     if missing:
         said = " ".join(log) or "the compiler said nothing"
-        raise LaminaError(f"the shader {shader.name} did not compile, sockets missing: {', '.join(missing)}; {said}")
+        raise LaminaError("the shader {shader} did not compile, sockets missing: {missing}; {said}", shader=shader.name, missing=", ".join(missing), said=said)
     _anonymise(node)
     if len(_compiled) >= _MOST_COMPILED:
         _compiled.pop(next(iter(_compiled)))

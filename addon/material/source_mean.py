@@ -191,7 +191,7 @@ def _baked(source: bpy.types.NodeSocket, is_float: bool) -> np.ndarray:
             try:
                 bpy.ops.object.bake(type="EMIT", margin=0, use_clear=True, target="IMAGE_TEXTURES", save_mode="INTERNAL")
             except RuntimeError as error:
-                raise LaminaError(f"the mean of {name_of(source)} cannot be baked: {str(error).strip()}") from None
+                raise LaminaError("Blender cannot bake the mean of {source}: {reason}", source=name_of(source), reason=str(error).strip()) from None
         pixels = np.empty(_SIDE**2 * 4, np.float32)
         image.pixels.foreach_get(pixels)
         return pixels.reshape(-1, 4)[:, :3].astype(float)

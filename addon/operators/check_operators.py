@@ -57,7 +57,7 @@ class LAMINA_OT_mend_all(LayeredOperator, bpy.types.Operator):
             try:
                 check.mend(material, context.scene, context.preferences, left[0].key)
             except LaminaError as error:  # another finding may be the reason, and is mended later
-                self.report({"WARNING"}, f"Lamina: {error}")
+                self.report({"WARNING"}, f"Lamina: {error.told(rpt_)}")
 
 
 CLASSES = (LAMINA_OT_check, LAMINA_OT_mend, LAMINA_OT_mend_all)

@@ -72,7 +72,7 @@ class LAMINA_OT_convert_principled(ops.LaminaOperator, bpy.types.Operator):
                 raise LaminaError(why)
             sources.principled_of(material)
         except LaminaError as error:
-            cls.poll_message_set(str(error))
+            cls.poll_message_set(error.told(tip_))
             return False
         return True
 
@@ -81,7 +81,7 @@ class LAMINA_OT_convert_principled(ops.LaminaOperator, bpy.types.Operator):
         report, notes = conversion.to_lamina(material, *chosen.for_new(material))
         tell(self, rpt_("{material} to Lamina").format(material=material.name), report, notes)
         for notice in materials.make_renderable(material, context.scene):
-            self.report({"INFO"}, f"Lamina: {notice}")
+            self.report({"INFO"}, f"Lamina: {notice.told(rpt_)}")
 
 
 class LAMINA_OT_principled_copy(ops.LayeredOperator, bpy.types.Operator):
@@ -145,7 +145,7 @@ class LAMINA_OT_export_materials(ops.LaminaOperator, bpy.types.Operator):
         name="Textures", description="Bake what textures feed over the object's UV map, as pictures that the file names; without, their means are written"
     )
     size: bpy.props.EnumProperty(name="Size", description="Width and height of each picture", items=[(str(n), f"{n} px", "") for n in SIZES], default="1024")
-    reports: bpy.props.BoolProperty(name="Reports", description="Write beside each file what was kept, approximated and lost", default=True)
+    reports: bpy.props.BoolProperty(name="Write Reports", description="Write beside each file what was kept, approximated and lost", default=True)
 
     @classmethod
     def poll(cls, context):
@@ -207,7 +207,7 @@ class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator
         more = [f"lost: {len(others)} more materials of the file: File > Import reads them all"] if others else []
         tell(self, Path(self.filepath).name, imported.report, [*filter(None, [gave_way]), *more, *imported.notes])
         for notice in materials.make_renderable(target, context.scene):
-            self.report({"INFO"}, f"Lamina: {notice}")
+            self.report({"INFO"}, f"Lamina: {notice.told(rpt_)}")
 
 
 class LAMINA_OT_import_materials(ops.LaminaOperator, ImportHelper, bpy.types.Operator):
@@ -234,7 +234,7 @@ class LAMINA_OT_import_materials(ops.LaminaOperator, ImportHelper, bpy.types.Ope
             lines += [f"{imported.material.name}: {line}" for line in (*imported.notes, *imported.report.lines())]
         tell_lines(self, rpt_("{count} materials of {file}").format(count=len(made), file=Path(self.filepath).name), lines)
         for notice in dict.fromkeys(n for imported in made for n in materials.make_renderable(imported.material, context.scene)):
-            self.report({"INFO"}, f"Lamina: {notice}")
+            self.report({"INFO"}, f"Lamina: {notice.told(rpt_)}")
 
 
 class LAMINA_FH_materialx(bpy.types.FileHandler):

@@ -7,7 +7,7 @@ import bpy
 from bpy.app.translations import pgettext_tip as tip_
 from bpy_extras.io_utils import ImportHelper
 
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.fit import AUTO
 from ...reference_py.fit.readers import SUFFIXES
 from ...reference_py.material.schema import SCHEMA
@@ -49,9 +49,9 @@ class LAMINA_OT_fit_measurement(LaminaOperator, ImportHelper, bpy.types.Operator
             reading.require_editable(material)
         path = Path(bpy.path.abspath(self.filepath))
         if path.suffix.lower() not in SUFFIXES:
-            raise LaminaError(f"{path.name or 'no file'}: choose a file that ends in {', '.join(SUFFIXES)}")
+            raise LaminaError("{path}: choose a file that ends in {choices}", path=path.name or Sentence("no file"), choices=", ".join(SUFFIXES))
         if not path.is_file():
-            raise LaminaError(f"{path}: there is no such file")
+            raise LaminaError("{path}: there is no such file", path=path)
         layers = AUTO if self.layers == _AUTO_LAYERS else self.layers
         fitting.start(material or context.object, str(path), layers, self.base, self.cloudy)
         if not bpy.app.background:

@@ -3,6 +3,7 @@
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 
@@ -102,8 +103,9 @@ class LAMINA_OT_layer_move(SelectedLayerOperator, bpy.types.Operator):
         index = material.lamina.active_layer
         to = index + (-1 if self.direction == "UP" else 1)
         if not 0 <= to < len(material.lamina.layers):
-            place = "top" if self.direction == "UP" else "lowest"
-            raise LaminaError(f"{material.lamina.layers[index].name} is the {place} layer already")
+            if self.direction == "UP":
+                raise LaminaError("{layer} is the top layer already", layer=material.lamina.layers[index].name)
+            raise LaminaError("{layer} is the lowest layer already", layer=material.lamina.layers[index].name)
         layers.move_layer(material, index, to)
 
 
@@ -120,7 +122,7 @@ class RowOperator(LayeredOperator):
     def require_row(self, material) -> None:
         """Raise LaminaError for a place where no layer is."""
         if self.index >= len(material.lamina.layers):
-            raise LaminaError(f"there is no layer {self.index}; the material has {len(material.lamina.layers)}")
+            raise LaminaError("there is no layer {index}; the material has {count}", index=self.index, count=len(material.lamina.layers))
 
 
 class LAMINA_OT_layer_solo(RowOperator, bpy.types.Operator):
@@ -153,7 +155,7 @@ class LAMINA_OT_layer_drag(RowOperator, bpy.types.Operator):
         try:
             self.require_row(material)
         except LaminaError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error.told(rpt_))
             return {"CANCELLED"}
         self._start_y, self._material = event.mouse_y, material.name_full
         _carried[self._material] = self.index, self.index
@@ -190,7 +192,7 @@ class LAMINA_OT_layer_drag(RowOperator, bpy.types.Operator):
         try:
             layers.move_layer(material, self.index, to)
         except LaminaError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error.told(rpt_))
             return {"CANCELLED"}
         return {"FINISHED"}
 

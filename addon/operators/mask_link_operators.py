@@ -39,7 +39,7 @@ class LAMINA_OT_mask_paint(SelectedLayerOperator, bpy.types.Operator):
         layer, item = material.lamina.layers[index], context.object
         image = mask_links.image_of(layer)
         if image is None:
-            raise LaminaError(f"{layer.name} has no image as a mask; add a New Painted Mask first")
+            raise LaminaError("{layer} has no image as a mask; add a New Painted Mask first", layer=layer.name)
         if item is None or item.type != "MESH" or not item.data.uv_layers:
             raise LaminaError("painting needs a mesh with a UV map; unwrap the active object first")
         bpy.ops.object.mode_set(mode="TEXTURE_PAINT")

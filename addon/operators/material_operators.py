@@ -78,7 +78,7 @@ class LaminaOperator:
         try:
             self.run(context)
         except LaminaError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error.told(rpt_))
             return {"CANCELLED"}
         return {"FINISHED"}
 
@@ -144,7 +144,7 @@ class StackOperator(LaminaOperator):
         for message in stack.unknown_keys():
             self.report({"WARNING"}, f"Lamina: {message}")
         for notice in materials.make_renderable(material, context.scene):
-            self.report({"INFO"}, f"Lamina: {notice}")
+            self.report({"INFO"}, f"Lamina: {notice.told(rpt_)}")
 
 
 class LAMINA_OT_apply_preset(StackOperator, bpy.types.Operator):
@@ -274,7 +274,7 @@ class LAMINA_OT_enable_osl(LaminaOperator, bpy.types.Operator):
 
     def run(self, context):
         for notice in osl_setting.enable_osl(context.scene):
-            self.report({"INFO"}, f"Lamina: {notice}")
+            self.report({"INFO"}, f"Lamina: {notice.told(rpt_)}")
 
 
 CLASSES = (

@@ -33,7 +33,7 @@ class LAMINA_OT_bake_textures(ops.LayeredOperator, bpy.types.Operator):
                 raise LaminaError("choose a folder for the pictures")
             self._bake = textures.TextureBake(ops.material_of(context), context.object, bpy.path.abspath(self.directory), int(self.size))
         except LaminaError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error.told(rpt_))
             return {"CANCELLED"}
         self._steps = self._bake.steps()
         if bpy.app.background:
@@ -70,7 +70,7 @@ class LAMINA_OT_bake_textures(ops.LayeredOperator, bpy.types.Operator):
             tell(self, rpt_("{count} files in {folder}").format(count=len(self._bake.files), folder=self._bake.folder), self._bake.report)
             return {"FINISHED"}
         except LaminaError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error.told(rpt_))
             return {"CANCELLED"}
         if not bpy.app.background:
             context.window_manager.progress_update(100.0 * share)

@@ -17,7 +17,9 @@ from ..blender.versions import set_media_type
 def _common(scene: bpy.types.Scene, samples: int, size: int | tuple[int, int], device: str = "CPU") -> None:
     width, height = (size, size) if isinstance(size, int) else size
     if samples < 1 or min(width, height) < 1:
-        raise LaminaError(f"render of {width} x {height} pixels with {samples} samples: all three must be at least 1")
+        raise LaminaError(
+            "render of {width} x {height} pixels with {samples} samples: all three must be at least 1", width=width, height=height, samples=samples
+        )
     render, cycles = scene.render, scene.cycles
     render.engine = "CYCLES"
     render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
@@ -109,9 +111,9 @@ def render_to(scene: bpy.types.Scene, path: str | os.PathLike) -> None:
         with interruptible():
             bpy.ops.render.render(write_still=True, scene=scene.name)
     except RuntimeError as error:
-        raise LaminaError(f"rendering {scene.name}: {str(error).strip()}") from None
+        raise LaminaError("rendering {scene}: {reason}", scene=scene.name, reason=str(error).strip()) from None
     if not path.is_file() or path.stat().st_size == 0:
-        raise LaminaError(f"rendering {scene.name}: Blender wrote no picture to {path}")
+        raise LaminaError("rendering {scene}: Blender wrote no picture to {path}", scene=scene.name, path=path)
 
 
 def add_object(scene: bpy.types.Scene, name: str, data: bpy.types.ID) -> bpy.types.Object:

@@ -31,7 +31,7 @@ def sight_of(target: bpy.types.Object, scene: bpy.types.Scene) -> Sight:
     Raises LaminaError without a camera, for an object without a surface, and for one that is not in the picture.
     """
     if scene.camera is None:
-        raise LaminaError(f"scene {scene.name} has no camera, so nothing is seen of {target.name}")
+        raise LaminaError("scene {scene} has no camera, so nothing is seen of {target}", scene=scene.name, target=target.name)
     graph = bpy.context.evaluated_depsgraph_get()
     evaluated = target.evaluated_get(graph)
     try:
@@ -39,7 +39,7 @@ def sight_of(target: bpy.types.Object, scene: bpy.types.Scene) -> Sight:
     except RuntimeError:
         mesh = None
     if mesh is None or not mesh.polygons:
-        raise LaminaError(f"object {target.name} has no surface")
+        raise LaminaError("object {target} has no surface", target=target.name)
     try:
         centers, normals, areas = _faces(mesh, evaluated.matrix_world)
     finally:
@@ -58,7 +58,7 @@ def sight_of(target: bpy.types.Object, scene: bpy.types.Scene) -> Sight:
     seen = inside & (cosines > 0.0)
     pixels = np.where(seen, areas * cosines * pixels_of_area / np.square(distance), 0.0)
     if not np.sum(pixels) > 0.0:
-        raise LaminaError(f"object {target.name} is not in the picture of camera {scene.camera.name}")
+        raise LaminaError("object {target} is not in the picture of camera {camera}", target=target.name, camera=scene.camera.name)
     order = np.argsort(cosines)
     share = np.cumsum(pixels[order]) / np.sum(pixels)
     places = np.searchsorted(share, (np.arange(_VIEWS) + 0.5) / _VIEWS)

@@ -78,5 +78,10 @@ def shader_inputs(stack: Stack, schema: Schema = SCHEMA) -> tuple[ShaderInput, .
     if any(element.has(ANISOTROPY) for _, element, _ in owners):
         inputs.append(TANGENT_INPUT)
     if len(inputs) > MAX_INPUTS:
-        raise LaminaError(f"{len(stack.layers)} layers need {len(inputs)} shader parameters, and Cycles takes {MAX_INPUTS}; choose fewer layers")
+        raise LaminaError(
+            "{count} layers need {inputs} shader parameters, and Cycles takes {most}; choose fewer layers",
+            count=len(stack.layers),
+            inputs=len(inputs),
+            most=MAX_INPUTS,
+        )
     return tuple(inputs)

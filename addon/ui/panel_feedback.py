@@ -27,7 +27,7 @@ def problem_of(material) -> str:
         if not material.lamina.is_layered:
             branches_here(material.lamina.backend)
     except LaminaError as error:
-        return str(error)
+        return error.told(iface_)
     return ""
 
 
@@ -141,7 +141,7 @@ def draw_findings(layout, context, material) -> None:
 
 def _device_notes(material) -> list[str]:
     """What the devices that run no OSL, or few lobes, make of a material."""
-    notes = [notice(material.lamina.backend, iface_)] if shader_node.backend_of(material) != OSL else []
+    notes = [notice(material.lamina.backend).told(iface_)] if shader_node.backend_of(material) != OSL else []
     if material.lamina.lobe_count > methods.MAX_CLOSURES:
         notes.append(iface_("too many covered layers for OptiX devices, which may show less of them"))
     return notes

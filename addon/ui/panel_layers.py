@@ -32,11 +32,12 @@ class LAMINA_UL_layers(bpy.types.UIList):
         lamina = element.id_data.lamina
         carried, to = layer_ops.carried_in(element.id_data) or (index, index)
         row = layout.row(align=True)
-        if index == to != carried:  # where it would be dropped: the bar above or below this row
-            row.label(text="", icon="TRIA_UP_BAR" if to < carried else "TRIA_DOWN_BAR")
         row.use_property_split = row.use_property_decorate = False
         row.active = lamina.shows(element) and not index == carried != to
-        row.prop(element, "name", text="", emboss=False, icon_value=icon_of(element))
+        icon = {"icon_value": icon_of(element)}
+        if index == to != carried:  # where it would be dropped: the bar above or below this row, in the icon's place, so that nothing moves
+            icon = {"icon": "TRIA_UP_BAR" if to < carried else "TRIA_DOWN_BAR"}
+        row.prop(element, "name", text="", emboss=False, **icon)
         shown = _columns(context)
         if "eye" in shown:
             draw_choice(row, element, "visible", text="", emboss=False, icon="HIDE_OFF" if element.visible else "HIDE_ON")

@@ -3,6 +3,8 @@
 
 import textwrap
 
+from bpy.app.translations import pgettext_iface as iface_
+
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.schema import COVERAGE, Parameter
 from ..blender import environment
@@ -21,7 +23,7 @@ def draw_element(layout, element) -> None:
     try:
         node = elements.node_of(element)
     except LaminaError as error:
-        layout.label(text=str(error), icon="ERROR")
+        layout.label(text=error.told(iface_), icon="ERROR", translate=False)
         return
     kind = elements.kind_of(element)
     column = layout.column()

@@ -123,7 +123,7 @@ class TreeReader:
             return None
         self._nodes += 1
         if self._nodes > _MOST_NODES:
-            raise LaminaError(f"{self._document.where}: its graph of BSDFs is too large, or runs in a circle")
+            raise LaminaError("{where}: its graph of BSDFs is too large, or runs in a circle", where=self._document.where)
         node, _ = found
         name, inputs = node.get("name", node.tag), {tag: input_of(node, tag) for tag in ("top", "base", "bg", "fg", "mix", "in1", "in2")}
         if node.tag == "layer":
@@ -137,7 +137,13 @@ class TreeReader:
             scaled = self._required(inputs["in1"], node)
             return self._scaled(name, scaled, inputs["in2"])
         if node.tag not in DEFAULTS:
-            raise LaminaError(f"{self._document.where}: {name} is {node.tag}, which no stack has; known are layer, mix, add, multiply, {', '.join(DEFAULTS)}")
+            raise LaminaError(
+                "{where}: {name} is {tag}, which no stack has; known are layer, mix, add, multiply, {choices}",
+                where=self._document.where,
+                name=name,
+                tag=node.tag,
+                choices=", ".join(DEFAULTS),
+            )
         return self._leaf(node)
 
     def emission(self, given: Element | None) -> np.ndarray:
@@ -147,7 +153,7 @@ class TreeReader:
             return np.zeros(3)
         self._nodes += 1
         if self._nodes > _MOST_NODES:
-            raise LaminaError(f"{self._document.where}: its graph of light is too large, or runs in a circle")
+            raise LaminaError("{where}: its graph of light is too large, or runs in a circle", where=self._document.where)
         node, _ = found
         if node.tag in ("multiply", "generalized_schlick_edf", "layer", "add", "mix"):
             inner = [self.emission(input_of(node, name)) for name in _EMITTING[node.tag]]
@@ -166,14 +172,16 @@ class TreeReader:
     def _required(self, given: Element | None, node: Element) -> Tree:
         found = self.tree(given)
         if found is None:
-            raise LaminaError(f"{self._document.where}: {node.get('name', node.tag)}, a {node.tag}, lacks the BSDF of one of its inputs")
+            raise LaminaError(
+                "{where}: {name}, a {tag}, lacks the BSDF of one of its inputs", where=self._document.where, name=node.get("name", node.tag), tag=node.tag
+            )
         return found
 
     def _joined(self, join, first: Element | None, second: Element | None, node: Element) -> Tree:
         """Of two, or, as an input that nothing is linked to is black, of black and one."""
         a, b = self.tree(first), self.tree(second)
         if a is None and b is None:
-            raise LaminaError(f"{self._document.where}: {node.get('name', node.tag)}, a {node.tag}, has no BSDF")
+            raise LaminaError("{where}: {name}, a {tag}, has no BSDF", where=self._document.where, name=node.get("name", node.tag), tag=node.tag)
         return join(a or _BLACK, b or _BLACK)
 
     def _layered(self, node: Element, inputs: Mapping) -> Tree:
@@ -273,7 +281,9 @@ class TreeReader:
         count = len(default) if isinstance(default, tuple) else 1
         value = np.broadcast_to(found[:count], count) if len(found) in (1, count, 4) else None
         if value is None:
-            raise LaminaError(f"{self._document.where}: {where} has {len(found)} numbers; choose {count}")
+            raise LaminaError(
+                "{where}: {parameter} has {count} numbers; choose {wanted}", where=self._document.where, parameter=where, count=len(found), wanted=count
+            )
         kept = np.clip(value, *_LIMITS.get(parameter, (0.0, 1.0)))
         if np.any(np.abs(kept - value) > 1e-6):
             self.losses.append(Loss(where, tuple(value), APPROXIMATED, f"out of its range; limited to {shown(kept)}"))

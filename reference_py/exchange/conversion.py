@@ -91,7 +91,9 @@ def matched(
     """
     has_film = any(e.has(THIN_FILM) and e["film_thickness"] for e in (*stack.layers, stack.base))
     if np.max(mean(look.seen)) < _SEEN and look.lost and not has_film:
-        raise LaminaError(f"{name or 'material'}: nothing that is seen would be left: all light is of {', '.join(look.lost)}, which no stack has")
+        raise LaminaError(
+            "{name}: nothing that is seen would be left: all light is of {lost}, which no stack has", name=name or "material", lost=", ".join(look.lost)
+        )
     wanted = mean(look.solid)
     color, found = solve(exact(stack), wanted, start, most, tolerance)
     tinted = next((i for i, e in enumerate(stack.layers) if "tint" in e and min(e["tint"]) < 1.0 and e["thickness"] > 0.0), None)
@@ -142,4 +144,4 @@ def require_finite(values: dict, name: str) -> None:
     """Raise LaminaError for a value that is no number."""
     for parameter, value in values.items():
         if not np.all(np.isfinite(value)):
-            raise LaminaError(f"{name}: {parameter} is {shown(value)}; choose a finite number")
+            raise LaminaError("{name}: {parameter} is {value}; choose a finite number", name=name, parameter=parameter, value=shown(value))

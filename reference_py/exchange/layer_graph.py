@@ -122,7 +122,7 @@ def read_layered(document: Document, name: str, node: Element, folder: Path | No
     reader = TreeReader(document, folder)
     tree = reader.tree(input_of(node, "bsdf"))
     if tree is None:
-        raise LaminaError(f"{document.where}: {node.get('name', SURFACE)} has no BSDF")
+        raise LaminaError("{where}: {name} has no BSDF", where=document.where, name=node.get("name", SURFACE))
     losses = list(reader.losses)
     emission = tuple(float(c) for c in reader.emission(input_of(node, "edf")))
     opacity = 1.0

@@ -195,7 +195,7 @@ def _read(document: Document, name: str, node: ElementTree.Element, folder: Path
     if node.tag != "mix" or node.get("type") != "surfaceshader":
         return None
     if depth > _MOST_MIXES:
-        raise LaminaError(f"{document.where}: {name} mixes mixes more than {_MOST_MIXES} deep, or in a circle")
+        raise LaminaError("{where}: {name} mixes mixes more than {most} deep, or in a circle", where=document.where, name=name, most=_MOST_MIXES)
     graph, losses = Graph(document), []
     linked = [graph.node(given) if (given := input_of(node, side)) is not None else None for side in ("bg", "fg")]
     parts = [_read(document, one[0].get("name", name), one[0], folder, depth + 1) if one else None for one in linked]
@@ -220,7 +220,13 @@ def _read(document: Document, name: str, node: ElementTree.Element, folder: Path
 def _required(found: list[AnyMaterial], others: list[str], where: str) -> list[AnyMaterial]:
     if not found:
         names = ", ".join(sorted(set(others)))[:80] or "no surface"
-        raise LaminaError(f"{where}: has none of the surfaces that can be read, {', '.join(SURFACES)}, {SURFACE} of BSDFs; it has {names}")
+        raise LaminaError(
+            "{where}: has none of the surfaces that can be read, {choices}, {surface} of BSDFs; it has {names}",
+            where=where,
+            choices=", ".join(SURFACES),
+            surface=SURFACE,
+            names=names,
+        )
     return found
 
 
@@ -232,11 +238,11 @@ def _with_included(path: Path) -> list[Path]:
             name = node.get("href", "")
             included = file.parent / name
             if not included.resolve().is_relative_to(path.parent.resolve()):
-                raise LaminaError(f"{file}: includes {name[:80]}, which is outside its folder; move it there")
+                raise LaminaError("{file}: includes {name}, which is outside its folder; move it there", file=file, name=name[:80])
             if included not in files:
                 files.append(included)
         if len(files) > _MOST_FILES:
-            raise LaminaError(f"{path}: includes more than {_MOST_FILES} files")
+            raise LaminaError("{path}: includes more than {most} files", path=path, most=_MOST_FILES)
     return files
 
 
@@ -286,12 +292,14 @@ def _limited(surface: Surface, parameter: str, found: np.ndarray, where: str, lo
     is_color = isinstance(surface.defaults[parameter], tuple)
     value = np.broadcast_to(found[:3], 3) if is_color and len(found) in (1, 3, 4) else found
     if not is_color and len(value) != 1:
-        raise LaminaError(f"{where}: {parameter} has {len(value)} numbers; choose one number")
+        raise LaminaError("{where}: {parameter} has {count} numbers; choose one number", where=where, parameter=parameter, count=len(value))
     most = _MOST_IOR if parameter.lower().endswith("ior") else _MOST if parameter in surface.unlimited or not _SHARES.search(parameter) else 1.0
     if _SIGNED.search(parameter):
         return float(value[0])
     if not is_color and value[0] < 0.0:
-        raise LaminaError(f"{where}: {parameter} is {value[0]:.6g}; choose one number from 0 to {most:g}")
+        raise LaminaError(
+            "{where}: {parameter} is {value:.6g}; choose one number from 0 to {most:g}", where=where, parameter=parameter, value=value[0], most=most
+        )
     kept = np.clip(value, 0.0, most)
     if np.any(np.abs(kept - value) > 1e-6):
         outside = "outside Rec.709" if is_color and np.any(value < -1e-6) else "out of its range"

@@ -20,7 +20,7 @@ class Document:
         self.where = where
         self.root = _parsed(text, where)
         if self.root.tag != "materialx":
-            raise LaminaError(f"{where}: not a MaterialX file: its root is <{self.root.tag[:40]}>, not <materialx>")
+            raise LaminaError("{where}: not a MaterialX file: its root is <{tag}>, not <materialx>", where=where, tag=self.root.tag[:40])
         self._parents = {child: parent for parent in self.root.iter() for child in parent}
 
     def parent(self, element: ElementTree.Element) -> ElementTree.Element:
@@ -58,7 +58,7 @@ def _parsed(text: str, where: str) -> ElementTree.Element:
         nonlocal depth
         depth += 1
         if depth > _MAX_DEPTH:
-            raise LaminaError(f"{where}: nested too deeply, more than {_MAX_DEPTH} levels")
+            raise LaminaError("{where}: nested too deeply, more than {most} levels", where=where, most=_MAX_DEPTH)
         builder.start(tag, attributes)
 
     def end(tag):
@@ -67,7 +67,7 @@ def _parsed(text: str, where: str) -> ElementTree.Element:
         builder.end(tag)
 
     def refuse(*_):
-        raise LaminaError(f"{where}: has a document type; entities are not read, so remove its <!DOCTYPE ...>")
+        raise LaminaError("{where}: has a document type; entities are not read, so remove its <!DOCTYPE ...>", where=where)
 
     parser.StartElementHandler, parser.EndElementHandler = start, end
     parser.StartDoctypeDeclHandler = refuse
@@ -75,9 +75,11 @@ def _parsed(text: str, where: str) -> ElementTree.Element:
         parser.Parse(text.encode("utf-8"), True)
     except expat.ExpatError as error:
         message = expat.errors.messages[error.code]
-        raise LaminaError(f"{where}: not valid XML at line {error.lineno} column {error.offset}: {message}") from None
+        raise LaminaError(
+            "{where}: not valid XML at line {line} column {column}: {reason}", where=where, line=error.lineno, column=error.offset, reason=message
+        ) from None
     except (ValueError, LookupError, UnicodeError) as error:
         if isinstance(error, LaminaError):
             raise
-        raise LaminaError(f"{where}: not readable as XML: {error}") from None
+        raise LaminaError("{where}: not readable as XML: {error}", where=where, error=error) from None
     return builder.close()

@@ -183,7 +183,9 @@ class Graph:
         except ValueError:
             numbers = np.zeros(0)
         if len(numbers) != count or not all(map(isfinite, numbers)):
-            raise LaminaError(f"{where} is {text[:40]!r}; choose {('one number', 'two', 'three numbers', 'four numbers')[count - 1]}")
+            raise LaminaError(
+                "{where} is {text!r}; choose {wanted}", where=where, text=text[:40], wanted=("one number", "two", "three numbers", "four numbers")[count - 1]
+            )
         return self._linear(element, numbers) if kind.startswith("color") else numbers
 
     def _linear(self, element: Element, numbers: np.ndarray) -> np.ndarray:

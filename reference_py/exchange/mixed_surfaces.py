@@ -45,8 +45,10 @@ class MixedSurfaces:
         data = _joined(*(part.stack.to_dict() for part in parts), self.share)
         if data is None:
             raise LaminaError(
-                f"{self.name or 'mix'}: a mix of two surfaces of unlike layers, {_words(parts[0].stack)} and {_words(parts[1].stack)}, which no stack has; "
-                "known are one without layers, both under the same layers, and one that is the other with a coat more"
+                "{name}: a mix of two surfaces of unlike layers, {first} and {second}, which no stack has; known are one without layers, both under the same layers, and one that is the other with a coat more",
+                name=self.name or "mix",
+                first=_words(parts[0].stack),
+                second=_words(parts[1].stack),
             )
         stack = Stack.from_dict(data | {"name": self.name, "source": "Converted from a mix of surfaces"}, self.name or "mix")
         told = [replace(loss, parameter=f"{where} {loss.parameter}") for where, part in zip(("bg", "fg"), parts) for loss in part.report.losses]

@@ -57,7 +57,7 @@ def to_surface(surface: Surface, stack: Stack, textured: bool = False) -> Conver
     Raises LaminaError for a surface that is not written.
     """
     if surface.node not in WRITERS:
-        raise LaminaError(f"{surface.node} is read, not written; choose {', '.join(WRITERS)}")
+        raise LaminaError("{node} is read, not written; choose {choices}", node=surface.node, choices=", ".join(WRITERS))
     write = WRITERS[surface.node]
 
     def rendered(slots: Slots):

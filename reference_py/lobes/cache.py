@@ -146,7 +146,7 @@ def clean(folder: Path, older_than_days: float = 0.0) -> Usage:
         try:
             file.unlink(missing_ok=True)
         except OSError as error:
-            raise LaminaError(f"{file}: cannot remove: {error.strerror}") from None
+            raise LaminaError("{file}: cannot remove: {reason}", file=file, reason=error.strerror) from None
         removed, size = removed + 1, size + about.st_size
     if not any(folder.glob("*.json")):
         (folder / _HITS).unlink(missing_ok=True)
@@ -173,6 +173,11 @@ def _cannot_keep(why) -> str:
 
 def _file(key: str) -> Path:
     return _folder / f"{hashlib.sha256((_code() + key).encode()).hexdigest()[:32]}.json"
+
+
+def prepare() -> None:
+    """Read, once for a session, what every look for a bake needs."""
+    _code()
 
 
 @cache

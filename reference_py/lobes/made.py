@@ -107,6 +107,8 @@ class Made:
     reason: str = ""
     choice: Choice | None = None
     """What the method auto tried and chose; None of other methods, and of several patches."""
+    stands_in: bool = False
+    """Whether it is there until another is computed, so that a quick start counts for more than a quick render."""
 
     @property
     def lobe_count(self) -> int:

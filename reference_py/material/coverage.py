@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from ..errors import LaminaError
+from ..errors import LaminaError, Sentence
 from .place import Place
 from .schema import COVERAGE
 from .stack import Layer, Stack
@@ -62,9 +62,15 @@ def patches(stack: Stack) -> tuple[Patch, ...]:
     """
     covered = covered_layers(stack)
     clear = [i for i in covered if not stack.layers[i].is_opaque]
-    for found, most, what in ((clear, MAX_CLEAR, "clear layers"), (covered, MAX_COVERED, "layers")):
+    for found, most, what in ((clear, MAX_CLEAR, Sentence("clear layers")), (covered, MAX_COVERED, Sentence("layers"))):
         if len(found) > most:
-            raise LaminaError(f"{len(found)} {what} have a coverage (layers {', '.join(map(str, found))}); choose at most {most}")
+            raise LaminaError(
+                "{count} {what} have a coverage (layers {layers}); choose at most {most}",
+                count=len(found),
+                what=what,
+                layers=", ".join(map(str, found)),
+                most=most,
+            )
     return tuple(_below(stack, 0, (), (), 1.0))
 
 

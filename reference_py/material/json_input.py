@@ -18,17 +18,19 @@ def parse_json(text: str, where: str):
         data = json.loads(text, parse_constant=_no_constant)
         json.dumps(data, ensure_ascii=False).encode()
     except json.JSONDecodeError as error:
-        raise LaminaError(f"{where}: not valid JSON at line {error.lineno} column {error.colno}: {error.msg}") from None
+        raise LaminaError(
+            "{where}: not valid JSON at line {line} column {column}: {reason}", where=where, line=error.lineno, column=error.colno, reason=error.msg
+        ) from None
     except LaminaError as error:
-        raise LaminaError(f"{where}: {error}") from None
+        raise LaminaError("{where}: {error}", where=where, error=error) from None
     except UnicodeEncodeError as error:
-        raise LaminaError(f"{where}: text holds half a character, {ascii(error.object[error.start])}") from None
+        raise LaminaError("{where}: text holds half a character, {letter}", where=where, letter=ascii(error.object[error.start])) from None
     except RecursionError:
-        raise LaminaError(f"{where}: not readable as JSON: nested too deeply") from None
+        raise LaminaError("{where}: not readable as JSON: nested too deeply", where=where) from None
     except ValueError as error:  # an integer of thousands of digits
-        raise LaminaError(f"{where}: not readable as JSON: {error}") from None
+        raise LaminaError("{where}: not readable as JSON: {error}", where=where, error=error) from None
     if _deeper_than(MAX_DEPTH, data):
-        raise LaminaError(f"{where}: not readable as JSON: nested too deeply, more than {MAX_DEPTH} levels")
+        raise LaminaError("{where}: not readable as JSON: nested too deeply, more than {most} levels", where=where, most=MAX_DEPTH)
     return data
 
 
@@ -45,13 +47,13 @@ def read_text(path: str | os.PathLike, what: str) -> str:
     try:
         size = path.stat().st_size
         if size > MAX_FILE_BYTES:
-            raise LaminaError(f"{path}: {size} bytes is too large for a {what}; at most {MAX_FILE_BYTES}")
+            raise LaminaError("{path}: {size} bytes is too large for a {what}; at most {most}", path=path, size=size, what=what, most=MAX_FILE_BYTES)
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise LaminaError(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from None
+        raise LaminaError("{path}: not UTF-8 text: {reason} at byte {start}", path=path, reason=error.reason, start=error.start) from None
     except (OSError, ValueError) as error:  # ValueError: a name with a null character
-        raise LaminaError(f"{path}: cannot read {what}: {getattr(error, 'strerror', None) or error}") from None
+        raise LaminaError("{path}: cannot read {what}: {reason}", path=path, what=what, reason=getattr(error, "strerror", None) or error) from None
 
 
 def _no_constant(token: str):
-    raise LaminaError(f"{token} is not a number that a file can hold")
+    raise LaminaError("{token} is not a number that a file can hold", token=token)

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from ..errors import LaminaError
+from ..errors import LaminaError, Sentence
 from .schema import FLOAT, Parameter
 
 KEY = "masks"
@@ -85,29 +85,29 @@ def can_be_masked(parameter: Parameter) -> bool:
 def generator_of(name, where: str) -> Generator:
     """The generator of a name. Raises LaminaError with the choices."""
     if not isinstance(name, str) or name not in GENERATORS:
-        raise LaminaError(f"{where}: unknown generator {name!r}; choose {', '.join(GENERATORS)}")
+        raise LaminaError("{where}: unknown generator {name!r}; choose {choices}", where=where, name=name, choices=", ".join(GENERATORS))
     return GENERATORS[name]
 
 
 def masks_of(data, parameters: Iterable[Parameter], where: str) -> Mapping[str, Mask]:
     """The masks of an element by the names of its parameters, of what its key KEY holds. Raises LaminaError naming what is wrong and the choices."""
     if not isinstance(data, Mapping):
-        raise LaminaError(f'{where}: masks are a JSON object such as {{"coverage": {{"generator": "edges"}}}}, not {data!r}')
+        raise LaminaError('{where}: masks are a JSON object such as {{"coverage": {{"generator": "edges"}}}}, not {data!r}', where=where, data=data)
     able = [p.name for p in parameters if can_be_masked(p)]
     found = {}
     for name, values in data.items():
         if name not in able:
-            raise LaminaError(f"{where}: {name!r} takes no mask; choose {', '.join(able) or 'none: nothing here does'}")
-        found[name] = _mask_of(values, f"{where}: mask of {name}")
+            raise LaminaError("{where}: {name!r} takes no mask; choose {choices}", where=where, name=name, choices=", ".join(able) or "none: nothing here does")
+        found[name] = _mask_of(values, Sentence("{where}: mask of {name}", where=where, name=name))
     return MappingProxyType(found)
 
 
 def _mask_of(data, where: str) -> Mask:
     if not isinstance(data, Mapping):
-        raise LaminaError(f"{where}: must be a JSON object with a 'generator', not {data!r}")
+        raise LaminaError("{where}: must be a JSON object with a 'generator', not {data!r}", where=where, data=data)
     generator = generator_of(data.get(_GENERATOR), where)
     known = [p.name for p in generator.parameters]
     for key in data:
         if key != _GENERATOR and key not in known:
-            raise LaminaError(f"{where}: unknown key {key!r}; choose {', '.join(known)}")
+            raise LaminaError("{where}: unknown key {key!r}; choose {choices}", where=where, key=key, choices=", ".join(known))
     return Mask(generator, MappingProxyType({p.name: p.check(data.get(p.name, p.default), where) for p in generator.parameters}))

@@ -4,6 +4,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from ..errors import Sentence
 from .stack import Base, Layer, Stack
 
 
@@ -17,7 +18,7 @@ class Place:
     @property
     def where(self) -> str:
         """In words: "layer 0", "the base"."""
-        return "the base" if self.layer is None else f"layer {self.layer}"
+        return Sentence("the base") if self.layer is None else Sentence("layer {number}", number=self.layer)
 
     def __str__(self) -> str:
         return f"the {self.name.replace('_', ' ')} of {self.where}"

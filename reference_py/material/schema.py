@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from math import isfinite
 from types import MappingProxyType
 
-from ..errors import LaminaError
+from ..errors import LaminaError, Sentence
 
 SCHEMA_VERSION = 4
 
@@ -74,26 +74,31 @@ class Parameter:
         """
         if self.type == CHOICE:
             if not isinstance(value, str) or value not in self.choices:
-                raise LaminaError(f"{where}: unknown {self.name} {value!r}; choose {self.allowed}")
+                raise LaminaError("{where}: unknown {name} {value!r}; choose {allowed}", where=where, name=self.name, value=value, allowed=self.allowed)
             return value
         if self.type == FLOAT:
             return self._check_number(value, where, self.name)
         if not isinstance(value, (list, tuple)) or len(value) != 3:
-            raise LaminaError(f"{where}: {self.name} must be three numbers [r, g, b], not {value!r}")
+            raise LaminaError("{where}: {name} must be three numbers [r, g, b], not {value!r}", where=where, name=self.name, value=value)
         return tuple(self._check_number(v, where, f"{self.name}[{i}]") for i, v in enumerate(value))
 
     def _check_number(self, value, where: str, name: str) -> float:
-        allowed = f"choose {self.minimum:g} to {self.maximum:g}{' ' + self.unit if self.unit else ''}"
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise LaminaError(f"{where}: {name} must be a number, not {value!r}; {allowed}")
+            raise LaminaError("{where}: {name} must be a number, not {value!r}; {allowed}", where=where, name=name, value=value, allowed=self._range())
         try:
             number = float(value)
         except OverflowError:
             number = float("inf")
         if not isfinite(number) or not self.minimum <= number <= self.maximum:
             shown = f"{number:g}" if isinstance(value, float) else str(value)[:24]
-            raise LaminaError(f"{where}: {name} is {shown}; {allowed}")
+            raise LaminaError("{where}: {name} is {shown}; {allowed}", where=where, name=name, shown=shown, allowed=self._range())
         return number
+
+    def _range(self) -> Sentence:
+        words = {"least": self.minimum, "most": self.maximum}
+        if self.unit:
+            return Sentence("choose {least:g} to {most:g} {unit}", unit=self.unit, **words)
+        return Sentence("choose {least:g} to {most:g}", **words)
 
 
 class _WithAlternatives:
@@ -193,7 +198,7 @@ class Schema:
 
 def _pick(kinds: Mapping[str, Kind], kind, where: str, what: str) -> Kind:
     if not isinstance(kind, str) or kind not in kinds:
-        raise LaminaError(f"{where}: unknown {what} {kind!r}; choose {', '.join(kinds)}")
+        raise LaminaError("{where}: unknown {what} {kind!r}; choose {choices}", where=where, what=what, kind=kind, choices=", ".join(kinds))
     return kinds[kind]
 
 

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Self, TypeVar
 
 from ..atomic import write_text
-from ..errors import LaminaError
+from ..errors import LaminaError, Sentence
 from . import tint_spectrum
 from .json_input import parse_json, read_text
 from .masks import KEY as MASKS
@@ -95,28 +95,35 @@ class Stack:
         Raises LaminaError naming `where`, the key, the value and the choices.
         """
         if not isinstance(data, Mapping):
-            raise LaminaError(f"{where}: a stack is a JSON object with 'layers' and 'base', not {type(data).__name__}")
+            raise LaminaError("{where}: a stack is a JSON object with 'layers' and 'base', not {type}", where=where, type=type(data).__name__)
         version = data.get("schema_version", SCHEMA_VERSION)
         if isinstance(version, bool) or not isinstance(version, int) or version < 1:
-            raise LaminaError(f"{where}: schema_version {version!r} is no version; this Lamina reads 1 to {SCHEMA_VERSION}")
+            raise LaminaError(
+                "{where}: schema_version {version!r} is no version; this Lamina reads 1 to {newest}", where=where, version=version, newest=SCHEMA_VERSION
+            )
         if version > SCHEMA_VERSION:
-            raise LaminaError(f"{where}: schema_version {version} is newer than this Lamina, which reads 1 to {SCHEMA_VERSION}")
+            raise LaminaError(
+                "{where}: schema_version {version} is newer than this Lamina, which reads 1 to {newest}", where=where, version=version, newest=SCHEMA_VERSION
+            )
         layers = data.get("layers", [])
         if not isinstance(layers, (list, tuple)):
-            raise LaminaError(f"{where}: 'layers' must be a list, not {type(layers).__name__}")
+            raise LaminaError("{where}: 'layers' must be a list, not {type}", where=where, type=type(layers).__name__)
         if len(layers) > MAX_LAYERS:
-            raise LaminaError(f"{where}: {len(layers)} layers are too many; choose at most {MAX_LAYERS}")
+            raise LaminaError("{where}: {count} layers are too many; choose at most {most}", where=where, count=len(layers), most=MAX_LAYERS)
         for key in ("name", "source"):
             if not isinstance(data.get(key, ""), str):
-                raise LaminaError(f"{where}: {key} must be text, not {data[key]!r}")
+                raise LaminaError("{where}: {key} must be text, not {data!r}", where=where, key=key, data=data[key])
         known = {"schema_version", "name", "source", "layers", "base"}
-        parts = tuple(_part(Layer, d, f"{where}: layer {i}", schema.layer, version) for i, d in enumerate(layers))
+        parts = tuple(_part(Layer, d, Sentence("{where}: layer {number}", where=where, number=i), schema.layer, version) for i, d in enumerate(layers))
         if "base" in data:
-            base = _part(Base, data["base"], f"{where}: base", schema.base, version)
+            base = _part(Base, data["base"], Sentence("{where}: base", where=where), schema.base, version)
         else:
             *parts, base = _with_lowest_as_base(parts, where, schema)
         illuminant = data.get(tint_spectrum.ILLUMINANT, ILLUMINANTS[0])
-        clear = [(layer, base, illuminant, "tint" in d, f"{where}: layer {i}") for i, (layer, d) in enumerate(zip(parts, layers))]
+        clear = [
+            (layer, base, illuminant, "tint" in d, Sentence("{where}: layer {number}", where=where, number=i))
+            for i, (layer, d) in enumerate(zip(parts, layers))
+        ]
         return cls(
             layers=tuple(tint_spectrum.with_tint(*each) if "tint" in each[0] else each[0] for each in clear),
             base=base,
@@ -172,14 +179,20 @@ class Stack:
 
 def _with_lowest_as_base(layers: tuple[Layer, ...], where: str, schema: Schema) -> tuple[Layer | Base, ...]:
     """The layers with the lowest as the base. Raises LaminaError where that does not hide what would be below."""
-    advice = f"choose one of {', '.join(schema.bases)}"
+    advice = Sentence("choose one of {choices}", choices=", ".join(schema.bases))
     if not layers:
-        raise LaminaError(f"{where}: the stack is empty, it has no 'base'; {advice}")
+        raise LaminaError("{where}: the stack is empty, it has no 'base'; {advice}", where=where, advice=advice)
     lowest = layers[-1]
     if not lowest.is_opaque:
-        raise LaminaError(f"{where}: there is no 'base', and the lowest layer, {lowest.kind}, is clear; {advice}")
+        raise LaminaError("{where}: there is no 'base', and the lowest layer, {kind}, is clear; {advice}", where=where, kind=lowest.kind, advice=advice)
     if lowest.has(COVERAGE) and lowest["coverage"] < 1.0:
-        raise LaminaError(f"{where}: there is no 'base', and the lowest layer, {lowest.kind}, covers {lowest['coverage']:g} of the surface; {advice}")
+        raise LaminaError(
+            "{where}: there is no 'base', and the lowest layer, {kind}, covers {coverage:g} of the surface; {advice}",
+            where=where,
+            kind=lowest.kind,
+            coverage=lowest["coverage"],
+            advice=advice,
+        )
     return (*layers[:-1], lowest.as_base())
 
 
@@ -202,7 +215,7 @@ def _json_text(value, indent: str = "") -> str:
 
 def _part(part: type[LayerOrBase], data, where: str, kind_of, version: int) -> LayerOrBase:
     if not isinstance(data, Mapping):
-        raise LaminaError(f"{where}: must be a JSON object with a 'kind', not {data!r}")
+        raise LaminaError("{where}: must be a JSON object with a 'kind', not {data!r}", where=where, data=data)
     kind: Kind = kind_of(data.get("kind"), where)
     if version == 1:
         new = {p.name for feature in kind.features for p in feature.parameters}
@@ -231,9 +244,9 @@ def _without_alternatives(owner: Kind | Feature, data: Mapping, where: str) -> s
     if len(given) > 1:
         options = " or ".join(owner.given_choices)
         both = " and ".join("+".join(group) for group in given)
-        raise LaminaError(f"{where}: {both} exclude each other; choose {options}")
+        raise LaminaError("{where}: {both} exclude each other; choose {options}", where=where, both=both, options=options)
     chosen = given[0] if given else alternatives[0]
     missing = [name for name in chosen if name not in data]
     if given and missing:
-        raise LaminaError(f"{where}: {'+'.join(chosen)} go together; {', '.join(missing)} is missing")
+        raise LaminaError("{where}: {names} go together; {missing} is missing", where=where, names="+".join(chosen), missing=", ".join(missing))
     return names - {name for group in alternatives if group is not chosen for name in group}

@@ -63,13 +63,41 @@ def _is_numbers(values) -> bool:
 
 def _checked(spectrum, where: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
     if not isinstance(spectrum, Mapping) or not all(_is_numbers(spectrum.get(key)) for key in (_WAVELENGTHS, _TRANSMITTANCE)):
-        raise LaminaError(f"{where}: {KEY} must be an object with two lists of numbers, {_WAVELENGTHS} and {_TRANSMITTANCE}")
+        raise LaminaError(
+            "{where}: {key} must be an object with two lists of numbers, {wavelengths} and {transmittance}",
+            where=where,
+            key=KEY,
+            wavelengths=_WAVELENGTHS,
+            transmittance=_TRANSMITTANCE,
+        )
     nm, transmittance = (tuple(map(float, spectrum[key])) for key in (_WAVELENGTHS, _TRANSMITTANCE))
     if len(nm) != len(transmittance) or not 2 <= len(nm) <= MOST_SAMPLES:
-        raise LaminaError(f"{where}: {KEY} has {len(nm)} {_WAVELENGTHS} and {len(transmittance)} {_TRANSMITTANCE}; choose as many of both, 2 to {MOST_SAMPLES}")
+        raise LaminaError(
+            "{where}: {key} has {count} {wavelengths} and {values} {transmittance}; choose as many of both, 2 to {most}",
+            where=where,
+            key=KEY,
+            count=len(nm),
+            wavelengths=_WAVELENGTHS,
+            values=len(transmittance),
+            transmittance=_TRANSMITTANCE,
+            most=MOST_SAMPLES,
+        )
     if not all(a < b for a, b in zip(nm, nm[1:])) or not 100.0 <= nm[0] or not nm[-1] <= 10000.0:
-        raise LaminaError(f"{where}: {KEY}: {_WAVELENGTHS} must increase, from 100 nm at least to 10000 nm at most, not {nm[0]:g} to {nm[-1]:g}")
+        raise LaminaError(
+            "{where}: {key}: {wavelengths} must increase, from 100 nm at least to 10000 nm at most, not {first:g} to {last:g}",
+            where=where,
+            key=KEY,
+            wavelengths=_WAVELENGTHS,
+            first=nm[0],
+            last=nm[-1],
+        )
     if not all(0.0 <= t <= 1.0 for t in transmittance):
         worst = next(t for t in transmittance if not 0.0 <= t <= 1.0)
-        raise LaminaError(f"{where}: {KEY}: {_TRANSMITTANCE} is {worst:g}; choose 0 to 1, what one crossing of unit thickness leaves")
+        raise LaminaError(
+            "{where}: {key}: {transmittance} is {worst:g}; choose 0 to 1, what one crossing of unit thickness leaves",
+            where=where,
+            key=KEY,
+            transmittance=_TRANSMITTANCE,
+            worst=worst,
+        )
     return nm, transmittance

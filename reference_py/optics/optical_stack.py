@@ -84,11 +84,22 @@ class OpticalStack:
         base = BASES[stack.base.kind].of(stack.base, n)
         for i, interface in enumerate(interfaces):
             if len(interface.tau) != base.channels:
-                raise LaminaError(f"layer {i} has {len(interface.tau)} channels and the base {base.channels}; choose one number for all (optics.spectral)")
+                raise LaminaError(
+                    "layer {number} has {count} channels and the base {channels}; choose one number for all (optics.spectral)",
+                    number=i,
+                    count=len(interface.tau),
+                    channels=base.channels,
+                )
         is_rgb = base.channels == 3 and not isinstance(stack, SpectralStack)
         if user is not None and not is_rgb and not (user.role == "model" and user.support.spectral):
             able = ", ".join(name for name, support in USERS["model"].items() if support.spectral)
-            raise LaminaError(f"{user.role} {user.name} knows RGB alone, and this stack has {base.channels} spectral channels; choose model {able}")
+            raise LaminaError(
+                "{role} {user} knows RGB alone, and this stack has {channels} spectral channels; choose model {able}",
+                role=user.role,
+                user=user.name,
+                channels=base.channels,
+                able=able,
+            )
         return cls(tuple(interfaces), base)
 
     @property
@@ -113,9 +124,11 @@ def rough_surfaces(stack: Stack) -> list[tuple[str, float]]:
 
 def _class_of(element: Layer | Base, where: str, classes: dict[str, Any]) -> Any:
     if isinstance(element, Layer) and element.is_opaque:
-        raise LaminaError(f"{where} is an opaque {element.kind}: such a stack is several patches, each one of its own; see registry.make_model")
+        raise LaminaError(
+            "{where} is an opaque {kind}: such a stack is several patches, each one of its own; see registry.make_model", where=where, kind=element.kind
+        )
     if element.kind not in classes:
-        raise LaminaError(f"{where}: the kind {element.kind} has no optics; choose {', '.join(classes)}")
+        raise LaminaError("{where}: the kind {kind} has no optics; choose {choices}", where=where, kind=element.kind, choices=", ".join(classes))
     return classes[element.kind]
 
 
@@ -123,7 +136,7 @@ def _require_numbers(where: str, element: Layer | Base) -> None:
     """Raises LaminaError for a value that is NaN: one that no schema has checked."""
     for name, value in element.values.items():
         if not isinstance(value, str) and np.any(np.isnan(value)):
-            raise LaminaError(f"{where}: {name} is {value!r}, which has a NaN; choose numbers")
+            raise LaminaError("{where}: {name} is {value!r}, which has a NaN; choose numbers", where=where, name=name, value=value)
 
 
 def _require(user, where: str, element: Layer | Base, kind: type, place: str) -> None:
@@ -135,4 +148,7 @@ def _require(user, where: str, element: Layer | Base, kind: type, place: str) ->
     for what, knows in wanted:
         if not knows(user.support):
             able = ", ".join(name for name, support in USERS[user.role].items() if knows(support))
-            raise LaminaError(f"{user.role} {user.name} knows no {what}, which {where} has; {f'choose {able}' if able else f'no {user.role} does'}")
+            words = {"role": user.role, "user": user.name, "what": what, "where": where}
+            if able:
+                raise LaminaError("{role} {user} knows no {what}, which {where} has; choose {able}", able=able, **words)
+            raise LaminaError("{role} {user} knows no {what}, which {where} has; no {role} does", **words)

@@ -215,15 +215,18 @@ def test_a_bar_is_where_a_carried_layer_would_be_dropped(blender, monkeypatch):
     context = SimpleNamespace(region=SimpleNamespace(width=400), preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)))
 
     def drawn(index: int) -> list[str]:
+        """The bars of a row, which has as many parts with one as without."""
         layout = Recorder()
         panel_layers.LAMINA_UL_layers.draw_item(None, context, layout, owner.lamina, owner.lamina.layers[index], 0, None, "active_layer", index)
+        parts.add(len(layout.words))
         return [icon for icon in layout.icons if "BAR" in icon]
 
+    parts: set[int] = set()
     assert drawn(0) == drawn(1) == []
     monkeypatch.setitem(layer_operators._carried, owner.name_full, (1, 0))
     assert drawn(0) == ["TRIA_UP_BAR"] and drawn(1) == []
     monkeypatch.setitem(layer_operators._carried, owner.name_full, (0, 1))
-    assert drawn(0) == [] and drawn(1) == ["TRIA_DOWN_BAR"]
+    assert drawn(0) == [] and drawn(1) == ["TRIA_DOWN_BAR"] and len(parts) == 1
 
 
 def test_who_carries_a_layer_is_told_how_to_drop_it(blender):

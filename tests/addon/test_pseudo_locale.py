@@ -30,6 +30,8 @@ STACK = Stack.from_dict(
 )
 # Names of things and of what has the same name in every language.
 NAMES = {"Lamina", "Qqstack", "Qqcoat", "Qqpaint", "Qqbase", "Qqown", "coated", "Principled", "GGX", "OSL", "MB", "MaterialX", "JSON", "Sphere"}
+# What files call things.
+KEYS = {"roughness", "none", "open_pbr_surface", "standard_surface", "gltf_pbr", "UsdPreviewSurface", "surface", "layers"}
 NAMES |= {presets.label(name) for name in presets.names()} | {"px"}
 
 
@@ -131,6 +133,24 @@ def test_reports_are_translated(material, language, tmp_path, capfd, what):
     REPORTS[what](tmp_path)
     said = [line.partition(": ")[2] for line in capfd.readouterr().out.splitlines() if line.startswith(("Info: ", "Warning: "))]
     assert [words for line in said if (words := left_over(line, NAMES))] == []
+
+
+ERRORS = {
+    "an operator's own": lambda _: bpy.ops.lamina.layer_move(direction="UP"),
+    "of a value": lambda _: bpy.ops.lamina.export_stack(filepath="/no/such/folder/stack.json"),
+    "with a sentence in it": lambda folder: bpy.ops.lamina.import_stack(filepath=str(folder / "wrong.json")),
+    "of a file": lambda folder: bpy.ops.lamina.import_mtlx(filepath=str(folder / "wrong.mtlx")),
+}
+
+
+@pytest.mark.parametrize("what", ERRORS)
+def test_errors_are_translated(material, language, tmp_path, what):
+    (tmp_path / "wrong.json").write_text('{"layers": [{"kind": "dielectric", "roughness": 7.0}], "base": {"kind": "lambert"}}')
+    (tmp_path / "wrong.mtlx").write_text('<materialx><nodegraph name="g"/></materialx>')
+    with pytest.raises(RuntimeError) as error:
+        ERRORS[what](tmp_path)
+    assert OPEN in str(error.value)
+    assert left_over(str(error.value).removeprefix("Error: "), NAMES | KEYS) == ""
 
 
 def test_the_language_marks_what_it_knows_and_nothing_else(language):

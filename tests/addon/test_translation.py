@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every string that Blender shows has a translation, and no translation is of a string that is gone."""
 
+import ast
 import string
 
 import pytest
@@ -31,6 +32,13 @@ def _fields(text: str) -> list[str]:
     return sorted(name for _, name, _, _ in string.Formatter().parse(text) if name)
 
 
+def test_errors_keep_their_template():
+    """A text that is put together before it is an error's has no translation; so errors get a template, or another's words."""
+    built = (ast.JoinedStr, ast.BinOp)
+    found = [f"{path.name}:{call.lineno}" for path in translatable.telling() for _, call in translatable.told(path) if isinstance(call.args[0], built)]
+    assert not found, "write LaminaError('... {name} ...', name=name)"
+
+
 def test_the_collector_sees_all_sources(blender):
     """One string of each sort: schema, choice, operator, its property, its choice, panel, check, ready layer."""
     found = translatable.strings()
@@ -43,5 +51,8 @@ def test_the_collector_sees_all_sources(blender):
         "Pick a Preset",
         "The shader node was deleted",
         "Clear Varnish",
+        "{layer} is the top layer already",
+        "{where}: {name} is {shown}; {allowed}",
+        "{path}: cannot write into folder {folder}",
         "Mean slope {degrees}\N{DEGREE SIGN}",
     } <= found

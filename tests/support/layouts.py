@@ -5,7 +5,8 @@ from types import SimpleNamespace
 
 
 class Recorder:
-    """A column, or a row, of what was drawn into it, in order: (what, word) pairs and further recorders. `operators` and the labels' `icons` are those of all of it."""
+    """A column, or a row, of what was drawn into it, in order: (what, word) pairs and further recorders. `operators`, and the `icons` of labels and
+    properties, are those of all of it."""
 
     def __init__(self, is_row: bool = False):
         self.is_row, self.parts, self.operators, self.icons = is_row, [], [], []
@@ -62,7 +63,8 @@ class Recorder:
         self.operators.append((name, properties))
         return properties
 
-    def prop(self, _owner, name, text="", **_options):
+    def prop(self, _owner, name, text="", icon="NONE", **_options):
+        self.icons.append(icon)
         self._note("prop", name, texts=lambda: [text])
 
     def template_list(self, name, *_arguments, rows, **_options):

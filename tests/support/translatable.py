@@ -10,7 +10,6 @@ import bpy
 
 import lamina
 from lamina.addon import registration
-from lamina.addon.blender import environment
 from lamina.addon.check import check
 from lamina.addon.library.preset_catalogues import CATALOGUES, OWN
 from lamina.addon.material import seen_color
@@ -21,8 +20,18 @@ from lamina.reference_py.material.masks import GENERATORS
 from lamina.reference_py.material.schema import SCHEMA
 
 ADDON = Path(lamina.__file__).parent / "addon"
+REFERENCE = ADDON.parent / "reference_py"
 # Folders whose sources show text in Blender's window.
 _SHOWN = ("check", "exchange", "jobs", "library", "material", "operators", "ui")
+# Those whose errors come to an operator's report or the panel. Not so a command line's, and of the reference models, spectra and writers of tables;
+# readers of measurements and the fit tell a finished line from a process of their own.
+TELLING = {
+    ADDON: (*_SHOWN, "blender", "rendering", "shader"),
+    REFERENCE: ("", "exchange", "lobes", "lobes/methods", "material", "material/presets", "material/ready_layers", "optics"),
+}
+# In these folders, what scripts call and no operator does.
+_NOT_TOLD = {"api", "distribution", "frame", "live_grid", "measure", "microfacet", "microsurface", "registry", "sheet", "spectral", "truth"}
+_SENTENCES = {"LaminaError", "Sentence"}
 _TRANSLATING = {"iface_", "rpt_", "tip_", "data_", "pgettext_iface", "pgettext_rpt", "pgettext_tip", "translated"}
 
 
@@ -36,17 +45,29 @@ def strings() -> set[str]:
         OWN,
         *(group.title() for group in ready_layers.GROUPS),
         *UNITS.values(),
-        environment.NO_CYCLES,
-        environment.NO_OSL,
-        environment.NO_QUERY,
     }
     seen = bpy.types.ShaderNodeGroup.bl_rna.properties[seen_color.NAME]
     found |= {seen.name, seen.description}
     for folder in _SHOWN:
         for path in sorted((ADDON / folder).glob("*.py")):
             found |= set(_of_source(path))
+    found |= {template for path in telling() for template, _ in told(path) if template is not None}
     found = {text for text in found if not text.startswith("Unique name used in the code")}  # Blender's own, of every RNA struct
-    return {text for text in found if any(c.isalpha() for c in re.sub(r"\{\w+\}", "", text))}
+    return {text for text in found if any(c.isalpha() for c in re.sub(r"\{\w+[^}]*\}", "", text))}
+
+
+def telling() -> list[Path]:
+    """The sources whose errors an artist may read."""
+    folders = [root / name for root, names in TELLING.items() for name in names]
+    return sorted(path for folder in folders for path in folder.glob("*.py") if path.stem not in _NOT_TOLD)
+
+
+def told(path: Path) -> Iterator[tuple[str | None, ast.Call]]:
+    """Every error and sentence that a source makes, with its template; None where that is no literal."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") in _SENTENCES and node.args:
+            given = node.args[0]
+            yield (given.value if isinstance(given, ast.Constant) else None), node
 
 
 def _of_schema() -> Iterator[str]:

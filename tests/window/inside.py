@@ -55,6 +55,7 @@ def tell() -> float:
     region = next(region for region in biggest().regions if region.type == "WINDOW")
     material = bpy.data.objects["Cube"].active_material
     lamina = material.lamina if material is not None else None
+    _quick = _quick and lamina is not None
     if lamina is not None and lamina.is_layered and not _quick:
         # a bake and its progress would move the buttons while the mouse is on its way
         _quick, lamina.tier = True, "analytic"
@@ -70,6 +71,8 @@ def tell() -> float:
         "stack": lamina.stack_name if lamina is not None else "",
         "layers": [layer.name for layer in lamina.layers] if lamina is not None else [],
         "active": lamina.active_layer if lamina is not None else -1,
+        "materials": [material.name for material in bpy.data.materials],
+        "masked": [is_masked(material.node_tree.nodes[layer.node]) for layer in lamina.layers] if lamina is not None else [],
         "evaluated": _evaluated,
         "findings": findings(material),
     }  # fmt: skip
@@ -77,6 +80,11 @@ def tell() -> float:
     temporary.write_text(json.dumps(state), encoding="utf-8")
     os.replace(temporary, _STATE)
     return 0.1
+
+
+def is_masked(node) -> bool:
+    coverage = node.inputs.get("Coverage")
+    return coverage is not None and coverage.is_linked
 
 
 def findings(material) -> list[str]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Install the built extension in a real Blender and use it with a real mouse: preset, add, move, undo.
+"""Install the built extension in a real Blender and use it with a real mouse: convert there and back, preset, add, move, undo, rust by a mask.
 
     LAMINA_BLENDER=/path/to/blender python3 tests/window/window.py dist/lamina-*.zip FOLDER
 
@@ -21,6 +21,8 @@ SKIPPED = 77
 SIZE = (1280, 1000)
 ROW = 20  # pixels of a button at scale 1
 PATIENCE = 60.0
+# Where menus are opened, in buttons below that which removes a layer.
+ADD, SPECIALS = -1.0, 1.4
 
 
 class Skip(Exception):
@@ -108,20 +110,38 @@ class Window:
     def key(self, name: str) -> None:
         self.mouse("key", name)
 
-    def find_button(self, command: str) -> tuple[int, int]:
-        """Where the button of an operator is in the column beside the list: Ctrl+C over a button copies its command."""
+    def find_button(self, command: str, is_beside: bool = True) -> tuple[int, int]:
+        """Where the button of an operator is in the column beside the list, or across the panel: Ctrl+C over a button copies its command."""
         panel = self.state()["panel"]
-        x = panel["right"] - 4
-        for y in range(panel["top"] + 6 * ROW, panel["top"] + 26 * ROW, ROW // 2):
-            count = self.state()["tick"]
+        x = panel["right"] - 4 if is_beside else (panel["left"] + panel["right"]) // 2
+        for y in range(panel["top"] + 3 * ROW, panel["top"] + 26 * ROW, ROW // 2):
             self.mouse("mousemove", x, y)
             time.sleep(0.12)
-            self.key("ctrl+c")
-            self.wait_for("the clipboard", lambda s: s["tick"] >= count + 3)
-            tick, text = self.state()["copied"]
-            if tick > count and command in text:
+            if command in self.copied():
                 return x, y + 4
         raise AssertionError(f"no button {command} in the panel")
+
+    def copied(self) -> str:
+        """The command of what is under the mouse, or chosen in a menu; empty where that is none."""
+        count = self.state()["tick"]
+        self.key("ctrl+c")
+        self.wait_for("the clipboard", lambda s: s["tick"] >= count + 3)
+        tick, text = self.state()["copied"]
+        return text if tick > count else ""
+
+    def pick(self, *commands: str) -> bool:
+        """Choose with the arrow keys in the menu that is open, through its submenus, the last of which is an operator; whether they are there."""
+        for command in commands:
+            for _ in range(60):
+                self.key("Down")
+                text = self.copied() or self.copied()  # a busy machine may miss a key
+                if command in text:
+                    self.key("Return" if command == commands[-1] else "Right")
+                    time.sleep(0.5)
+                    break
+            else:
+                return False
+        return True
 
     def picture(self, name: str) -> None:
         if shutil.which("import"):
@@ -133,6 +153,7 @@ def use(window: Window) -> None:
     """The session; every step says what it proved."""
     panel = window.wait_for("the window", lambda s: s["ready"])["panel"]
     x = (panel["left"] + panel["right"]) // 2
+    convert(window)
     # below the slots and their buttons, one of which would make a material of another name
     for y in range(panel["top"] + 10 * ROW + 8, panel["top"] + 16 * ROW, ROW // 2):
         window.click(x, y)
@@ -175,7 +196,54 @@ def use(window: Window) -> None:
         window.wait_for(f"redo {redone}", lambda s, w=wanted: s["layers"] == w)
     told("redo: three steps forth")
     assert window.state()["findings"] == [], window.state()
+    rust_by_a_mask(window)
     window.picture("done")
+
+
+def convert(window: Window) -> None:
+    """Blender's own new material to Lamina and a Principled copy of that; then the object has none again."""
+    window.click(*window.find_button("material.new", is_beside=False))
+    window.wait_for("a new material", lambda s: s["name"])
+    window.click(*window.find_button("lamina.convert_principled", is_beside=False))
+    state = window.wait_for("what it is as layers", lambda s: s["layers"])
+    window.key("Escape")  # the report
+    told(f"convert: {', '.join(state['layers'])}")
+    before = state["materials"]
+    pick(window, SPECIALS, "LAMINA_MT_exchange", "lamina.principled_copy()")
+    state = window.wait_for("a Principled copy", lambda s: len(s["materials"]) > len(before))
+    window.key("Escape")
+    told(f"back: {', '.join(set(state['materials']) - set(before))}")
+    window.picture("converted")
+    window.click(*window.find_button("material_slot_remove"))
+    window.wait_for("an object without a material", lambda s: not s["name"])
+
+
+def rust_by_a_mask(window: Window) -> None:
+    """The ready layer Rust, which has a mask of its own, and a plain layer that gets one from the menu."""
+    before = window.state()["layers"]
+    pick(window, ADD, "layer_add_ready(ready='rust')")
+    state = window.wait_for("rust", lambda s: len(s["layers"]) == len(before) + 1)
+    assert state["masked"][state["active"]], state
+    told(f"rust by its mask: {', '.join(state['layers'])}")
+    pick(window, ADD, "layer_add(kind='dielectric')")
+    state = window.wait_for("a plain layer", lambda s: len(s["layers"]) == len(before) + 2)
+    assert not state["masked"][state["active"]], state
+    pick(window, SPECIALS, "LAMINA_MT_add_mask", "edges")
+    window.wait_for("its mask", lambda s: s["masked"][s["active"]])
+    told(f"a mask: {', '.join(state['layers'])}")
+
+
+def pick(window: Window, below: float, *commands: str) -> None:
+    """Open a menu of the column beside the list, so many buttons below the one that removes a layer, and choose; thrice, as a busy machine may miss a click."""
+    for _ in range(3):
+        x, y = window.find_button("lamina.layer_remove")
+        window.click(x, y + below * ROW)
+        time.sleep(2.0)
+        if window.pick(*commands):
+            return
+        for _ in range(3):
+            window.key("Escape")
+    raise AssertionError(f"no menu has {commands[-1]}")
 
 
 def add_layer(window: Window, letter: str, count: int) -> dict:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The layers of the tier `analytic` as straight lines of OSL, one call per interface and beam; as loops where they are many.
+"""The layers of the tier `analytic` as straight lines of OSL, one call per interface and beam; as loops where they are many, or stay for a moment.
 
 OSL folds what is constant within straight lines, so all that does not depend on the view is free where parameters are.
 """
@@ -18,8 +18,13 @@ from .osl_files import TABLE_BLOCKS, table_starts
 from .surface import Surface, beckmann, is_metal
 
 # Above this many layers there are loops over layers and beams: they do not fold, but eight layers unrolled are 10 MB of
-# bytecode that takes seconds to compile, and thirty take minutes.
+# bytecode that takes seconds to compile, and thirty take minutes. What stands in for a bake loops too: it is compiled within a click.
 MOST_UNROLLED = 3
+
+
+def has_loops(stack: Stack, stands_in: bool) -> bool:
+    """Whether a stack's shader has loops over its layers and beams in place of straight lines."""
+    return stands_in or len(stack.layers) > MOST_UNROLLED
 
 
 @dataclass(frozen=True)
@@ -63,7 +68,7 @@ def _declaration(of: Tables) -> str:
     return f"float {of.name}[{values.size}] = {{{','.join(map(str, entries))}}}"
 
 
-def layers_lines(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface], energies: Tables) -> list[str]:
+def layers_lines(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface], energies: Tables, loops: bool) -> list[str]:
     """Values of the layers from vacuum down, and beams of uniform light from below: what does not depend on the view."""
     count = len(stack.layers)
     lines = ["float n_0 = 1.0;"]
@@ -75,21 +80,21 @@ def layers_lines(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface
     for way in ("down", "up"):
         lines += _before(stack, energies, way)
     for way in ("down", "up"):
-        lines += _in_order(stack, energies, way)
+        lines += _in_order(stack, energies, way) if loops else []
     lines.append("Beam beam;")
     if not is_metal(stack):
-        lines += _escaping(stack, energies)
+        lines += _escaping(stack, energies, loops)
     lines += [
         f"float least = min(1.0, {_nested('min', [f'n_{j}' for j in range(count)])});",
         f"float critical2 = max(1.0 - (least / n_{count}) * (least / n_{count}), 0.0);",
     ]
-    return lines + _below(stack, energies)
+    return lines + _below(stack, energies, loops)
 
 
-def view_lines(stack: Stack, energies: Tables, view: str, top_alpha: str) -> list[str]:
+def view_lines(stack: Stack, energies: Tables, loops: bool, view: str, top_alpha: str) -> list[str]:
     """The beam of the view of cosine `view`, which meets a top of alpha `top_alpha`, down to the base."""
     beam = beam_of(view)
-    return [f"Beam {beam};", f"start_beam({beam}, sqrt(1.0 - {view} * {view}), 0.0);", *_crossings(stack, energies, beam, "down", top_alpha)]
+    return [f"Beam {beam};", f"start_beam({beam}, sqrt(1.0 - {view} * {view}), 0.0);", *_crossings(stack, energies, loops, beam, "down", top_alpha)]
 
 
 def beam_of(view: str) -> str:
@@ -137,8 +142,8 @@ def _before(stack: Stack, energies: Tables, way: str) -> list[str]:
     return lines
 
 
-def _crossings(stack: Stack, energies: Tables, beam: str, way: str, top_alpha: str = "alpha_0") -> list[str]:
-    if _has_loops(stack):
+def _crossings(stack: Stack, energies: Tables, loops: bool, beam: str, way: str, top_alpha: str = "alpha_0") -> list[str]:
+    if loops:
         names = {name: f"{way}_{name}[j]" for name in ("kind", "beckmann", "alpha", "own", "other", "tau")}
         if top_alpha != "alpha_0":
             names["alpha"] = f"(j == 0 ? {top_alpha} : {names['alpha']})"
@@ -155,10 +160,6 @@ def _crossings(stack: Stack, energies: Tables, beam: str, way: str, top_alpha: s
     return lines
 
 
-def _has_loops(stack: Stack) -> bool:
-    return len(stack.layers) > MOST_UNROLLED
-
-
 def _passages(stack: Stack, way: str) -> list[tuple[int, int, int, str]]:
     """Interface, media before and behind it, and the optical depth behind it, in the order of travel."""
     if way == "down":
@@ -168,8 +169,6 @@ def _passages(stack: Stack, way: str) -> list[tuple[int, int, int, str]]:
 
 def _in_order(stack: Stack, energies: Tables, way: str) -> list[str]:
     """What loops over the layers read: arrays in the order of travel."""
-    if not _has_loops(stack):
-        return []
     passages = _passages(stack, way)
     arrays = {
         "int kind": [energies.start(stack.layers[j]["distribution"]) for j, *_ in passages],
@@ -190,23 +189,23 @@ def _in_order(stack: Stack, energies: Tables, way: str) -> list[str]:
     return result
 
 
-def _escaping(stack: Stack, energies: Tables) -> list[str]:
+def _escaping(stack: Stack, energies: Tables, loops: bool) -> list[str]:
     """What of uniform light from below escapes, by reciprocity; without absorption the rest comes back."""
     count = len(stack.layers)
     u, w = base.gauss(base.ESCAPING)
-    body = ["start_beam(beam, sqrt(1.0 - @u@ * @u@), 0.0);", *_crossings(stack, energies, "beam", "down")]
+    body = ["start_beam(beam, sqrt(1.0 - @u@ * @u@), 0.0);", *_crossings(stack, energies, loops, "beam", "down")]
     body.append(f"escaped += @w@ / (n_{count} * n_{count}) * beam.transmitted;")
     thickest = _nested("max", [f"largest(tau_{j})" for j in range(count)])
     return [
-        "color escaped = color(0.0);", *for_each({"u": u, "w": 2.0 * w * u}, body, count),
+        "color escaped = color(0.0);", *for_each({"u": u, "w": 2.0 * w * u}, body, loops),
         "color reflected = 1.0 - escaped;", f"float thickest = {thickest};",
     ]  # fmt: skip
 
 
-def for_each(nodes: dict[str, np.ndarray], body: list[str], count: int) -> list[str]:
-    """`body` once per node, its @names@ replaced by the node's values; as a loop where straight lines would be too many."""
+def for_each(nodes: dict[str, np.ndarray], body: list[str], loops: bool) -> list[str]:
+    """`body` once per node, its @names@ replaced by the node's values; as a loop if so asked."""
     size = len(next(iter(nodes.values())))
-    if count > MOST_UNROLLED:
+    if loops:
         arrays = [f"float {name}_of[{size}] = {{{numbers(values)}}};" for name, values in nodes.items()]
         looped = [_replaced(line, {name: f"{name}_of[q]" for name in nodes}) for line in body]
         return [*arrays, f"for (int q = 0; q < {size}; ++q) {{", *looped, "}"]
@@ -219,7 +218,7 @@ def _replaced(line: str, values: dict[str, str]) -> str:
     return line
 
 
-def _below(stack: Stack, energies: Tables) -> list[str]:
+def _below(stack: Stack, energies: Tables, loops: bool) -> list[str]:
     """Beams from the base at the nodes of uniform light: what is absorbed and, for a metal, the shares in `below`."""
     count, n_base = len(stack.layers), f"n_{len(stack.layers)}"
     (u, w), (v, x) = base.gauss(base.ESCAPING), base.gauss(base.TRAPPED)
@@ -232,13 +231,13 @@ def _below(stack: Stack, energies: Tables) -> list[str]:
         f"p = sqrt((1.0 - @t@) * least * least * @a@ + @t@ * {n_base} * {n_base} * (1.0 - critical2 * @b@));",
         "weight = @w@ * (@t@ * critical2 + (1.0 - @t@) * (1.0 - critical2));",
         f"left = attenuation(tau_{count - 1}, p, 0.0, {n_base});", "start_beam(beam, p, 0.0);",
-        *_crossings(stack, energies, "beam", "up"),
+        *_crossings(stack, energies, loops, "beam", "up"),
         "back = (beam.first + beam.inner) * left * left;", "out = beam.transmitted * left;",
     ]  # fmt: skip
     lines = ["color left, back, out;", "float p, weight;"]
     if not is_metal(stack):
         body.append("absorbed += weight * (1.0 - back - out);")
-        lines += ["color absorbed = color(0.0);", *for_each(nodes, body, count)]
+        lines += ["color absorbed = color(0.0);", *for_each(nodes, body, loops)]
         lines.append("reflected = max(reflected - max(absorbed, color(0.0)), color(0.0));")
         return ["if (thickest > 0.0) {", *("    " + line for line in lines), "}"]
     lines += ["Below below;", f"start_below(below, least, {n_base}, critical2);"]
@@ -247,4 +246,4 @@ def _below(stack: Stack, energies: Tables) -> list[str]:
     inside, beyond = base.polynomial_fit(base.ESCAPING), base.polynomial_fit(base.TRAPPED)
     coefficients = {f"e{i}": np.pad(row, (0, len(v))) for i, row in enumerate(inside)} | {f"t{i}": np.pad(row, (len(u), 0)) for i, row in enumerate(beyond)}
     body.append(f"add_node(below, back, out, {', '.join(f'@{name}@' for name in coefficients)});")
-    return lines + for_each(nodes | coefficients, body, count)
+    return lines + for_each(nodes | coefficients, body, loops)

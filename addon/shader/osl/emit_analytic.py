@@ -12,33 +12,33 @@ from ....reference_py.lobes.analytic import base
 from ....reference_py.lobes.analytic.lobe_set import ALBEDO_NODES
 from ....reference_py.material.schema import ANISOTROPY
 from ....reference_py.material.stack import Base, Layer, Stack
-from .analytic_layers import Tables, beam_of, for_each, layers_lines, roughest, view_lines
+from .analytic_layers import Tables, beam_of, for_each, has_loops, layers_lines, roughest, view_lines
 from .block import Block, Closure
 from .surface import BaseClosures, Surface, base_name, beckmann, diffuse_closures, is_metal, is_rough, metal_closure, surface_of, top_closure, top_function
 
 NOTE = "Adding over the interfaces at every shading point."
 
 
-def analytic_block(stack: Stack, owners: Sequence[str]) -> Block:
-    """The block of a stack whose shader parameters begin with `owners`, those of the layers and of the base."""
+def analytic_block(stack: Stack, owners: Sequence[str], stands_in: bool) -> Block:
+    """The block of a stack whose shader parameters begin with `owners`, those of the layers and of the base; short where it only stands in."""
     surfaces = [surface_of(element, owner) for element, owner in zip((*stack.layers, stack.base), owners)]
-    energies = Tables.of(stack)
+    energies, loops = Tables.of(stack), has_loops(stack, stands_in)
     body, closures = [], []
     if stack.layers:
-        body += layers_lines(stack, owners[:-1], surfaces, energies)
+        body += layers_lines(stack, owners[:-1], surfaces, energies, loops)
         top, seen = surfaces[0], "alpha_0"
         if stack.layers[0].has(ANISOTROPY):
             seen = "alpha_seen"
             body.append(f"float alpha_seen = seen_alpha({top.alpha_x}, {top.alpha_y}, cos_2phi_{owners[0]}, {top.view});")
         for view in dict.fromkeys((surfaces[1].view, surfaces[-1].view)):
-            body += view_lines(stack, energies, view, seen)
+            body += view_lines(stack, energies, loops, view, seen)
         weight = f"top_gain({energies.arguments(stack.layers[0]['distribution'])}, {top.view}, {seen}, n_1)"
         closures.append(Closure(weight, top_closure(top, stack.layers[0], owners[0])))
     if len(stack.layers) > 1:
         lines, closure = _deeper_interfaces(stack.layers[1], surfaces[1], owners[1], energies)
         body += lines
         closures.append(closure)
-    lines, base_closures = _metal(stack, surfaces[-1], owners[-1], energies) if is_metal(stack) else _diffuse(stack, surfaces[-1], owners[-1])
+    lines, base_closures = _metal(stack, surfaces[-1], owners[-1], energies, loops) if is_metal(stack) else _diffuse(stack, surfaces[-1], owners[-1])
     return Block(
         functions=(*(name for surface in surfaces for name in surface.functions), *base_closures.functions, *_functions(stack)),
         arrays=energies.arrays,
@@ -136,7 +136,7 @@ def _diffuse(stack: Stack, surface: Surface, owner: str) -> tuple[list[str], Bas
     return lines, closures.below("weight_base")
 
 
-def _metal(stack: Stack, surface: Surface, owner: str, energies: Tables) -> tuple[list[str], BaseClosures]:
+def _metal(stack: Stack, surface: Surface, owner: str, energies: Tables, loops: bool) -> tuple[list[str], BaseClosures]:
     """The same of a metal base."""
     element, count = stack.base, len(stack.layers)
     table = energies.arguments(element["distribution"])
@@ -161,7 +161,7 @@ def _metal(stack: Stack, surface: Surface, owner: str, energies: Tables) -> tupl
         "float radius;",
         "float keep;",
         f"start_lobe(lobe, {arrives}, {n}, {surface.alpha});",
-        *_lobe_nodes(stack, surface, owner),
+        *_lobe_nodes(stack, surface, owner, loops),
         f"float facet_energy = {facet_energy};",
         f"color facets = later_facets(lobe, facet_energy, {surface.alpha}, eta, k, keep);",
         *planar,
@@ -172,7 +172,7 @@ def _metal(stack: Stack, surface: Surface, owner: str, energies: Tables) -> tupl
     return lines, metal_closure(element, owner, Closure("weight_base", lobe.closure, is_local=True))
 
 
-def _lobe_nodes(stack: Stack, surface: Surface, owner: str) -> list[str]:
+def _lobe_nodes(stack: Stack, surface: Surface, owner: str, loops: bool) -> list[str]:
     above = stack.layers[-1] if stack.layers else stack.base
     nodes = {f"node_{name}": values for name, values in zip(("u", "weight", "x", "y", "cell"), base.lobe_nodes())}
     sides = f"{surface.alpha}, {surface.alpha}"
@@ -182,4 +182,4 @@ def _lobe_nodes(stack: Stack, surface: Surface, owner: str) -> list[str]:
     body = [f"lobe_node(lobe, {given}, eta, k, node_share, radius);"]
     if stack.layers:
         body.append("carry_node(lobe, below, node_share, radius, @node_cell@);")
-    return for_each(nodes, body, len(stack.layers))
+    return for_each(nodes, body, loops)

@@ -37,7 +37,8 @@ class Shader:
 
 @dataclass(frozen=True)
 class _Emitter:
-    """How lobe sets of one class are written: their block, for the owners of their layers and base and a suffix of names, and a note."""
+    """How lobe sets of one class are written: their block, for the owners of their layers and base, a suffix of names, and whether they only stand
+    in, and a note."""
 
     block: Callable[..., Block]
     note: str
@@ -46,11 +47,13 @@ class _Emitter:
 
 
 _EMITTERS = {
-    TableLobes: _Emitter(emit_tables.table_block, emit_tables.NOTE, False),
-    LiveLobes: _Emitter(emit_live_grid.grid_block, emit_live_grid.NOTE, False),
-    AnalyticLobes: _Emitter(lambda lobes, owners, suffix: emit_analytic.analytic_block(lobes.stack, owners), emit_analytic.NOTE, True),
-    AnalyticLobesWithFeatures: _Emitter(lambda lobes, owners, suffix: emit_analytic.analytic_block(lobes.stack, owners), emit_analytic.NOTE, True),
-    PaperLobes: _Emitter(lambda lobes, owners, suffix: emit_paper.weidlich_wilkie_block(lobes.stack, owners), emit_paper.NOTE, True),
+    TableLobes: _Emitter(lambda lobes, owners, suffix, _: emit_tables.table_block(lobes, owners, suffix), emit_tables.NOTE, False),
+    LiveLobes: _Emitter(lambda lobes, owners, suffix, _: emit_live_grid.grid_block(lobes, owners, suffix), emit_live_grid.NOTE, False),
+    AnalyticLobes: _Emitter(lambda lobes, owners, _, stands_in: emit_analytic.analytic_block(lobes.stack, owners, stands_in), emit_analytic.NOTE, True),
+    AnalyticLobesWithFeatures: _Emitter(
+        lambda lobes, owners, _, stands_in: emit_analytic.analytic_block(lobes.stack, owners, stands_in), emit_analytic.NOTE, True
+    ),
+    PaperLobes: _Emitter(lambda lobes, owners, *_: emit_paper.weidlich_wilkie_block(lobes.stack, owners), emit_paper.NOTE, True),
 }
 
 
@@ -71,7 +74,7 @@ def generate(made: Made, schema: Schema = SCHEMA) -> Shader:
     for number, ((owners, covered, part), emitter) in enumerate(zip(parts, emitters)):
         own = {i: pool for (patch, i), pool in pools.items() if patch == number}
         share = Share(tuple((layer_owner(i), there) for i, there in covered), own)
-        blocks.append((share, emitter.block(part, owners, f"{number}_" if len(parts) > 1 else "")))
+        blocks.append((share, emitter.block(part, owners, f"{number}_" if len(parts) > 1 else "", made.stands_in)))
     title = f"Lamina shader, tier {made.method}, from the top: {_words(stack)}." if is_live else f"Lamina shader, tier {made.method}."
     body, closures = shader_text(title, " ".join(dict.fromkeys(emitter.note for emitter in emitters)), blocks, inputs)
     name = "lamina_" + hashlib.sha256(body.encode()).hexdigest()[:12]

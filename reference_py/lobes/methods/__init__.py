@@ -4,6 +4,8 @@
 `closure_model` evaluates a lobe set exactly as Cycles does, and `addon.shader` writes it as a shader.
 """
 
+from dataclasses import replace
+
 from ...errors import LaminaError
 from ...material.coverage import Patch, is_plain, patches
 from ...material.place import Place, in_words
@@ -47,7 +49,7 @@ METHODS = {
 def method_of(name: str) -> Method:
     """The row of a method. Raises LaminaError on an unknown name."""
     if name not in METHODS:
-        raise LaminaError(f"unknown quality {name!r}; choose {', '.join(METHODS)}")
+        raise LaminaError("unknown quality {name!r}; choose {choices}", name=name, choices=", ".join(METHODS))
     return METHODS[name]
 
 
@@ -82,7 +84,8 @@ def make_lobe_set(stack: Stack, method: str = DEFAULT_METHOD, **options) -> Made
 
 def provisional(stack: Stack) -> Made:
     """What stands in for a method that takes time until it is there: `analytic`, or the quickest bake of media that scatter, which that does not know."""
-    return make_lobe_set(stack, baking.NAME, glossy=1) if scatters(stack) else make_lobe_set(stack, AnalyticLobes.name)
+    made = make_lobe_set(stack, baking.NAME, glossy=1) if scatters(stack) else make_lobe_set(stack, AnalyticLobes.name)
+    return replace(made, stands_in=True)
 
 
 def key_of(stack: Stack, method: str, **options) -> str:
@@ -136,7 +139,7 @@ def _parts(row: Method, stack: Stack, options: Options) -> list[tuple[Patch, Opt
     """The patches of a stack, each with its own options: live values are placed by its layers; what is always live needs no place."""
     for place in options.live:
         if place.layer is not None and not 0 <= place.layer < len(stack.layers):
-            raise LaminaError(f"live value: {place} of a stack of {len(stack.layers)} layers, which are numbered from 0")
+            raise LaminaError("live value: {place} of a stack of {count} layers, which are numbered from 0", place=place, count=len(stack.layers))
     parts = patches(stack)
     if row.computed is None:
         return [(patch, options) for patch in parts]
@@ -153,8 +156,8 @@ def require_bake_follows(stack: Stack, live: tuple[Place, ...] = ()) -> None:
     """Raise LaminaError for a stack that scatters, which bakes alone know, and has what no bake follows."""
     if scatters(stack) and (not_bakeable(stack) or not can_follow(bakeable(stack), live)):
         if what := needs_live(stack):
-            raise LaminaError(f"a medium that scatters cannot be had together with {what}; choose one of the two")
-        raise LaminaError(f"no quality follows {in_words(live)} where a medium scatters; take its texture or animation away")
+            raise LaminaError("a medium that scatters cannot be had together with {what}; choose one of the two", what=what)
+        raise LaminaError("no quality follows {what} where a medium scatters; take its texture or animation away", what=in_words(live))
 
 
 def _made(row: Method, stack: Stack, options: Options) -> Made:

@@ -48,7 +48,7 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
     """
     live, tolerance, glossy = options.live, options.tolerance, options.glossy or MAX_GLOSSY
     if not 0.0 < tolerance <= 1.0:
-        raise LaminaError(f"tolerance {100.0 * tolerance:g} percent: choose more than 0 and at most 100")
+        raise LaminaError("tolerance {percent:g} percent: choose more than 0 and at most 100", percent=100.0 * tolerance)
     report = options.report
     estimator = ErrorEstimator(stack, truth, ball_cosines() if cosines is None else cosines, light_deg)
     can_bake = follows(stack, live)

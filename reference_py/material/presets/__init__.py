@@ -42,4 +42,4 @@ def load(name_or_path: str | os.PathLike) -> Stack:
     path = Path(text)
     if path.suffix == ".json" or path.parent != Path(".") or path.exists():
         return Stack.load(path)
-    raise LaminaError(f"unknown preset {text!r}; choose {', '.join(names())}, or give a JSON file")
+    raise LaminaError("unknown preset {text!r}; choose {choices}, or give a JSON file", text=text, choices=", ".join(names()))

@@ -38,7 +38,7 @@ def group_of(name: str) -> str:
     """Which of GROUPS a ready layer is offered in. Raises LaminaError as `load`, and where its file says another."""
     data, where = _read(name)
     if data.get("group") not in GROUPS:
-        raise LaminaError(f"{where}: unknown group {data.get('group')!r}; choose {', '.join(GROUPS)}")
+        raise LaminaError("{where}: unknown group {group!r}; choose {choices}", where=where, group=data.get("group"), choices=", ".join(GROUPS))
     return data["group"]
 
 
@@ -46,7 +46,7 @@ def _read(name: str) -> tuple[dict, str]:
     """What a ready layer's file says, and its path."""
     where = FOLDER / f"{name}.json"
     if not name.isidentifier() or not where.is_file():
-        raise LaminaError(f"unknown ready layer {name!r}; choose {', '.join(names())}")
+        raise LaminaError("unknown ready layer {name!r}; choose {choices}", name=name, choices=", ".join(names()))
     return parse_json(read_text(where, "layer file"), str(where)), str(where)
 
 
