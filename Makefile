@@ -18,7 +18,7 @@ QUICK := -q -m "not blender and not slow"
 # Of the reference's, those that `make check` runs beside the others.
 BESIDE := $(wildcard tests/reference_py/test_weidlich_wilkie*.py)
 
-.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes bake-errors start felt branches budget surroundings house numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures release matrix licences clean
+.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails preset-sheet assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes bake-errors start felt branches budget surroundings house numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures release matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
@@ -33,6 +33,7 @@ help:
 	@echo "make blends    build the .blend files of demo_blend/ anew"
 	@echo "make scenes    render the pictures of the demo scenes into figures/scenes (half an hour)"
 	@echo "make thumbnails  render the presets' pictures into addon/presets"
+	@echo "make preset-sheet  lay those pictures out on one page, figures/all_presets.png"
 	@echo "make assets    build the asset library of the presets in addon/presets anew"
 	@echo "make charts    measure the tables of figures/ anew and draw them"
 	@echo "make mitsuba   install Mitsuba 3 beside the rest and hold exports against it (a minute)"
@@ -136,6 +137,9 @@ scenes: $(READY)
 
 thumbnails: $(READY)
 	$(RUN) -m lamina.demo_blend.thumbnails
+
+preset-sheet: $(READY)
+	$(RUN) -m lamina.demo_blend.thumbnails sheet
 
 assets: $(READY)
 	$(RUN) -m lamina.demo_blend.assets

@@ -157,6 +157,18 @@ def patina_brighter() -> str:
     return span([100.0 * (float(without[c]) / float(with_osl[c]) - 1.0) for c in "rgb"], 1) + " %"
 
 
+def stands_in(word_of_stack: str) -> str:
+    """Worst errors of albedo of what stands in for coats with a film, or with brushing on them or below."""
+    found = [row for row in rows("stands_in") if word_of_stack in row["stack"] and row["stack"].startswith("film") == word_of_stack.startswith("film")]
+    return f"{span(100.0 * column(found, 'albedo_worst'), 0)} %"
+
+
+def not_baked(count: str) -> str:
+    """How many of the cases of so many textured values no bake follows, in the groups of surfaces."""
+    found = where("followed", live_values=count)
+    return span([100.0 * (1.0 - float(row["baked"]) / float(row["cases"])) for row in found], 0) + " %"
+
+
 def shape_over_own() -> np.ndarray:
     """Of bakes that follow a color, the error of shape over that of bakes of each color alone."""
     return column(rows("base_color"), "shape_median") / column(rows("base_color"), "own_shape_median")
@@ -335,6 +347,15 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "base color energy": lambda: percent(max(column(rows("base_color"), "albedo_worst")), 1),
     "base color shape": lambda: plain(np.median(shape_over_own()), 1),
     "base color shape worst": lambda: plain(max(shape_over_own()), 1),
+    "two live with color shape": lambda: span([float(r["shape_median"]) / float(r["own_shape_median"]) for r in rows("live_values") if "and the color" in r["live"]], 1),
+    "medium energy": lambda: percent(max(cell("live_values", "albedo_worst", stack="milk over metal", live=f"the {name} of layer 0") for name in ("density", "scatter color")), 1),
+    "medium energy of both": lambda: percent(cell("live_values", "albedo_worst", stack="milk over paint"), 1),
+    "film coats": lambda: stands_in("film on a"),
+    "film metal": lambda: percent(cell("stands_in", "albedo_worst", stack="film on bare metal")),
+    "brushed coats": lambda: stands_in("coat"),
+    "not baked of one": lambda: not_baked("1"),
+    "not baked of two": lambda: not_baked("2"),
+    "not baked of three": lambda: not_baked("3"),
     "bake": lambda: plain(per_material("materials, distinct, baked", "make_s", "100"), 1) + " s",
     "baked before": lambda: plain(1000.0 * per_material("materials, distinct, baked before", "make_s", "100"), 0) + " ms",
     "render of layers": render_of_layers,

@@ -16,6 +16,8 @@ install_packages() {
   apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >/dev/null
 }
 
+[ ! -L "$venv" ] || fail "$venv is a link to $(readlink "$venv"), which would be emptied: remove the link, or set up in the folder it leads to"
+
 case ${LAMINA_BPY:-} in
   "") versions="3.11 3.13" ;;
   4.5 | 5.0) versions="3.11" ;;

@@ -88,30 +88,36 @@ def glossy_rates(distribution: str, alpha_x, alpha_y, tilt, wo: tuple, wi: tuple
     iz, oz = np.where(seen, iz, 1.0), np.where(oz > 0.0, oz, 1.0)
     inverse_z = 1.0 / (iz + oz)
     lean, across = (ix + ox) * inverse_z, iy * inverse_z
-    lean2, across2 = np.square(lean), np.square(across)
-    x2, y2 = lean2 / np.square(alpha_x), across2 / np.square(alpha_y)
+    lean2, across2 = lean * lean, across * across
+    along_x, along_y = 1.0 / np.square(alpha_x), 1.0 / np.square(alpha_y)
+    x2, y2 = lean2 * along_x, across2 * along_y
     slope2 = x2 + y2
     by_slope2 = -2.0 * law.log_slope_density_rate(slope2)
-    into = _masking_rates(law, alpha_x, alpha_y, ix / iz, iy / iz)
+    inverse_z = 1.0 / iz
+    into = _masking_rates(law, alpha_x, alpha_y, ix * inverse_z, iy * inverse_z)
     out = _masking_rates(law, alpha_x, alpha_y, ox / oz, 0.0)
     g2 = 1.0 / (1.0 + into[0] + out[0])
-    value = law.slope_density(slope2) * np.square(1.0 + lean2 + across2) * g2 / np.maximum(z, 1e-20)
-    value *= np.where(seen, 0.25 / (np.pi * alpha_x * alpha_y * oz), 0.0)
+    value = 1.0 + lean2 + across2
+    value *= value
+    value *= law.slope_density(slope2)
+    value *= g2
+    value *= np.where(seen, 0.25 / (np.pi * alpha_x * alpha_y * oz), 0.0) / np.maximum(z, 1e-20)
     result = np.empty((4, *value.shape), value.dtype)
     result[0] = value
     result[1] = value * (by_slope2 * x2 - 1.0 - g2 * (into[1] + out[1]))
     result[2] = value * (by_slope2 * y2 - 1.0 - g2 * (into[2] + out[2]))
-    result[3] = value * (lean * (by_slope2 * (1.0 / np.square(alpha_x) + slope2) - 4.0) - ox / oz - g2 * (into[3] + out[3]))
+    result[3] = value * (lean * (by_slope2 * (along_x + slope2) - 4.0) - ox / oz - g2 * (into[3] + out[3]))
     return result
 
 
 def _masking_rates(law, alpha_x, alpha_y, lean, across) -> tuple:
     """Smith's Lambda of directions of slopes `lean` and `across`, and its derivatives as `glossy_rates` has them."""
     along = np.square(alpha_x)
-    x2, y2 = along * np.square(lean), np.square(alpha_y * across)
+    x2, y2 = along * (lean * lean), np.square(alpha_y) * (across * across)
     total = x2 + y2
-    rate = 2.0 * law.smith_lambda_rate(total)
-    return law.smith_lambda(total), rate * x2, rate * y2, -rate * lean * (along + total)
+    value, rate = law.smith_lambda_and_rate(total)
+    rate = 2.0 * rate
+    return value, rate * x2, rate * y2, -rate * lean * (along + total)
 
 
 def _in_lobe_frame(tilt, wo, wi):

@@ -31,7 +31,7 @@ class Beckmann(Distribution):
 
     def log_slope_density_rate(self, slope2):
         """-1."""
-        return np.full(np.shape(slope2), -1.0)
+        return np.full_like(slope2, -1.0)
 
     def slope2_quantile(self, u):
         """-log(1 - u): slope2 is exponentially distributed."""
@@ -39,16 +39,18 @@ class Beckmann(Distribution):
 
     def smith_lambda(self, a2_tan2):
         """The rational approximation of Walter07, which Cycles uses."""
-        a = 1.0 / np.sqrt(np.maximum(a2_tan2, 1e-30))
+        a = 1.0 / np.sqrt(np.maximum(a2_tan2, _NO_MASKING))
         rational = ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a)
         return np.where(a2_tan2 <= _NO_MASKING, 0.0, rational)
 
-    def smith_lambda_rate(self, a2_tan2):
-        """That of the rational approximation, by a = 1 / (alpha tan), whose own rate is -a^3 / 2."""
-        a = 1.0 / np.sqrt(np.maximum(a2_tan2, 1e-30))
+    def smith_lambda_and_rate(self, a2_tan2):
+        """Of the rational approximation, by a = 1 / (alpha tan), whose own rate is -a^3 / 2."""
+        a = 1.0 / np.sqrt(np.maximum(a2_tan2, _NO_MASKING))
         top, below = (0.396 * a - 1.259) * a + 1.0, (2.181 * a + 3.535) * a
-        by_a = ((0.792 * a - 1.259) * below - top * (4.362 * a + 3.535)) / np.square(below)
-        return np.where(a2_tan2 <= _NO_MASKING, 0.0, -0.5 * a**3 * by_a)
+        rational = top / below
+        by_a = ((0.792 * a - 1.259) - rational * (4.362 * a + 3.535)) / below
+        masked = a2_tan2 > _NO_MASKING
+        return rational * masked, (-0.5 * a * a * a) * by_a * masked
 
     def projected_area(self, w, alpha):
         """Not by the approximation of `smith_lambda`, from which it differs by up to 0.35 %: samples and densities must agree."""

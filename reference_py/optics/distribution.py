@@ -33,8 +33,8 @@ class Distribution:
         """Lambda of Smith's masking function, as Cycles evaluates it, where alpha^2 tan^2 of the direction is known (Heitz14, eq. 86)."""
         raise self._unknown("no Smith masking")
 
-    def smith_lambda_rate(self, a2_tan2: np.ndarray) -> np.ndarray:
-        """Derivative of `smith_lambda` by its argument."""
+    def smith_lambda_and_rate(self, a2_tan2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """`smith_lambda`, and its derivative by its argument."""
         raise self._unknown("no derivative of Smith masking, which bakes need")
 
     def projected_area(self, w: np.ndarray, alpha) -> np.ndarray:

@@ -36,9 +36,10 @@ class Ggx(Distribution):
         """(sqrt(1 + alpha^2 tan^2) - 1) / 2 (Heitz14)."""
         return 0.5 * (np.sqrt(1.0 + a2_tan2) - 1.0)
 
-    def smith_lambda_rate(self, a2_tan2):
-        """1 / (4 sqrt(1 + alpha^2 tan^2))."""
-        return 0.25 / np.sqrt(1.0 + a2_tan2)
+    def smith_lambda_and_rate(self, a2_tan2):
+        """The rate is 1 / (4 sqrt(1 + alpha^2 tan^2))."""
+        root = np.sqrt(1.0 + a2_tan2)
+        return 0.5 * (root - 1.0), 0.25 / root
 
     def projected_area(self, w, alpha):
         """(cos + sqrt(cos^2 + alpha^2 sin^2)) / 2, (n,); any w_z."""

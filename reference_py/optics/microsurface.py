@@ -55,16 +55,18 @@ def scatter_dielectric(
     target: np.ndarray | None = None,
     film: FilmInterface | None = None,
     from_above: bool = True,
+    both: bool = False,
 ) -> Scattered:
     """Reflect or refract light that comes from w (n, 3), w_z > 0; see the module's docstring.
 
     `target` (n, 3) must lie on one side of the interface for all n. With a `film`, met from above or from below, weights
-    are (n, 3): a facet reflects with the channels' mean as chance. Raises LaminaError on an unknown `surface`.
+    are (n, 3): a facet reflects with the channels' mean as chance. With `both`, which knows neither, results have 2 n rows: the first
+    facet of each w reflects its share for certain, and in the second half of the rows refracts the rest. Raises LaminaError on an unknown `surface`.
     """
     _check(surface)
     if surface == "single":
-        return _dielectric_once(w, eta, alpha, distribution, rng, target, film, from_above)
-    return _dielectric_walk(w, eta, alpha, distribution, rng, target, film, from_above)
+        return _dielectric_once(w, eta, alpha, distribution, rng, target, film, from_above, both)
+    return _dielectric_walk(w, eta, alpha, distribution, rng, target, film, from_above, both)
 
 
 def scatter_conductor(
@@ -173,6 +175,12 @@ def _refracted(w, o, area, eta, alpha, distribution, film=None, from_above=True)
     return (1.0 - fresnel_dielectric(cos, eta)) * density
 
 
+def split(reflectance: np.ndarray, *columns: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
+    """(reflected, weights, columns), each of 2 n rows: all n reflect their share, then all n let the rest pass."""
+    reflected = np.repeat([True, False], len(reflectance))
+    return reflected, np.concatenate([reflectance, 1.0 - reflectance]), [np.concatenate([c.T, c.T], axis=-1).T for c in columns]
+
+
 def chosen(reflectance, cos, cos_t, film, from_above, rng):
     """Which facets reflect, and the weights (n, 3) of that choice; None without a film, where all are 1."""
     if film is None:
@@ -189,14 +197,20 @@ def refraction_jacobian(eta: float, length2: np.ndarray) -> np.ndarray:
     return eta * eta / length2
 
 
-def _dielectric_once(w, eta, alpha, distribution, rng, target, film, from_above) -> Scattered:
+def _dielectric_once(w, eta, alpha, distribution, rng, target, film, from_above, both) -> Scattered:
     wm = sample_visible_normals(w, alpha, distribution, rng)
     cos = _cosine(w, wm)
     reflectance, cos_t = fresnel_and_refraction(cos, eta)
-    reflected, choice = chosen(reflectance, cos, cos_t, film, from_above, rng)
+    if both:
+        reflected, share, (w, wm, cos, cos_t) = split(reflectance, w, wm, cos, cos_t)
+    else:
+        reflected, choice = chosen(reflectance, cos, cos_t, film, from_above, rng)
     o = _bend(w, wm, cos, cos_t, eta, reflected)
     weight = np.where((o[:, 2] > 0.0) == reflected, masking(o, alpha, distribution), 0.0)
-    weight = weight if choice is None else weight[:, None] * choice
+    if both:
+        weight = weight * share
+    elif choice is not None:
+        weight = weight[:, None] * choice
     toward = None
     if target is not None:
         toward = (_scattered(w, target, eta, alpha, distribution, film, from_above).T * masking(target, alpha, distribution)).T
@@ -215,12 +229,13 @@ def _conductor_once(w, fresnel, alpha, distribution, rng, target) -> Scattered:
     return Scattered(o, weight, toward)
 
 
-def _dielectric_walk(w, eta, alpha, distribution, rng, target, film, from_above) -> Scattered:
+def _dielectric_walk(w, eta, alpha, distribution, rng, target, film, from_above, both) -> Scattered:
     """Random walk of Heitz16 in the frame of the side where the ray is: crossing a facet negates it."""
-    n = len(w)
+    n = 2 * len(w) if both else len(w)
+    weight = np.broadcast_to(1.0, n)
     out = np.empty((3, n)).T
-    ray, outside = np.arange(n), np.ones(n, bool)
-    log_below = np.zeros(n)
+    ray, outside = np.arange(len(w)), np.ones(len(w), bool)
+    log_below = np.zeros(len(w))
     eta_here = eta
     throughput = None if film is None else np.ones((n, 3))
     estimate = None if target is None else _Estimate(target, alpha, distribution, (n,) if film is None else (n, 3))
@@ -242,7 +257,11 @@ def _dielectric_walk(w, eta, alpha, distribution, rng, target, film, from_above)
         wm = sample_visible_normals(w, alpha, distribution, rng)
         cos = _cosine(w, wm)
         reflectance, cos_t = fresnel_and_refraction(cos, eta_here)
-        reflected, choice = chosen(reflectance, cos, cos_t, film, outside == from_above, rng)
+        if both:
+            reflected, weight, (w, wm, cos, cos_t, log_below, outside) = split(reflectance, w, wm, cos, cos_t, log_below, outside)
+            ray, both = np.arange(n), False
+        else:
+            reflected, choice = chosen(reflectance, cos, cos_t, film, outside == from_above, rng)
         if throughput is not None:
             throughput[ray] *= choice
         o = _bend(w, wm, cos, cos_t, eta_here, reflected)
@@ -251,8 +270,7 @@ def _dielectric_walk(w, eta, alpha, distribution, rng, target, film, from_above)
         log_below = np.where(reflected, log_below, _log_above(log_below))
         outside = outside == reflected
         eta_here = np.where(outside, eta, 1.0 / eta)
-    weight = np.broadcast_to(1.0, n) if throughput is None else throughput
-    return Scattered(out, weight, None if estimate is None else estimate.total)
+    return Scattered(out, weight if throughput is None else throughput, None if estimate is None else estimate.total)
 
 
 def _conductor_walk(w, fresnel, alpha, distribution, rng, target) -> Scattered:

@@ -35,6 +35,14 @@ def facet_normals(u1: np.ndarray, u2: np.ndarray, alpha: float, distribution: st
     return _around_normal(microfacet.distribution_of(distribution).cosine_quantile(u1, alpha), u2)
 
 
+@lru_cache(maxsize=64)
+def _facets(count: int, alpha: float, distribution: str) -> np.ndarray:
+    """`facet_normals` of `points`, the same for every view; not to be written to."""
+    normals = facet_normals(*points(count), alpha, distribution)
+    normals.flags.writeable = False
+    return normals
+
+
 def cosine_directions(u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
     """Directions (n, 3) of density cos / pi for uniform u1, u2."""
     return _around_normal(np.sqrt(1.0 - u1), u2)
@@ -76,7 +84,7 @@ def balanced_directions(wo: np.ndarray, lobes: Sequence[tuple[str, float]], coun
     `count` points are spent on the cosine and on each (distribution, alpha), weighted by the balance heuristic (Veach95).
     """
     u1, u2 = points(count)
-    wi = np.concatenate([cosine_directions(u1, u2)] + [reflect(wo, facet_normals(u1, u2, alpha, distribution)) for distribution, alpha in lobes])
+    wi = np.concatenate([cosine_directions(u1, u2)] + [reflect(wo, _facets(count, alpha, distribution)) for distribution, alpha in lobes])
     above = wi[:, 2] > 0.0
     return wi, np.where(above, wi[:, 2] / (count * _mixture_density(wo, np.where(above[:, None], wi, wo), lobes)), 0.0)
 

@@ -21,6 +21,7 @@ _GLAZE = {"kind": "dielectric", "tint": [0.6, 0.7, 0.9]}
 _WOOD = {"kind": "lambert", "color": [0.7, 0.45, 0.25]}
 _CLAY = {"kind": "oren_nayar", "color": [0.7, 0.45, 0.25], "sigma_deg": 30.0}
 _METAL = {"kind": "conductor", "reflectance": [0.9, 0.6, 0.3], "edge_color": [0.9, 0.8, 0.7], "roughness": 0.4}
+_MILK = {"kind": "dielectric", "roughness": 0.55, "scatter_color": [0.8, 0.6, 0.3], "density": 1.0, "scatter_g": 0.4}
 STACKS = {
     "varnish over paint": ([_VARNISH], _WOOD),
     "varnish over metal": ([_VARNISH], _METAL),
@@ -28,6 +29,8 @@ STACKS = {
     "glaze over clay": ([_GLAZE], _CLAY),
     "varnish over clay": ([_VARNISH], _CLAY),
     "metal": ([], _METAL),
+    "milk over metal": ([_MILK], _METAL),
+    "milk over paint": ([_MILK], _WOOD),
 }
 _COLOR = Place(None, "color")
 CASES = (
@@ -48,10 +51,13 @@ CASES = (
     ("varnish over clay", (Place(None, "sigma_deg"), _COLOR)),
     ("varnish over paint", (Place(0, "ior"),)),
     ("glaze over metal", (Place(0, "ior"),)),
+    ("milk over metal", (Place(0, "density"),)),
+    ("milk over metal", (Place(0, "scatter_color"),)),
+    ("milk over paint", (Place(0, "density"), Place(0, "scatter_color"))),
 )
 VALUES, _SEED, _GLOSSY = 9, 17, 2
 # What values are drawn from; colors from .03 to .97.
-_RANGES = {"roughness": (0.05, 0.9), "thickness": (0.05, 3.0), "ior": (1.2, 2.2), "sigma_deg": (0.0, 60.0)}
+_RANGES = {"roughness": (0.05, 0.9), "thickness": (0.05, 3.0), "ior": (1.2, 2.2), "sigma_deg": (0.0, 60.0), "density": (0.05, 12.0)}
 COLUMNS = ("stack", "live", "cpu_s", "albedo_worst", "albedo_median", "shape_worst", "shape_median", "own_albedo_worst", "own_shape_worst", "own_shape_median")
 _HEADING = (
     "lamina chart live_values",

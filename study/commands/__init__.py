@@ -6,7 +6,7 @@ CHARTS = {
     "lobes": "lobe_errors", "presets": "preset_errors", "tiers": "tiers", "error": "error_by_angle", "grazing": "double_grazing", "stress": "stress_chart", "suite": "suite_chart",
     "pareto": "pareto_chart", "pair": "pair", "cost_factors": "cost_factors", "fit": "fit_charts", "scale": "scale", "viewport": "viewport_chart",
     "base_color": "base_color", "exchange": "exchange", "eevee": "eevee_energy", "scattering": "scattering", "pools": "pools", "peers": "peers",
-    "live_values": "live_values", "mitsuba": "mitsuba", "published": "published", "sliders": "sliders", "tint_spectrum": "tint_spectrum", "spectral": "spectral", "closures": "closures",
+    "live_values": "live_values", "followed": "followed", "mitsuba": "mitsuba", "published": "published", "sliders": "sliders", "tint_spectrum": "tint_spectrum", "spectral": "spectral", "closures": "closures",
 }  # fmt: skip
 # Names that charts had before, and still answer to.
 OLD_NAMES = {"network": "lobes", "levers": "cost_factors"}
@@ -34,6 +34,7 @@ def add_commands(commands) -> None:
             "scattering: the two truths on stacks whose media scatter, and half spaces against known answers; "
             "peers: other people's models of media that scatter, error and cost; "
             "base_color and live_values: bakes that follow the base's color, and other values, at nine of each; "
+            "followed: which textured values keep a bake, and how far off is what stands in for films and anisotropy; "
             "tint_spectrum: glazes in RGB and as spectra against the truth; "
             "pools: what the albedo of many masks loses where patches share closures; "
             "sliders: the manual's strips, five renders for each parameter; "

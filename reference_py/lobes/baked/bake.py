@@ -113,6 +113,8 @@ class Baker:
         numbers = [number for number, count in enumerate(free) if count >= 0]
         if self._top_apart and len(numbers) > 1 and free[-1] > 0:
             numbers = numbers[-1:]  # its normal is not that of what comes from below
+        elif glossy > 2 and self._best_plan(glossy - 1)[0]:
+            numbers = numbers[-1:]  # where the known lobe was worth its place it stays so: of 82 stacks in all
         trials = [(number, self._plans[number].branches(free[number])) for number in numbers]
         return min(trials, key=lambda trial: trial[1].error) if trials else (0, self._plans[0].branches(0))
 

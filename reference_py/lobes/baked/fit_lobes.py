@@ -81,10 +81,9 @@ class ViewFits:
             wo,
             *np.ascontiguousarray(np.moveaxis(views.wi, -1, 0)),
             sin_o,
-            truth,
-            goal,
+            *map(np.ascontiguousarray, (truth, goal)),
             views.share[:, None] / albedo,
-            _FLOOR_OF_F * truth + _FLOOR_OF_ALBEDO * albedo,
+            np.ascontiguousarray(_FLOOR_OF_F * truth + _FLOOR_OF_ALBEDO * albedo),
             low,
         )
 
@@ -176,12 +175,13 @@ class ViewFits:
 
     def _moments(self, rows, weights) -> tuple[np.ndarray, np.ndarray]:
         """Weighted products of the rows with each other (V, C, r, r), and with the goal (V, C, r)."""
-        gram, moments = [], []
-        for channel in range(self.goal.shape[1]):
+        count = rows.shape[1]
+        gram = np.empty((*weights.shape[:2], count, count))
+        for channel in range(weights.shape[1]):
             weighted = rows * weights[:, channel, None]
-            gram.append(weighted @ np.swapaxes(rows, 1, 2))
-            moments.append(weighted @ self.goal[:, channel, :, None])
-        return np.stack(gram, axis=1), np.stack(moments, axis=1)[..., 0]
+            for i in range(count):  # half of what is symmetric; a product of so small matrices costs more by BLAS
+                gram[:, channel, i, i:] = gram[:, channel, i:, i] = np.einsum("vq,viq->vi", weighted[:, i], rows[:, i:])
+        return gram, np.einsum("vcq,viq->vci", weights * self.goal, rows)
 
 
 def _squares(gram, moments, weight) -> np.ndarray:
@@ -230,6 +230,7 @@ def _by_active_sets(gram, moments) -> np.ndarray:
     on = (np.arange(2**count - 1)[:, None] >> np.arange(count)) & 1 == 1  # all of them were tried
     systems = np.where(on[:, None, :, None] & on[:, None, None, :], gram, np.eye(count))
     c = _solve(systems, np.where(on[:, None], moments, 0.0)[..., None])[..., 0]
-    value = np.einsum("spi,pij,spj->sp", c, gram, c, optimize=True) - 2.0 * np.sum(moments * c, axis=-1)
-    best = np.argmin(np.where(np.all(c >= 0.0, axis=-1), value, np.inf), axis=0)
+    # at a minimiser c G c is b c
+    value = np.where(np.all(c >= 0.0, axis=-1), np.sum(moments * c, axis=-1), -np.inf)
+    best = np.argmax(value, axis=0)
     return c[best, np.arange(len(moments))]

@@ -279,19 +279,19 @@ class Adding:
         sines = np.hypot(wo[:, 0], wo[:, 1]) * np.hypot(wi[:, 0], wi[:, 1])
         # travel: a mirror, whose wi is opposite in azimuth, turns by 0
         turn = -np.clip(np.where(sines > 1e-12, azimuth / np.maximum(sines, 1e-12), -1.0), -1.0, 1.0)
-        harmonics = chebyshev(turn, self._shape.modes)
         # along the normal there is no azimuth: its mean alone counts
-        harmonics[1:] *= np.where(sines > 1e-6, 2.0, 0.0)
+        both = np.where(sines > 1e-6, 2.0, 0.0)
         result = np.zeros((len(wo), self.channels))
-        for channel, members in self._effective.channels():
-            density = self._remainder[channel]
-            value = np.zeros(len(wo))
-            # one product per view: rows of all modes at once
-            for view in range(len(cos_o)):
-                here = np.flatnonzero(which_o == view)
-                series = at_i[which_i[here]] @ (at_o[view] @ density).T
-                value[here] = np.einsum("qm,mq->q", series, harmonics[:, here])
-            result[:, members] = value[:, None]
+        densities = [(members, self._remainder[channel]) for channel, members in self._effective.channels()]
+        # one product per view: rows of all modes at once, of points that a processor's cache holds
+        order = np.argsort(which_o, kind="stable")
+        for view, here in enumerate(np.split(order, np.cumsum(np.bincount(which_o))[:-1])):
+            harmonics = chebyshev(turn[here], self._shape.modes)
+            harmonics[1:] *= both[here]
+            rows = at_i[which_i[here]]
+            for members, density in densities:
+                value = np.einsum("qm,mq->q", rows @ (at_o[view] @ density).T, harmonics)
+                result[np.ix_(here, members)] = value[:, None]
         return result
 
     @cached_property

@@ -118,10 +118,11 @@ class PositionFree:
         wo_visible = wo[visible]
 
         def sample(figure, rng):
-            energy = np.zeros((self.channels, len(figure))).T
-            for rays in Walk(self._surfaces, wo_visible[figure], rng).exits():
-                energy[rays.path] = rays.throughput
-            return energy
+            energy = np.zeros((self.channels, len(figure)))
+            for rays in Walk(self._surfaces, wo_visible[figure], rng, splits=True).exits():
+                for total, throughput in zip(energy, rays.throughput.T):
+                    total += np.bincount(rays.path, throughput, len(total))
+            return energy.T
 
         return self._spread(visible, *self._estimate(sample, len(wo_visible), (self.channels,), rng, progress, cancel))
 

@@ -27,11 +27,13 @@ _MEDIUM = None
 class Walk:
     """Walks from the viewer through `surfaces`, one per row of wo (n, 3), wo_z > 0.
 
-    With `light` every rough surface is connected to it and nothing is yielded.
+    With `light` every rough surface is connected to it and nothing is yielded. With `splits` what the first interface reflects and what it lets
+    pass are rays of their own where it has no film: where the light below is dim, few bright reflections would be most of the noise.
     """
 
-    def __init__(self, surfaces: Surfaces, wo: np.ndarray, rng: np.random.Generator, light: LightPaths | None = None):
+    def __init__(self, surfaces: Surfaces, wo: np.ndarray, rng: np.random.Generator, light: LightPaths | None = None, splits: bool = False):
         n = len(wo)
+        self._splits = splits and len(surfaces) > 1 and surfaces.all[0].film is None
         self.surfaces, self.rng, self.light = surfaces, rng, light
         self.deepest = np.zeros(n, int)
         """(n,) deepest surface that each walk has met so far."""
@@ -45,7 +47,7 @@ class Walk:
         self._sweep = down + [place for i in reversed(range(last)) for place in ((i, _MEDIUM), (i, True))]
 
     def exits(self) -> Iterator[Rays]:
-        """Rays that leave the stack, in portions; their w is wi. Each walk leaves once at most."""
+        """Rays that leave the stack, in portions; their w is wi. Each walk leaves once at most, twice if it is split."""
         while self._queues:
             for place in self._sweep:
                 if place not in self._queues:
@@ -61,7 +63,11 @@ class Walk:
         surface = self.surfaces.all[index]
         light = None if surface.is_delta else self.light
         target = None if light is None else light.target(index, from_below, rays.path)
-        event = surface.scatter(rays.w, from_below, self.rng, target)
+        if self._splits:
+            event, rays = surface.split(rays.w, self.rng), Rays.joined([rays, rays])
+            self._splits = False
+        else:
+            event = surface.scatter(rays.w, from_below, self.rng, target)
         if light is not None:
             light.connect(index, from_below, rays, target, event.toward)
         throughput = rays.throughput if event.weight is None else rays.throughput * event.weight

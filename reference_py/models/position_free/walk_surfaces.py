@@ -56,6 +56,13 @@ class SmoothDielectric:
         along = np.where(reflected, -1.0, -1.0 / eta)
         return Event(vectors(along * w[:, 0], along * w[:, 1], np.where(reflected, w[:, 2], -cos_t)), weight)
 
+    def split(self, w, rng) -> Event:
+        """From above, with 2 n rows: reflection for certain, weighted by its share, and then refraction of the rest."""
+        reflectance, cos_t = self._fresnel(w[:, 2], self.eta)
+        reflected, weight, (w, cos_t) = microsurface.split(reflectance, w, cos_t)
+        along = np.where(reflected, -1.0, -1.0 / self.eta)
+        return Event(vectors(along * w[:, 0], along * w[:, 1], np.where(reflected, w[:, 2], -cos_t)), weight[:, None])
+
     def transmit(self, w, from_below, rng) -> Event:
         """Refraction for certain, weighted by its share."""
         eta = self._relative(from_below)
@@ -115,6 +122,11 @@ class RoughDielectric(_Rough):
         weight = None if self.surface == "multiple" and self.film is None else _columns(scattered.weight)
         toward = None if target is None else _columns(scattered.toward)
         return Event(self._back(scattered.direction), weight, toward)
+
+    def split(self, w, rng) -> Event:
+        """From above, with 2 n rows: what the first facets reflect, and then what they let pass."""
+        scattered = microsurface.scatter_dielectric(self._own(w), self.eta, self.alpha, self.distribution, rng, self.surface, both=True)
+        return Event(self._back(scattered.direction), scattered.weight[:, None])
 
     def transmit(self, w, from_below, rng) -> Event:
         """As `scatter`; what is reflected has weight 0."""

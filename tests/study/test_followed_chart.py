@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the chart of followed textures counts is what a material gets."""
+
+import pytest
+from support.coats import CLAY, GLAZE, METAL, MILK, VARNISH, WOOD
+
+from lamina.reference_py.lobes.methods import make_lobe_set
+from lamina.reference_py.material.place import Place
+from lamina.reference_py.material.stack import Stack
+from lamina.study.charts.followed import ANALYTIC, BAKED, PAPER, REFUSED, chosen, textured
+
+_FILM, _BRUSHED = {"film_thickness": 300.0, "film_ior": 1.8}, {"anisotropy": 0.5, "rotation": 0.1}
+
+
+@pytest.mark.parametrize(
+    "layers, base, live, expected",
+    [
+        ([VARNISH], WOOD, [(0, "tint"), (0, "thickness"), (0, "roughness"), (None, "color")], BAKED),
+        ([VARNISH], CLAY, [(None, "color")], BAKED),
+        ([VARNISH, GLAZE], METAL, [(1, "ior")], ANALYTIC),
+        ([VARNISH], METAL, [(0, "roughness"), (0, "tint"), (None, "roughness")], ANALYTIC),
+        ([VARNISH | _BRUSHED], METAL, [], ANALYTIC),
+        ([VARNISH | _FILM], METAL, [], PAPER),
+        ([MILK], METAL, [(0, "density"), (0, "thickness")], REFUSED),
+    ],
+)
+def test_what_is_chosen(layers, base, live, expected):
+    stack, places = Stack.from_dict({"layers": layers, "base": base}), tuple(Place(*pair) for pair in live)
+    assert set(places) <= set(textured(stack))
+    assert chosen(stack, places) == expected
+    if expected in (ANALYTIC, PAPER):  # what takes no bake
+        assert make_lobe_set(stack, "baked", live=places).lobe_set.name == expected
