@@ -20,7 +20,7 @@ from ..samples import Views, truth_at
 from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
 from ..truth import truth_of
 from ..view_table import BASE_COLOR, KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
-from .base_color import BlackAndWhite, base_of, followed, over
+from .black_and_white import BlackAndWhite, base_of, followed, over
 from .fit_lobes import LEAST_ALPHA
 from .knot_energies import left_over, top_lobe
 from .live import bake_live

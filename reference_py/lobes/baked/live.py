@@ -15,7 +15,7 @@ from ..axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, In
 from ..live_grid import Energies, LiveLobes, grid_of
 from ..truth import truth_of
 from ..view_table import BASE_COLOR, DiffuseTable, GlossyTable
-from .base_color import base_of, over
+from .black_and_white import base_of, over
 from .knot_energies import shares, top_lobe
 
 MOST_AXES = 2
