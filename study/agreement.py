@@ -60,7 +60,7 @@ class Agreement:
 COLUMNS = tuple(field.name for field in fields(Agreement))
 
 
-def agreement(stack: Stack, most_walks: int = 131_072, f_walks: int = 1500, seed: int = 1) -> Agreement:
+def agreement(stack: Stack, most_walks: int = 131_072, f_walks: int = 4000, seed: int = 1) -> Agreement:
     """Compare both truths; walks are added until their standard error is `TARGET` or there are `most_walks`."""
     rng = np.random.default_rng(seed)
     adding = make_model("adding", stack)

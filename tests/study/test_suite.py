@@ -15,9 +15,6 @@ from lamina.study.tables import FIGURES, read_rows
 TABLE = FIGURES / "suite_agreement.csv"
 # What walks take a minute to say is left to the chart.
 SHORT = [name for name, stack in suite().items() if len(stack.layers) <= 2]
-# Where the table has f further apart than `adding` states, 3.5 % of f + 2 % of the brightest. Few of these walks go
-# through both narrow lobes, so 1500 understate their standard error; see `test_more_walks_settle_the_stacks_on_record`.
-F_DISAGREES = {"gold_coat_0_3_metal_0_05"}
 SUBSET = random.Random(7).sample(SHORT, 6) + ["three_smooth"]
 
 
@@ -31,7 +28,7 @@ def test_truths_agree(name):
     result = agreement(suite_stack(name), most_walks=8192, seed=3)
     assert result.sigmas <= SIGMAS
     assert result.mean <= SIGMAS * result.stderr + ADDING_ALBEDO
-    if (result.narrowest == 0.0 or result.narrowest >= NARROW) and name not in F_DISAGREES:
+    if result.narrowest == 0.0 or result.narrowest >= NARROW:
         assert result.f_beyond <= ADDING_F
 
 
@@ -42,19 +39,10 @@ def test_the_committed_table_has_every_stack_and_all_albedos_agree():
     assert [name for name, row in rows.items() if row["albedo_agrees"] != "yes"] == []
 
 
-def test_f_agrees_but_for_the_stacks_on_record():
-    """A record, not a licence: a stack that leaves the set, or joins it, changes this test."""
+def test_f_agrees():
     rows = committed()
-    assert {name for name, row in rows.items() if row["f_agrees"] != "yes"} == F_DISAGREES
-    assert max(float(rows[name]["f_beyond"]) for name in F_DISAGREES) < 0.06
+    assert [name for name, row in rows.items() if row["f_agrees"] != "yes"] == []
     assert max(float(row["f_median"]) for row in rows.values()) < 0.03
-
-
-@pytest.mark.parametrize("name", sorted(F_DISAGREES))
-def test_more_walks_settle_the_stacks_on_record(name):
-    """It is the noise of the walks: with the same seed, ten times as many of them agree."""
-    result = agreement(suite_stack(name), most_walks=8192, f_walks=16_000)
-    assert result.f_agrees and result.f_median < 0.01
 
 
 @pytest.mark.parametrize("name", ["lambert_grey", "plastic_grey_0", "plastic_tinted"])

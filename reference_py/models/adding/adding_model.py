@@ -5,7 +5,7 @@ f is split. What the topmost rough surface reflects once or twice, or a medium a
 is a formula (`direct`, `two_events`); the rest is smoother and comes from the grid, made reciprocal. Doubling the resolution changes albedo by
 less than 0.1 % (`tests/reference_py/test_adding.py`). f differs from the walk of `position_free` by 1 % in the median
 and 2.5 % at most, beyond four standard errors, relative to f + 2 % of the peak, for alpha >= 0.05; 3.5 % is stated. On
-the suite (figures/suite_agreement.csv) it is within that for all but one stack, where 1500 walks are too few. Limit:
+the suite (figures/suite_agreement.csv) it is within that for all stacks. Limit:
 where a rough surface below a rough one is narrower than about 2 / modes, the rest of f is blurred or rings, by up to
 11 % at alpha = 0.005; energies stay right.
 
