@@ -31,9 +31,9 @@ def test_a_number_that_differs_is_told_and_filled_in(tmp_path, capsys):
     document = tmp_path / "a.md"
     document.write_text("They agree on <!--n:truths agree-->71<!--/n--> of <!--n:suite-->73<!--/n--> stacks.\n")
     assert main(["--check"], [document]) == 1
-    assert "truths agree is '71', in the tables '72'" in capsys.readouterr().out and "71" in document.read_text()
+    assert "truths agree is '71', in the tables '73'" in capsys.readouterr().out and "71" in document.read_text()
     assert main([], [document]) == 0
-    assert document.read_text() == "They agree on <!--n:truths agree-->72<!--/n--> of <!--n:suite-->73<!--/n--> stacks.\n"
+    assert document.read_text() == "They agree on <!--n:truths agree-->73<!--/n--> of <!--n:suite-->73<!--/n--> stacks.\n"
     assert main(["--check"], [document]) == 0
 
 
