@@ -36,6 +36,14 @@ def profile(tmp_path_factory) -> dict:
 
 
 @pytest.fixture(scope="module")
+def reads_pictures(profile):
+    """Skips where this Blender's Python has no OpenImageIO, as that of a distribution may not, and batches are refused."""
+    asked = [BLENDER, "-b", "--python-exit-code", "1", "--python-expr", "import OpenImageIO"]
+    if subprocess.run(asked, capture_output=True, timeout=120, **profile).returncode:
+        pytest.skip("the Blender that LAMINA_BLENDER names has no OpenImageIO (Debian: apt-get install python3-openimageio)")
+
+
+@pytest.fixture(scope="module")
 def blender(profile):
     """Runs that Blender; (lines of stdout without Blender's own, stderr)."""
 
@@ -56,7 +64,7 @@ def test_numbers_and_refusals_are_those_of_the_wheel(blender):
         assert told in blender("--command", "lamina", *arguments, code=2)[1]
 
 
-def test_a_batch_and_its_bundle_in_a_blender_without_lamina(blender, tmp_path):
+def test_a_batch_and_its_bundle_in_a_blender_without_lamina(blender, tmp_path, reads_pictures):
     job = tmp_path / "job.json"
     job.write_text(json.dumps({"stacks": ["clean_copper"], "qualities": ["weidlich_wilkie"], "size": 16, "samples": 2}))
     blender("--command", "lamina", "batch", job, "-o", tmp_path / "here", "--no-sheet")
@@ -91,7 +99,7 @@ def test_a_bundle_of_osl_shaders_is_refused_where_there_is_no_osl(blender, tmp_p
     assert len(list((tmp_path / "farmed").glob("*.exr"))) == has_osl
 
 
-def test_osl_where_there_is_none_is_code_2(blender, tmp_path):
+def test_osl_where_there_is_none_is_code_2(blender, tmp_path, reads_pictures):
     """Of a Blender with OSL, that it is there."""
     job = tmp_path / "job.json"
     job.write_text(json.dumps({"stacks": ["clean_copper"], "qualities": ["weidlich_wilkie"], "backend": "osl", "size": 4, "samples": 1}))
@@ -100,7 +108,7 @@ def test_osl_where_there_is_none_is_code_2(blender, tmp_path):
     assert has_osl or "needs Cycles with OSL" in said
 
 
-def test_ctrl_c_is_130_as_in_the_wheel(profile, tmp_path):
+def test_ctrl_c_is_130_as_in_the_wheel(profile, tmp_path, reads_pictures):
     job = tmp_path / "job.json"
     job.write_text(json.dumps({"stacks": ["clean_copper"], "qualities": ["weidlich_wilkie"], "size": 256, "samples": 100_000}))
     command = [BLENDER, "-b", "--command", "lamina", "batch", str(job), "-o", str(tmp_path / "out")]
