@@ -41,7 +41,7 @@ printf '#!/usr/bin/env bash\nexec "$(dirname "$(readlink -f "$0")")/inside" blen
 chmod +x "$folder/inside" "$folder/blender"
 
 cp -L /etc/resolv.conf "$root/etc/resolv.conf"
-packages="blender ca-certificates fonts-dejavu-core libgl1-mesa-dri libglx-mesa0 libegl-mesa0 python3-numpy python3-requests python3-zstandard python3-pip"
+packages="blender ca-certificates fonts-dejavu-core libgl1-mesa-dri libglx-mesa0 libegl-mesa0 python3-numpy python3-openimageio python3-requests python3-zstandard python3-pip"
 if ! "$folder/inside" dpkg-query -W blender >/dev/null 2>&1; then
   "$folder/inside" apt-get update -qq
   "$folder/inside" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $packages >"$folder/apt.log"
