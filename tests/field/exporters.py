@@ -62,7 +62,7 @@ def read_gltf(path: str) -> None:
 
 def write_fbx(path: str) -> None:
     addon_utils.enable("io_scene_fbx")
-    bpy.ops.export_scene.fbx(filepath=path)
+    bpy.ops.export_scene.fbx(filepath=path, object_types={"MESH"})  # lights of one stop the importer of 5.0.1
 
 
 def read_fbx(path: str) -> None:
