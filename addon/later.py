@@ -2,9 +2,9 @@
 """What Blender need not import when it starts: modules that are imported when something of them is first asked for.
 
 Once an artist sees the panel they are read one by one between the window's events (`read_soon`), and what they compute once
-for a session is computed (`material.first_click`), so that the first click waits for none. What registers classes, draws and listens imports these as modules (`from ..material import reading`), never names out
-of them, and so costs Blender's start neither numpy nor the reference. Where `import_later` was not called, as on the
-command line, they are imported as ever.
+for a session is computed (`material.first_click`), so that the first click waits for none. What registers classes, draws and
+listens imports these as modules (`from ..material import reading`), never names out of them, and so costs Blender's start
+neither numpy nor the reference. Where `import_later` was not called, as on the command line, they are imported as ever.
 """
 
 import sys

@@ -59,7 +59,7 @@ class ErrorEstimator:
         f = sum(lobe_f(lobe, views.wo[:, None], views.wi) for lobe in lobe_set.lobes(views.cos_theta_o[:, None]))
         gap = views.share[..., None] * (f - views.f)
         shape = worst_share(np.sum(np.abs(gap), axis=1), self._albedo)
-        soft = np.sum(np.abs(self._lights @ gap), axis=(1, 2)) / np.maximum(np.sum(self._albedo, axis=1), 1e-9)
+        soft = worst_share(np.sum(np.abs(self._lights @ gap), axis=(1, 2))[:, None], np.sum(self._albedo, axis=1, keepdims=True))
         return Errors(albedo, soft, shape)
 
 

@@ -20,6 +20,7 @@ from ...reference_py.material.place import Place, places
 from ...reference_py.material.schema import CHOICE, SCHEMA, THIN_FILM
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.position_free import PositionFree
+from ...reference_py.optics.error_measure import worst_share
 from ...reference_py.optics.frame import spherical
 from ..stress import CASES
 from ..suite import suite
@@ -108,4 +109,4 @@ def _error(stack: Stack) -> tuple[str, ...]:
     truth, stderr = PositionFree(stack, walks=_WALKS).albedo_stderr(spherical(np.radians(VIEWS_DEG)[:, None], phi))
     albedo = np.stack([sum(lobe_energy(lobe, cosines, a) for lobe in made.lobes(cosines, a)) for a in phi], axis=1)
     off = np.abs(albedo - truth)
-    return made.name, f"{np.max(off / truth):.4f}", f"{np.max(np.maximum(off - 4.0 * stderr, 0.0) / truth):.4f}"
+    return made.name, *(f"{np.max(worst_share(gap, truth)):.4f}" for gap in (off, np.maximum(off - 4.0 * stderr, 0.0)))

@@ -205,7 +205,7 @@ class LiveNodes:
             counts = build.vector("MULTIPLY_ADD", short, short, (LEAST_COUNT,) * 3)
             total, seen = (build.vector("DOT_PRODUCT", counts, of) for of in ((1.0,) * 3, build.combined(channels)))
             return [*channels, build.math("DIVIDE", seen, total)]
-        elif isinstance(axis, ReflectanceAxis):
+        if isinstance(axis, ReflectanceAxis):
             channels = [build.math("LOGARITHM", build.math("ADD", c, REFLECTANCE_OFFSET), math.e) for c in self._channels(first)]
         elif isinstance(axis, EdgeAxis):
             channels = [build.math("SUBTRACT", 1.0, build.math("SQRT", build.math("SUBTRACT", 1.0, c))) for c in self._channels(first)]

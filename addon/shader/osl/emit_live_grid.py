@@ -97,7 +97,7 @@ class _Writer:
             self._say(f"color {name} = optical_depth({value('tint')}, {value('thickness')});", f"{name} /= {name} + {HALF_DEPTH:g};")
             self._say(f"color {counts} = (1.0 - {name}) * (1.0 - {name}) + {LEAST_COUNT:g};")
             return name, f"mean_of({counts} * {name}) / mean_of({counts})"
-        elif isinstance(axis, ReflectanceAxis):
+        if isinstance(axis, ReflectanceAxis):
             self._say(f"color {name} = log(clamp({first}, color(0.0), color(1.0)) + {REFLECTANCE_OFFSET:g});")
         elif isinstance(axis, EdgeAxis):
             self._say(f"color {name} = 1.0 - sqrt(1.0 - clamp({first}, color(0.0), color(1.0)));")

@@ -136,7 +136,7 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     knots = [axis.knots.knots[axis.before :] for axis in axes]
     size = tuple(map(len, knots))
     center = tuple(n // 2 for n in size)
-    order = sorted(np.ndindex(size), key=lambda node: sum(abs(a - b) for a, b in zip(node, center)))
+    order = sorted(np.ndindex(size), key=lambda node: _apart(node, center))
     found, bakers = {}, {}
     for done, node in enumerate(order):
         here = ground
