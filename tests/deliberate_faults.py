@@ -62,7 +62,7 @@ FAULTS = (
     Fault("soft light left out of the estimate", ESTIMATE, "return float(max(np.max(self.albedo), np.mean(self.soft_light)))", "return float(np.max(self.albedo))",
           (f"{OF_ERROR}test_the_error_that_is_seen_is_the_worse_of_the_worst_albedo_and_the_mean_soft_light",
            f"{OF_ERROR}test_light_on_the_wrong_side_is_seen_though_the_albedo_is_right")),
-    Fault("soft lights are not measured", ESTIMATE, "soft = np.sum(", "soft = 0.0 * np.sum(",
+    Fault("soft lights are not measured", ESTIMATE, "soft = worst_share(", "soft = 0.0 * worst_share(",
           (f"{OF_ERROR}test_too_much_or_too_little_everywhere_is_all_three_errors",)),
     Fault("soft lights leave gaps", ESTIMATE, "SOFT_LIGHT_DEG = 40.0", "SOFT_LIGHT_DEG = 4.0",
           (f"{OF_ERROR}test_too_much_or_too_little_everywhere_is_all_three_errors",)),
