@@ -4,6 +4,7 @@
 import bpy
 
 from ..reference_py.lobes.cache import keep_in
+from .blender import translation
 from .blender.user_folders import cache_folder
 from .jobs import bakes, fitting, older_groups, saving, staleness, stamp_note
 from .library import asset_library, preset_icons
@@ -21,7 +22,7 @@ from .operators import (
     preset_operators,
     texture_operator,
 )
-from .ui import keys, panel, panel_layers, preferences, swatch_icons, translation
+from .ui import keys, panel, panel_layers, preferences, swatch_icons
 
 CLASSES = (
     *properties.CLASSES,
@@ -44,7 +45,7 @@ CLASSES = (
 def register() -> None:
     """Add the classes, the materials' property, the libraries and the handlers."""
     for cls in CLASSES:
-        bpy.utils.register_class(cls)
+        bpy.utils.register_class(translation.in_context(cls))
     bpy.types.Material.lamina = bpy.props.PointerProperty(type=properties.LaminaMaterial)
     bpy.types.WindowManager.lamina = bpy.props.PointerProperty(type=panel_layers.LaminaWindow)
     seen_color.register()

@@ -43,9 +43,12 @@ chmod +x "$folder/inside" "$folder/blender"
 cp -L /etc/resolv.conf "$root/etc/resolv.conf"
 packages="blender ca-certificates fonts-dejavu-core libgl1-mesa-dri libglx-mesa0 libegl-mesa0 python3-numpy python3-openimageio python3-requests python3-zstandard python3-pip"
 if ! "$folder/inside" dpkg-query -W blender >/dev/null 2>&1; then
-  "$folder/inside" apt-get update -qq
+  # A mirror may be a snapshot, whose list of releases is out of date.
+  "$folder/inside" apt-get -o Acquire::Check-Valid-Until=false update -qq
   "$folder/inside" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $packages >"$folder/apt.log"
 fi
+# What this machine trusts, as its network may have a certificate of its own.
+cp -L /etc/ssl/certs/ca-certificates.crt "$root/etc/ssl/certs/"
 # Debian has no cattrs, without which Blender's extensions do not register
 "$folder/inside" python3 -c 'import cattrs' 2>/dev/null ||
   "$folder/inside" python3 -m pip install -q --break-system-packages --root-user-action ignore cattrs==25.1.1

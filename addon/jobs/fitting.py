@@ -4,11 +4,11 @@
 from pathlib import Path
 
 import bpy
-from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.fit import fit_process, forward, metric, outcome
 from ...reference_py.material.stack import Stack
+from ..blender.translation import rpt_
 from ..material import chosen
 from ..material import material as materials
 from .process import Process, worker

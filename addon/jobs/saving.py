@@ -7,11 +7,11 @@ import time
 from pathlib import Path
 
 import bpy
-from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
+from ..blender.translation import rpt_
 from ..blender.user_folders import presets_folder
 from ..library import asset_library, preset_assets, preset_process, user_presets
 from .process import Process

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.stack import Stack
 from ..blender.blend_files import save_material
+from ..blender.translation import rpt_
 from ..material import material as materials
 from ..material.elements import node_of
 from ..material.node_copy import channel_bags, copy_sources

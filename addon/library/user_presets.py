@@ -5,13 +5,12 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from bpy.app.translations import pgettext_rpt as rpt_
-
 from ...reference_py.atomic import output_folder, write_text
 from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.material import presets
 from ...reference_py.material.json_input import read_text
 from ...reference_py.material.stack import Stack
+from ..blender.translation import rpt_
 from ..blender.user_folders import presets_folder
 from .preset_catalogues import CATALOGUE_FILE, OWN, catalogue_head, catalogue_id, catalogue_line
 

@@ -8,8 +8,8 @@ were moved to, the rest follows at the next change. What is in a frame of the us
 from collections.abc import Callable, Iterable, Sequence
 
 import bpy
-from bpy.app.translations import pgettext_data as data_
 
+from ..blender.translation import data_
 from .backend import NODES, OSL
 from .elements import element_parameters, kind_of, node_of, show_name
 from .hand_over import MIX, VALUES

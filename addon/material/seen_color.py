@@ -7,6 +7,7 @@ White light goes in and out along the normal, so it crosses the layer twice: tin
 import bpy
 from bpy.props import FloatVectorProperty
 
+from ..blender.translation import CONTEXT
 from ..shader import working_space
 from . import elements, live_values
 
@@ -54,6 +55,7 @@ def register() -> None:
         max=1.0,
         get=_seen,
         set=_see,
+        translation_context=CONTEXT,
         options=set(),
     )
 

@@ -2,10 +2,10 @@
 """Buttons that look for what is wrong with a material and mend it. Each is one undo step."""
 
 import bpy
-from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ...reference_py.errors import LaminaError
+from ..blender.translation import rpt_
 from ..check import check
 from ..material import reading
 from .material_operators import LayeredOperator, material_of

@@ -5,14 +5,13 @@ import textwrap
 from pathlib import Path
 
 import bpy
-from bpy.app.translations import pgettext_rpt as rpt_
-from bpy.app.translations import pgettext_tip as tip_
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ...reference_py.atomic import write_text
 from ...reference_py.errors import LaminaError
 from ...reference_py.exchange import SUFFIX, materialx, openpbr
 from ...reference_py.exchange import report as reports
+from ..blender.translation import rpt_, tip_
 from ..exchange import conversion, materialx_import, selection_export, sources
 from ..material import chosen, reading
 from ..material import material as materials

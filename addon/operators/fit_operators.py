@@ -4,13 +4,13 @@
 from pathlib import Path
 
 import bpy
-from bpy.app.translations import pgettext_tip as tip_
 from bpy_extras.io_utils import ImportHelper
 
 from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.fit import AUTO
 from ...reference_py.fit.readers import SUFFIXES
 from ...reference_py.material.schema import SCHEMA
+from ..blender.translation import tip_
 from ..jobs import fitting
 from ..material import reading
 from .material_operators import LaminaOperator, material_of, why_no_material

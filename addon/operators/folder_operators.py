@@ -2,9 +2,9 @@
 """Buttons of the preferences about what Lamina keeps on the disk."""
 
 import bpy
-from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...reference_py.lobes import cache
+from ..blender.translation import rpt_
 from ..blender.user_folders import cache_folder
 from .material_operators import LaminaOperator
 

@@ -2,14 +2,12 @@
 """What the buttons beside the list of layers do. Each operator is one undo step."""
 
 import bpy
-from bpy.app.translations import pgettext_iface as iface_
-from bpy.app.translations import pgettext_rpt as rpt_
-from bpy.app.translations import pgettext_tip as tip_
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.material import ready_layers
 from ...reference_py.material.schema import SCHEMA
+from ..blender.translation import iface_, rpt_, tip_
 from ..material import layers
 from .material_operators import LayeredOperator, material_of
 

@@ -2,11 +2,10 @@
 """What the menus of masks do. Each operator is one undo step."""
 
 import bpy
-from bpy.app.translations import pgettext_iface as iface_
-from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty
 
 from ...reference_py.material.masks import GENERATORS
+from ..blender.translation import rpt_, tip_
 from ..exchange import mask_bake
 from ..material import layers
 from . import material_operators as ops
@@ -26,7 +25,7 @@ class LAMINA_OT_add_mask(SelectedLayerOperator, bpy.types.Operator):
 
     @classmethod
     def description(cls, _context, properties):
-        return iface_(GENERATORS[properties.generator].help)
+        return tip_(GENERATORS[properties.generator].help)
 
     def run(self, context):
         material = ops.material_of(context)
@@ -77,7 +76,7 @@ class LAMINA_MT_add_mask(bpy.types.Menu):
 
     def draw(self, _context):
         for generator in GENERATORS.values():
-            button = self.layout.operator(LAMINA_OT_add_mask.bl_idname, text=iface_(generator.label), translate=False)
+            button = self.layout.operator(LAMINA_OT_add_mask.bl_idname, text=generator.label)
             button.generator, button.value = generator.name, generator.value
 
 

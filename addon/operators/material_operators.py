@@ -5,8 +5,6 @@ import re
 from functools import cache
 
 import bpy
-from bpy.app.translations import pgettext_rpt as rpt_
-from bpy.app.translations import pgettext_tip as tip_
 from bpy.props import EnumProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
@@ -14,6 +12,7 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.material import presets
 from ...reference_py.material.schema import LAMBERT, SCHEMA
 from ...reference_py.material.stack import Stack
+from ..blender.translation import rpt_, tip_
 from ..jobs import bakes
 from ..library import user_presets
 from ..material import chosen, entry, live_values, osl_setting, reading

@@ -4,11 +4,11 @@
 from dataclasses import replace
 
 import bpy
-from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ...reference_py.material import presets
 from ...reference_py.material.stack import Stack
+from ..blender.translation import CONTEXT, rpt_
 from ..blender.user_folders import presets_folder
 from ..jobs import saving
 from ..library import asset_library, preset_assets, user_presets
@@ -122,7 +122,7 @@ def draw_presets(layout) -> None:
     row = layout.row()
     for catalogue, names in CATALOGUES.items():
         column = row.column()
-        column.label(text=catalogue)
+        column.label(text=catalogue, text_ctxt=CONTEXT)
         column.separator()
         for name in names:
             text, icon = presets.label(name), preset_icon(name)
@@ -130,7 +130,7 @@ def draw_presets(layout) -> None:
     own = user_presets.names()
     if own:
         column = row.column()
-        column.label(text=OWN)
+        column.label(text=OWN, text_ctxt=CONTEXT)
         column.separator()
         for name in own:
             text, icon = presets.label(name), user_preset_icon(name)

@@ -2,10 +2,10 @@
 """The button that bakes textures: a step at a time with a window, with Escape to cancel; to the end without one."""
 
 import bpy
-from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 
 from ...reference_py.errors import LaminaError
+from ..blender.translation import rpt_
 from ..exchange import textures
 from . import material_operators as ops
 from .exchange_operators import SIZES, tell

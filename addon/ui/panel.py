@@ -9,6 +9,7 @@ from functools import cache
 import bpy
 
 from .. import later
+from ..blender.translation import CONTEXT
 from ..material import elements
 from ..material.holders import can_hold_material
 from ..operators import material_operators as ops
@@ -58,14 +59,14 @@ class LAMINA_PT_material(bpy.types.Panel):
     def draw(self, context):
         _read_the_rest()
         header, layout = self.layout.panel("lamina")
-        header.label(text=self.bl_label)
-        header.menu(LAMINA_MT_presets.__name__, text="Presets", icon="PRESET")
+        header.label(text=self.bl_label, text_ctxt=CONTEXT)
+        header.menu(LAMINA_MT_presets.__name__, text="Presets", text_ctxt=CONTEXT, icon="PRESET")
         if layout is None:
             return
         layout.use_property_split = True
         material = ops.material_of(context)
         if material is None or not material.lamina.is_layered:
-            layout.menu(LAMINA_MT_presets.__name__, text="Pick a Preset", icon="PRESET")
+            layout.menu(LAMINA_MT_presets.__name__, text="Pick a Preset", text_ctxt=CONTEXT, icon="PRESET")
             layout.operator(ops.LAMINA_OT_new_material.bl_idname, icon="ADD")
             layout.operator("lamina.convert_principled", icon="NODE_MATERIAL")
             draw_unlayered_status(layout, context, material)
@@ -82,12 +83,12 @@ class LAMINA_PT_material(bpy.types.Panel):
                 body.active = lamina.shows(layer)
                 draw_element(body, layer)
         header, body = layout.panel("lamina_base")
-        header.label(text="Base")
-        header.operator_menu_enum(ops.LAMINA_OT_set_base.bl_idname, "kind", text=elements.kind_of(lamina.base).label)
+        header.label(text="Base", text_ctxt=CONTEXT)
+        header.operator_menu_enum(ops.LAMINA_OT_set_base.bl_idname, "kind", text=elements.kind_of(lamina.base).label, text_ctxt=CONTEXT)
         if body:
             draw_element(body, lamina.base)
         header, body = layout.panel("lamina_shader", default_closed=True)
-        header.label(text="Shader")
+        header.label(text="Shader", text_ctxt=CONTEXT)
         header.label(text=shown_quality(material), translate=False)
         if body:
             draw_shader(body, material)

@@ -2,11 +2,11 @@
 """What the panel says of a material: one line below the list, whose height never changes, and all of it in what its button opens."""
 
 import bpy
-from bpy.app.translations import pgettext_iface as iface_
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.lobes import methods
 from ...reference_py.material.qualities import AUTO
+from ..blender.translation import CONTEXT, iface_
 from ..check import check
 from ..jobs import bakes, fitting, saving
 from ..material import hand_over, reading, roles, shader_node, state
@@ -135,7 +135,7 @@ def draw_findings(layout, context, material) -> None:
     for sentence in filter(None, (*_device_notes(material), _fit_summary(context, material))):
         draw_message(layout, context, sentence, "INFO", _POPOVER_UNITS)
     if all(finding.level == check.NOTE for finding in found) and not notes:
-        layout.label(text="Nothing is wrong", icon="CHECKMARK")
+        layout.label(text="Nothing is wrong", text_ctxt=CONTEXT, icon="CHECKMARK")
     layout.operator(check_ops.LAMINA_OT_check.bl_idname, icon="VIEWZOOM")
 
 

@@ -4,11 +4,11 @@
 from functools import cache
 
 import bpy
-from bpy.app.translations import pgettext_iface as iface_
 
 from ...reference_py.material import ready_layers
 from ...reference_py.material.schema import COLOR, CONDUCTOR, SCHEMA
 from ...reference_py.optics import microfacet
+from ..blender.translation import CONTEXT, iface_
 from ..material import elements
 from ..material.properties import choice_label
 from ..operators import layer_operators as layer_ops
@@ -142,7 +142,7 @@ class LAMINA_MT_add_layer(bpy.types.Menu):
 
 def _group(row, text: str):
     column = row.column()
-    column.label(text=text)
+    column.label(text=text, text_ctxt=CONTEXT)
     column.separator()
     return column
 

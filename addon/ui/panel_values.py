@@ -3,11 +3,10 @@
 
 import textwrap
 
-from bpy.app.translations import pgettext_iface as iface_
-
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.schema import COVERAGE, Parameter
 from ..blender import environment
+from ..blender.translation import CONTEXT, iface_
 from ..material import elements, seen_color
 from ..material.backend import OSL
 from ..operators import mask_link_operators as mask_ops
@@ -55,7 +54,7 @@ def _draw_mask(layout) -> None:
     """The ways to make a layer's mask; above its value, which Blender draws with all nodes that an artist unfolds, a ramp too."""
     row = layout.row(align=True)
     row.use_property_split = False
-    row.menu(mask_ops.LAMINA_MT_mask.__name__, text="Mask", icon="MOD_MASK")
+    row.menu(mask_ops.LAMINA_MT_mask.__name__, text="Mask", text_ctxt=CONTEXT, icon="MOD_MASK")
     row.operator(mask_ops.LAMINA_OT_mask_paint.bl_idname, text="", icon="BRUSH_DATA")
 
 
@@ -90,7 +89,7 @@ def draw_fact(layout, label: str, value: str) -> None:
     split = layout.split(factor=0.4)
     left = split.row()
     left.alignment = "RIGHT"
-    left.label(text=label)
+    left.label(text=label, text_ctxt=CONTEXT)
     right = split.row()
     right.active = False
     right.label(text=value, translate=False)

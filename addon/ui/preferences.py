@@ -5,10 +5,10 @@ import time
 from pathlib import Path
 
 import bpy
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.props import BoolProperty
 
 from ...reference_py.lobes import cache
+from ..blender.translation import CONTEXT, iface_
 from ..blender.user_folders import cache_folder, presets_folder
 from ..material.properties import backend_property, quality_property
 from ..operators.folder_operators import LAMINA_OT_clear_cache
@@ -39,7 +39,7 @@ def draw_preferences(layout, owner) -> None:
     """The manual, what is kept on the disk, and settings."""
     row = layout.row()
     row.enabled = MANUAL.is_file()
-    row.operator("wm.url_open", text="Documentation", icon="HELP").url = MANUAL.as_uri()
+    row.operator("wm.url_open", text="Documentation", text_ctxt=CONTEXT, icon="HELP").url = MANUAL.as_uri()
     row = layout.row()
     row.label(text=iface_("Final looks that are kept: {size} MB").format(size=f"{_cache_mb():.1f}"), translate=False)
     row.operator(LAMINA_OT_clear_cache.bl_idname)
@@ -49,7 +49,7 @@ def draw_preferences(layout, owner) -> None:
     row = row.row()
     row.enabled = folder.is_dir()
     row.operator("wm.path_open", text="", icon="FILE_FOLDER").filepath = str(folder)
-    layout.label(text="New Materials")
+    layout.label(text="New Materials", text_ctxt=CONTEXT)
     column = layout.column()
     column.use_property_split = True
     column.prop(owner, "tier")

@@ -4,10 +4,10 @@
 from dataclasses import dataclass
 
 import bpy
-from bpy.app.translations import pgettext_tip as tip_
 
 from ...reference_py.material.schema import DIELECTRIC, Parameter
 from ...reference_py.optics.microfacet import slope_deg_from_roughness
+from ..blender.translation import tip_
 from ..material.elements import find_node
 from ..material.means import kept_mean, mean_name
 

@@ -12,6 +12,7 @@ from support.layouts import Recorder
 from support.pseudo_locale import CLOSE, OPEN, Language, Translated, left_over
 from support.stacks import on_a_plane
 
+from lamina.addon.blender.translation import CONTEXT
 from lamina.addon.jobs import bakes, fitting, saving
 from lamina.addon.material.elements import node_of
 from lamina.addon.operators import exchange_operators, mask_link_operators, mask_operators, preset_operators
@@ -108,8 +109,8 @@ def test_menus_and_dialogs_show_nothing_that_is_not_translated(material, languag
     )
     for menu in menus:
         menu.draw(SimpleNamespace(layout=layout), window())
-    preset_operators.LAMINA_OT_save_preset.draw(SimpleNamespace(layout=layout), bpy.context)
-    preferences.draw_preferences(layout, SimpleNamespace())
+    preset_operators.LAMINA_OT_save_preset.draw(SimpleNamespace(layout=layout, bl_rna=bpy.ops.lamina.save_preset.get_rna_type()), bpy.context)
+    preferences.draw_preferences(layout, SimpleNamespace(bl_rna=preferences.LaminaPreferences.bl_rna))
     panel_feedback.draw_unlayered_status(layout, window(), None)
     assert unmarked(layout) == ""
 
@@ -154,6 +155,7 @@ def test_errors_are_translated(material, language, tmp_path, what):
 
 
 def test_the_language_marks_what_it_knows_and_nothing_else(language):
-    assert language.translated("Pick a Preset") == f"{OPEN}Pick a Preset{CLOSE}" and language.translated("Hard-wired") == "Hard-wired"
+    assert language.translated("Pick a Preset", CONTEXT) == f"{OPEN}Pick a Preset{CLOSE}" and language.translated("Hard-wired", CONTEXT) == "Hard-wired"
+    assert language.translated("Pick a Preset") == "Pick a Preset"  # Blender's own would win
     assert left_over(f"{OPEN}Mean of {OPEN}Air{CLOSE}: 2{CLOSE} Hard-wired", {"wired"}) == "Hard"
     assert json.dumps(sorted(language.strings))

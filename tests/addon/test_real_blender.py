@@ -140,3 +140,28 @@ def test_one_file_in_the_wheel_and_there_in_cycles_and_in_eevee(registered_lamin
     assert here.min() > 0.01 and np.all(np.abs(means(there) / here - 1.0) < AGREE)
     (eevee,) = eevee_pictures(bpy.context.scene, bpy.data.objects["ball"], [owner], 16, lambda message: None)
     assert np.all(np.abs(eevee.mean(axis=(0, 1)) / here - 1.0) < EEVEE_AGREES), eevee.mean(axis=(0, 1)) / here
+
+
+_GERMAN = """
+import bpy, importlib, json
+translation = importlib.import_module("bl_ext.user_default.lamina.addon.blender.translation")
+view = bpy.context.preferences.view
+view.language = "de_DE"
+view.use_translate_interface = view.use_translate_tooltips = view.use_translate_reports = True
+ours = translation.load("de_DE")
+blenders = [text for text, said in ours.items() if bpy.app.translations.pgettext_iface(text) != said]
+shown = {text: [act(text) for act in (translation.iface_, translation.tip_, translation.rpt_)] for text in ours}
+labels = [bpy.app.translations.pgettext_iface(rna.name, rna.translation_context) for rna in (bpy.ops.lamina.layer_add.get_rna_type(),
+          bpy.types.Material.bl_rna.properties["lamina"].fixed_type.properties["tier"])]
+print("SAID", json.dumps([blenders, [text for text, said in shown.items() if set(said) != {ours[text]}], labels]))
+"""
+
+
+def test_our_own_german_is_shown_where_blender_has_another(blender):
+    """Blender looks into its own catalogue first; so what Lamina shows is in a context that it does not know."""
+    lines = blender("--python-exit-code", "1", "--python-expr", _GERMAN)[0]
+    blenders, wrong, labels = json.loads(next(line for line in lines if line.startswith("SAID ")).removeprefix("SAID "))
+    assert {"Layer", "Base"} & set(blenders) and wrong == []
+    ours = json.loads((Path(package.__file__).parent / "addon" / "translations" / "de_DE.json").read_text(encoding="utf-8"))
+    assert labels == [ours["Add Layer"], ours["Quality"]]
+    print(blenders)

@@ -6,11 +6,12 @@ import string
 
 import pytest
 
-pytest.importorskip("bpy")
+bpy = pytest.importorskip("bpy")
 
 from support import translatable
 
-from lamina.addon.ui import translation
+from lamina.addon import registration
+from lamina.addon.blender import translation
 
 pytestmark = pytest.mark.blender
 
@@ -30,6 +31,16 @@ def test_a_translation_keeps_what_is_filled_in(locale):
 
 def _fields(text: str) -> list[str]:
     return sorted(name for _, name, _, _ in string.Formatter().parse(text) if name)
+
+
+def test_labels_and_names_are_in_a_context_of_lamina(blender):
+    """In any other a text of Blender's own would win."""
+    for cls in registration.CLASSES:
+        if hasattr(cls, "bl_label"):
+            assert cls.bl_translation_context == translation.CONTEXT
+        assert {prop.identifier for prop in translatable.shown_properties(cls) if prop.translation_context != translation.CONTEXT} == set()
+    operators = [cls.bl_idname.split(".") for cls in registration.CLASSES if issubclass(cls, bpy.types.Operator)]
+    assert {getattr(getattr(bpy.ops, group), name).get_rna_type().translation_context for group, name in operators} == {translation.CONTEXT}
 
 
 def test_errors_keep_their_template():

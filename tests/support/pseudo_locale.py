@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A language that no code can know: every string that is offered for translation comes back in brackets. What is shown without them is hard-wired.
+"""A language that no code can know: every string that is offered for translation comes back in brackets. What is shown without them is hard-wired,
+or asked for in a context that is not Lamina's, where a text of Blender's own would win.
 
-The wheel's Blender has no languages, so this takes the place of the functions that Lamina's modules translate with.
+The wheel's Blender has no languages, so this takes the place of the functions that it translates with.
 """
 
 import re
-import sys
+from types import SimpleNamespace
 
+import bpy
 import pytest
+
+from lamina.addon.blender import translation
 
 from . import translatable
 from .layouts import Recorder
 
 OPEN, CLOSE = "\N{MATHEMATICAL LEFT WHITE SQUARE BRACKET}", "\N{MATHEMATICAL RIGHT WHITE SQUARE BRACKET}"
-FUNCTIONS = ("iface_", "rpt_", "tip_", "data_")
+FUNCTIONS = ("pgettext_iface", "pgettext_rpt", "pgettext_tip", "pgettext_data")
 
 
 class Language:
@@ -22,15 +26,12 @@ class Language:
     def __init__(self):
         self.strings = translatable.strings()
 
-    def translated(self, text: str, _context: str = "*") -> str:
-        return f"{OPEN}{text}{CLOSE}" if text in self.strings else text
+    def translated(self, text: str, context: str = "*") -> str:
+        return f"{OPEN}{text}{CLOSE}" if text in self.strings and context == translation.CONTEXT else text
 
     def use(self, patch: pytest.MonkeyPatch) -> None:
         """Let all of Lamina translate into it."""
-        for name, module in list(sys.modules.items()):
-            if name.startswith("lamina.addon."):
-                for function in set(FUNCTIONS) & set(vars(module)):
-                    patch.setattr(module, function, self.translated)
+        patch.setattr(translation, "translations", SimpleNamespace(**dict.fromkeys(FUNCTIONS, self.translated)))
 
 
 def left_over(text: str, names: set[str]) -> str:
@@ -44,7 +45,8 @@ def left_over(text: str, names: set[str]) -> str:
 
 
 class Translated(Recorder):
-    """A layout that shows texts as Blender would in that language: of layouts, what is not `translate=False`."""
+    """A layout that shows texts as Blender would in that language: all but those with `translate=False`, in the context of `text_ctxt`, or else of the
+    property or operator that is drawn."""
 
     def __init__(self, language: Language, is_row: bool = False):
         super().__init__(is_row)
@@ -56,29 +58,33 @@ class Translated(Recorder):
         self.parts.append(inner)
         return inner
 
-    def _shown(self, text: str, translate: bool = True) -> str:
-        return self.language.translated(text) if translate else text
-
-    def label(self, text="", translate=True, **options):
-        super().label(self._shown(text, translate), **options)
+    def label(self, text="", translate=True, text_ctxt="*", **options):
+        super().label(self.language.translated(text, text_ctxt) if translate else text, **options)
 
     def progress(self, text="", **options):
         super().progress(text, **options)  # Blender shows it as it is given
 
-    def operator(self, name, text="", translate=True, **options):
-        return super().operator(name, self._shown(text, translate), **options)
+    def operator(self, name, text=None, translate=True, text_ctxt="", **options):
+        group, function = name.split(".")
+        rna = getattr(getattr(bpy.ops, group), function).get_rna_type()
+        return super().operator(name, self._of(rna, text, text_ctxt) if translate else text, **options)
 
-    def prop(self, owner, name, text="", translate=True, **options):
-        super().prop(owner, name, self._shown(text, translate), **options)
+    def prop(self, owner, name, text=None, text_ctxt="", **options):
+        super().prop(owner, name, self._of(owner.bl_rna.properties[name], text, text_ctxt), **options)
 
-    def menu(self, name, text="", translate=True, **options):
-        super().menu(name, self._shown(text, translate), **options)
+    def menu(self, name, text=None, text_ctxt="*", **options):
+        cls = getattr(bpy.types, name)
+        super().menu(name, self.language.translated(*((cls.bl_label, cls.bl_translation_context) if text is None else (text, text_ctxt))), **options)
 
-    def popover(self, name, text="", translate=True, **options):
-        super().popover(name, self._shown(text, translate), **options)
+    def popover(self, name, text="", text_ctxt="*", **options):
+        super().popover(name, self.language.translated(text, text_ctxt), **options)
 
-    def operator_menu_enum(self, name, prop, text="", translate=True, **options):
-        super().operator_menu_enum(name, prop, self._shown(text, translate), **options)
+    def operator_menu_enum(self, name, prop, text="", text_ctxt="*", **options):
+        super().operator_menu_enum(name, prop, self.language.translated(text, text_ctxt), **options)
 
     def template_node_view(self, tree, node, socket):
-        self._note("socket", socket.name, texts=lambda: [self._shown(socket.name)])
+        # A socket's name has no context.
+        self._note("socket", socket.name, texts=lambda: [self.language.translated(socket.name, translation.CONTEXT)])
+
+    def _of(self, rna, text: str | None, context: str) -> str:
+        return self.language.translated(rna.name if text is None else text, context or rna.translation_context)

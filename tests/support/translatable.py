@@ -32,7 +32,7 @@ TELLING = {
 # In these folders, what scripts call and no operator does.
 _NOT_TOLD = {"api", "distribution", "frame", "live_grid", "measure", "microfacet", "microsurface", "registry", "sheet", "spectral", "truth"}
 _SENTENCES = {"LaminaError", "Sentence"}
-_TRANSLATING = {"iface_", "rpt_", "tip_", "data_", "pgettext_iface", "pgettext_rpt", "pgettext_tip", "translated"}
+_TRANSLATING = {"iface_", "rpt_", "tip_", "data_", "translated"}
 
 
 def strings() -> set[str]:
@@ -52,7 +52,6 @@ def strings() -> set[str]:
         for path in sorted((ADDON / folder).glob("*.py")):
             found |= set(_of_source(path))
     found |= {template for path in telling() for template, _ in told(path) if template is not None}
-    found = {text for text in found if not text.startswith("Unique name used in the code")}  # Blender's own, of every RNA struct
     return {text for text in found if any(c.isalpha() for c in re.sub(r"\{\w+[^}]*\}", "", text))}
 
 
@@ -85,15 +84,21 @@ def _of_schema() -> Iterator[str]:
 def _of_classes() -> Iterator[str]:
     for cls in registration.CLASSES:
         yield from (getattr(cls, name, "") for name in ("bl_label", "bl_description"))
-        rna = getattr(bpy.types, cls.__name__, cls).bl_rna if issubclass(cls, (bpy.types.PropertyGroup, bpy.types.AddonPreferences)) else None
-        if rna is None and issubclass(cls, bpy.types.Operator):
-            group, name = cls.bl_idname.split(".")
-            rna = getattr(getattr(bpy.ops, group), name).get_rna_type()
-        for prop in rna.properties if rna else ():
-            if prop.identifier in _annotated(cls) and prop.name != prop.identifier:  # without a name it is never shown
-                yield from (prop.name, prop.description)
-                if prop.type == "ENUM" and prop.identifier != "preset":
-                    yield from (text for item in prop.enum_items for text in (item.name, item.description))
+        for prop in shown_properties(cls):
+            yield from (prop.name, prop.description)
+            if prop.type == "ENUM" and prop.identifier != "preset":
+                yield from (text for item in prop.enum_items for text in (item.name, item.description))
+
+
+def shown_properties(cls) -> list:
+    """Those that Lamina gave a registered class and that have a name: others are never shown."""
+    rna = getattr(bpy.types, cls.__name__, cls).bl_rna if issubclass(cls, (bpy.types.PropertyGroup, bpy.types.AddonPreferences)) else None
+    if rna is None and issubclass(cls, bpy.types.Operator):
+        group, name = cls.bl_idname.split(".")
+        rna = getattr(getattr(bpy.ops, group), name).get_rna_type()
+    given = [prop for prop in rna.properties if prop.identifier in _annotated(cls)] if rna else []
+    # Blender's own `name` stands beside that of a property group.
+    return [prop for prop in given if prop.name != prop.identifier and not prop.description.startswith("Unique name used in the code")]
 
 
 def _annotated(cls) -> set[str]:
