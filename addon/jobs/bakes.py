@@ -30,8 +30,7 @@ class Bake(Process):
     def __init__(self, wanted: "state.Wanted"):
         from ...reference_py.lobes.methods import bake_process  # that package is imported with the first bake
 
-        request = bake_process.request(wanted.stack, wanted.method, wanted.live, wanted.tolerance, cache_folder())
-        super().__init__(Sentence("a bake"), worker(bake_process.MODULE), request)
+        super().__init__(Sentence("a bake"), worker(bake_process.MODULE), [wanted.request(cache_folder())])
         self.wanted, self.key = wanted, wanted.key
 
 

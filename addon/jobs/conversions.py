@@ -18,7 +18,7 @@ class _Conversion(Process):
     """One base color in the making, in a process of its own."""
 
     def __init__(self, stack: Stack, textured: bool, key: str):
-        super().__init__(Sentence("a conversion"), worker(conversion_process.MODULE), conversion_process.request(stack, textured))
+        super().__init__(Sentence("a conversion"), worker(conversion_process.MODULE), [conversion_process.request(stack, textured)])
         self.stack, self.textured, self.key = stack, textured, key
 
 

@@ -20,7 +20,7 @@ class Fit(Process):
     """One fit in the making, for a material or for an object that has none."""
 
     def __init__(self, target: bpy.types.ID, file: str, layers: int | str, base: str, cloudy: bool):
-        super().__init__(Sentence("a fit"), worker(fit_process.MODULE), fit_process.request(file, layers, base, forward.DEFAULT_MODEL, cloudy))
+        super().__init__(Sentence("a fit"), worker(fit_process.MODULE), [fit_process.request(file, layers, base, forward.DEFAULT_MODEL, cloudy)])
         self.target, self.file = target.session_uid, file
         self.is_object = isinstance(target, bpy.types.Object)
 

@@ -6,6 +6,8 @@ import os
 import subprocess
 import sys
 import threading
+from collections.abc import Iterable
+from contextlib import suppress
 
 from ...reference_py.errors import LaminaError, Sentence
 
@@ -18,26 +20,35 @@ def worker(module: str) -> list[str]:
 
 
 class Process:
-    """A worker that reads `request` and tells its progress in lines; `result` or `error` is there once it is done.
+    """A worker that reads a request and tells its progress in lines; `result` or `error` is there once it is done.
 
-    Raises LaminaError, which names `what`, where no process can be started.
+    It gets the next of `requests`, a line each, when it has answered one. Raises LaminaError, which names `what`, where no process
+    can be started.
     """
 
-    def __init__(self, what: Sentence, command: list[str], request: str):
+    def __init__(self, what: Sentence, command: list[str], requests: Iterable[str] = ()):
         from ...reference_py.lobes.methods.bake_process import ENVIRONMENT
 
         self.share, self.error, self.result = 0.0, "", None
+        self._requests = iter(requests)
         try:
             self._process = subprocess.Popen(
                 command, env=os.environ | ENVIRONMENT, text=True,
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
             )  # fmt: skip
-            self._process.stdin.write(request)
-            self._process.stdin.close()
+            self._send()
         except OSError as error:
             raise LaminaError("cannot start {what} with {command}: {reason}", what=what, command=command[0], reason=error.strerror or error) from None
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
+
+    def _send(self) -> None:
+        request = next(self._requests, None)
+        if request is None:
+            self._process.stdin.close()
+        else:
+            self._process.stdin.write(f"{request}\n")
+            self._process.stdin.flush()
 
     def _read(self) -> None:
         for line in self._process.stdout:
@@ -46,10 +57,13 @@ class Process:
                 self.share = float(rest)
             elif word == "warning":
                 print(f"Lamina: {rest}")
-            elif word == "result":
-                self.result = json.loads(rest)
-            elif word == "error":
-                self.error = rest
+            elif word in ("result", "error"):
+                if word == "result":
+                    self.result = json.loads(rest)
+                else:
+                    self.error = rest
+                with suppress(OSError):  # it has ended
+                    self._send()
         code = self._process.wait()
         if self.result is None and not self.error:
             self.error = f"its process ended with code {code}"

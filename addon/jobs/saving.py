@@ -32,7 +32,7 @@ class Saving(Process):
         self.folder = Path(self._folder.name)
         try:
             preset_assets.write_asset(self.folder / preset_process.ASSET, material, stack, catalogue, None)
-            super().__init__(Sentence("the picture of a preset"), preset_process.command(self.folder), "")
+            super().__init__(Sentence("the picture of a preset"), preset_process.command(self.folder))
         except BaseException:
             self.clear()
             raise

@@ -3,6 +3,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import bpy
 
@@ -10,6 +11,7 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.lobes import methods
 from ...reference_py.lobes.cache import stack_key
 from ...reference_py.lobes.made import DEFAULT_TOLERANCE, Made
+from ...reference_py.lobes.methods import bake_process
 from ...reference_py.material.place import Place
 from ...reference_py.material.stack import Stack
 from ..shader.inputs import PRIMARIES
@@ -46,6 +48,10 @@ class Wanted:
 
     def make(self, progress: Callable[[float], None] | None = None) -> Made:
         return methods.make_lobe_set(self.stack, self.method, live=self.live, tolerance=self.tolerance, progress=progress)
+
+    def request(self, folder: Path | None) -> str:
+        """What a process is asked for it, which also keeps it in the folder."""
+        return bake_process.request(self.stack, self.method, self.live, self.tolerance, folder)
 
     def put(self, key: str, packed: list[dict]) -> None:
         """Keep what another process computed."""

@@ -18,7 +18,7 @@ def request(stack: Stack, textured: bool) -> str:
 
 def main() -> None:
     """Serve one request."""
-    data = json.load(sys.stdin)
+    data = json.loads(sys.stdin.readline())
     try:
         hand = solved(Stack.from_dict(data["stack"]), data["textured"])
     except LaminaError as error:

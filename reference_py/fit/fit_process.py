@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes one fit in a process of its own, so that a window stays responsive and a cancelled fit is gone at once.
 
-Reads a request as JSON from stdin; prints lines "progress SHARE" and at last "result JSON" (see `outcome`) or "error
+Reads a request as a line of JSON from stdin; prints lines "progress SHARE" and at last "result JSON" (see `outcome`) or "error
 MESSAGE". `addon.jobs.process.worker` has the command.
 """
 
@@ -24,7 +24,7 @@ def main() -> None:
     from .outcome import outcome
     from .readers.by_suffix import read
 
-    data = json.load(sys.stdin)
+    data = json.loads(sys.stdin.readline())
     try:
         measurement = read(data["file"])
         selection = select(measurement, data["layers"], data["base"], data["model"], progress=_progress, cloudy=data["cloudy"])

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes one lobe set in a process of its own, so that a window stays responsive and a cancelled bake is gone at once.
+"""Makes lobe sets in a process of its own, so that a window stays responsive and a cancelled bake is gone at once.
 
-Reads a request as JSON from stdin; prints lines "progress SHARE" and "warning TEXT" and at last "result JSON" or "error MESSAGE". The
-process is started by `command` and needs nothing but this package and numpy.
+Reads requests from stdin, a line of JSON each; prints for each lines "progress SHARE" and "warning TEXT" and at last "result JSON" or "error
+MESSAGE". Stacks that are alike in part share what is computed. The process is started by `command` and needs nothing but this package and numpy.
 """
 
 import json
@@ -36,16 +36,20 @@ def command(python: str, module: str) -> list[str]:
 
 
 def request(stack: Stack, method: str, live: Sequence[Place], tolerance: float, folder: Path | None) -> str:
-    """What `main` reads."""
+    """A line that `main` reads."""
     kept = None if folder is None else str(folder)
     return json.dumps({"stack": stack.to_dict(), "method": method, "live": [place.pair() for place in live], "tolerance": tolerance, "folder": kept})
 
 
 def main() -> None:
-    """Serve one request."""
+    """Serve requests until there are no more."""
+    for line in sys.stdin:
+        _serve(json.loads(line))
+
+
+def _serve(data: dict) -> None:
     from . import packed
 
-    data = json.load(sys.stdin)
     keep_in(Path(data["folder"]) if data["folder"] else None, lambda message: print(f"warning {message}", flush=True))
     live = tuple(Place.of_pair(*pair) for pair in data["live"])
     try:
