@@ -29,6 +29,7 @@ from ..reference_py.lobes.lobe import DielectricCurve, GlossyLobe
 from ..reference_py.models.adding.direction_grid import Grid
 from ..reference_py.models.adding.facets import MULTIPLE
 from ..reference_py.models.adding.operators import Resolution, dielectric_rows
+from ..reference_py.optics.facet_reflectance import DielectricFacet
 from ..reference_py.optics.fresnel import fresnel_dielectric
 from ..reference_py.optics.microfacet import BECKMANN, GGX
 
@@ -42,7 +43,7 @@ _GAUSS = 24
 def lossless_reflectance(cos_theta: np.ndarray, alpha: float, eta: float, distribution: str) -> np.ndarray:
     """Directional reflectance (n,) of a rough interface for light at cosines (n,); alpha > 0, eta != 1."""
     grid = Grid(tuple(sorted((1.0, eta))), _GRID_NODES)
-    single, multi, _ = dielectric_rows(1.0, eta, cos_theta, alpha, distribution, MULTIPLE, grid, _RESOLUTION)
+    single, multi, _ = dielectric_rows(DielectricFacet(1.0, eta), cos_theta, alpha, distribution, MULTIPLE, grid, _RESOLUTION)
     return (single + multi)[0].sum(axis=1)
 
 

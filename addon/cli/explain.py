@@ -2,7 +2,7 @@
 """`lamina explain`: what the tier auto tries for a stack and chooses, judged over a ball or over what a camera sees."""
 
 import json
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +11,12 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.baked import MAX_GLOSSY
 from ...reference_py.lobes.error_estimate import SOFT_LIGHT_DEG
 from ...reference_py.lobes.made import DEFAULT_TOLERANCE, Options
-from ...reference_py.lobes.methods import MAX_CLOSURES, PaperLobes, glossy_of_each, require_bake_follows
+from ...reference_py.lobes.methods import MAX_CLOSURES, glossy_of_each, require_bake_follows
 from ...reference_py.lobes.methods.auto import COMPUTED, Choice, choose, with_anisotropy
 from ...reference_py.lobes.methods.not_bakeable import bakeable, not_bakeable
 from ...reference_py.lobes.truth import truth_of
 from ...reference_py.material.coverage import Patch, patches
-from ...reference_py.material.schema import ANISOTROPY, THIN_FILM
+from ...reference_py.material.schema import ANISOTROPY
 from ...reference_py.material.stack import Stack
 from ..material.backend import OSL
 from ..material.limits import require_shader
@@ -60,14 +60,10 @@ def explain(options) -> None:
 
 
 def _choice(stack: Stack, tolerance: float, glossy: int, sight, progress) -> Choice:
-    """What auto chooses for one patch; features that no bake can hold leave the live tiers, judged with anisotropy, without others."""
+    """What auto chooses for one patch; anisotropy, which no bake holds, leaves the live tiers, judged with it."""
     choice = _choice_of_plain(bakeable(stack), Options(not_bakeable(stack), tolerance, glossy, progress), sight)
-    elements = (*stack.layers, stack.base)
-    if not any(element.has(THIN_FILM) for element in elements):
-        is_anisotropic = any(element.has(ANISOTROPY) for element in elements)
-        return with_anisotropy(choice, stack, tolerance, None if sight is None else sight.cosines) if is_anisotropic else choice
-    able = next(c for c in choice.tried if c.label == PaperLobes.name)
-    return replace(choice, chosen=able, reason="the one tier that knows thin films; the errors are those without the film")
+    is_anisotropic = any(element.has(ANISOTROPY) for element in (*stack.layers, stack.base))
+    return with_anisotropy(choice, stack, tolerance, None if sight is None else sight.cosines) if is_anisotropic else choice
 
 
 def _choice_of_plain(plain: Stack, options: Options, sight) -> Choice:

@@ -3,17 +3,16 @@
 
 from ..errors import LaminaError
 from ..material.coverage import is_plain
-from ..material.schema import ANISOTROPY, THIN_FILM
+from ..material.schema import ANISOTROPY
 from ..material.stack import Stack
 from ..models.adding.adding_model import Adding
 
 
 def truth_of(stack: Stack):
-    """The deterministic truth of a stack, its f a draft (`Adding`); it has no normals. Raises LaminaError for several patches and for features that it does not know."""
+    """The deterministic truth of a stack, its f a draft (`Adding`); it has no normals. Raises LaminaError for several patches and for anisotropy."""
     if not is_plain(stack):
         raise LaminaError("a stack with coverage or opaque layers has one truth for each of its patches; judge them one by one")
     for where, element in [*((f"layer {i}", e) for i, e in enumerate(stack.layers)), ("the base", stack.base)]:
-        for feature in (ANISOTROPY, THIN_FILM):
-            if element.has(feature):
-                raise LaminaError(f"the truth that methods are judged by, adding, knows no {feature.name}, which {where} has")
+        if element.has(ANISOTROPY):
+            raise LaminaError(f"the truth that methods are judged by, adding, knows no {ANISOTROPY.name}, which {where} has")
     return Adding(stack, draft=1)

@@ -8,6 +8,7 @@ import numpy as np
 from ..material.stack import Base
 from .colour import artist_index, conductor_rgb
 from .diffuse import oren_nayar, oren_nayar_1994, oren_nayar_albedo
+from .facet_reflectance import ConductorFacet
 from .fresnel import fresnel_conductor
 from .interface import Microfacets, film_of
 from .thin_film import Film, film_reflectance
@@ -81,9 +82,13 @@ class ConductorBase:
         """eta and k over the index of the medium above, each (channels,)."""
         return self.eta / self.n_above, self.k / self.n_above
 
+    def facet(self, channel: int) -> ConductorFacet:
+        """What a facet reflects in a channel."""
+        return ConductorFacet(self.n_above, float(self.eta[channel]), float(self.k[channel]), self.film, 0 if self.film is None else channel)
+
     def channel_key(self, channel: int):
         """Equal for channels that this base treats alike."""
-        return float(self.eta[channel]), float(self.k[channel])
+        return self.facet(channel)
 
     def reflectance(self, cos_theta_i: np.ndarray) -> np.ndarray:
         """Fresnel reflectance (..., channels) of a facet that light meets at these cosines, with its film."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..material.schema import ANISOTROPY, THIN_FILM
 from ..material.stack import Base, Layer
+from .facet_reflectance import DielectricFacet
 from .fresnel import fresnel_dielectric
 from .microfacet import alpha_from_roughness, is_specular
 from .scattering import Scattering, medium_of
@@ -87,6 +88,15 @@ class Interface:
     def eta(self) -> float:
         """n_below / n_above."""
         return self.n_below / self.n_above
+
+    @property
+    def does_nothing(self) -> bool:
+        """Whether light passes it as if it were not there, whatever its roughness."""
+        return self.eta == 1.0 and self.film is None
+
+    def facet(self, channel: int) -> DielectricFacet:
+        """What a facet reflects in a channel of light from above."""
+        return DielectricFacet(self.n_above, self.n_below, self.film, 0 if self.film is None else channel)
 
     def reflectance(self, cos_theta_i: np.ndarray) -> np.ndarray:
         """Fresnel reflectance for light from above, (..., 1), or (..., 3) with a film."""

@@ -109,7 +109,7 @@ class OpticalStack:
 
     def rough_surfaces(self) -> list[tuple[str, float]]:
         """(distribution, alpha) of every surface that does something and is not smooth, from the top: where f can be narrow."""
-        facets = [s.facets for s in self.interfaces if s.eta != 1.0] + ([self.base.facets] if self.base.facets else [])
+        facets = [s.facets for s in self.interfaces if not s.does_nothing] + ([self.base.facets] if self.base.facets else [])
         return [(f.distribution, f.alpha) for f in facets if not is_specular(f.alpha)]
 
     def round_trip(self) -> np.ndarray:

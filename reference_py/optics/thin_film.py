@@ -28,6 +28,11 @@ class Film:
     thickness_nm: float
     ior: float
 
+    def faded_ior(self, n_above: float) -> float:
+        """The index that light from a medium of index `n_above` meets, which below 1 nm fades to that."""
+        t = min(max(self.thickness_nm, 0.0), 1.0)
+        return n_above + (self.ior - n_above) * t * t * (3.0 - 2.0 * t)
+
 
 @dataclass(frozen=True)
 class FilmInterface:
@@ -57,7 +62,7 @@ def sensitivities() -> np.ndarray:
 def film_reflectance(cos_theta_i: np.ndarray, n_above: float, film: Film, n_below, k_below=None) -> np.ndarray:
     """Unpolarised reflectance (..., 3) for light from above; n_below and k_below are numbers or (3,), k for conductors."""
     cos_1 = np.clip(np.asarray(cos_theta_i, float), 0.0, 1.0)[..., None]
-    ior = _faded_ior(film, n_above)
+    ior = film.faded_ior(n_above)
     cos_2 = cos_theta_t(cos_1, ior / n_above)
     r_s, r_p = _amplitudes(cos_1, cos_2, n_above, ior)
     reflected_above = np.square(r_s), np.square(r_p)
@@ -73,11 +78,6 @@ def film_reflectance(cos_theta_i: np.ndarray, n_above: float, film: Film, n_belo
     for r12, energy, r23 in zip((r_s, r_p), reflected_above, below):
         total = total + 0.5 * _airy(r12, energy, r23, path)
     return np.where(is_total, 1.0, np.clip(total, 0.0, 1.0))
-
-
-def _faded_ior(film: Film, n_above: float) -> float:
-    t = min(max(film.thickness_nm, 0.0), 1.0)
-    return n_above + (film.ior - n_above) * t * t * (3.0 - 2.0 * t)
 
 
 def _amplitudes(cos_i, cos_t, n_i, n_t):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`lamina chart followed`: where one, two or three textured values of a surface keep a bake, and how far off is what stands in for films and anisotropy."""
+"""`lamina chart followed`: where one, two or three textured values of a surface keep a bake, and how far off is what surfaces with films and anisotropy get."""
 
 from collections import Counter
 from itertools import combinations
@@ -13,11 +13,11 @@ from ...reference_py.lobes.cache import ALWAYS_LIVE
 from ...reference_py.lobes.closure import lobe_energy
 from ...reference_py.lobes.methods import make_lobe_set, require_bake_follows
 from ...reference_py.lobes.methods.baking import METHOD
-from ...reference_py.lobes.methods.not_bakeable import not_bakeable
+from ...reference_py.lobes.methods.not_bakeable import has_film, not_bakeable
 from ...reference_py.material import presets
 from ...reference_py.material.coverage import patches
 from ...reference_py.material.place import Place, places
-from ...reference_py.material.schema import CHOICE, SCHEMA, THIN_FILM
+from ...reference_py.material.schema import CHOICE, SCHEMA
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.position_free import PositionFree
 from ...reference_py.optics.error_measure import worst_share
@@ -46,6 +46,8 @@ STANDS_IN = {
     "film on a rough coat over paint": ([_COAT | _FILM], _GREY),
     "film on a smooth coat over metal": ([_GLASS | _FILM], _METAL),
     "film on a rough coat over metal": ([_COAT | _FILM], _METAL),
+    "film of textured thickness on a rough coat over paint": ([_COAT | _FILM], _GREY, Place(0, "film_thickness")),
+    "film of textured thickness on a smooth coat over metal": ([_GLASS | _FILM], _METAL, Place(0, "film_thickness")),
     "brushed coat over paint": ([_COAT | _BRUSHED], _GREY),
     "brushed coat over metal": ([_COAT | _BRUSHED], _METAL),
     "smooth coat over brushed metal": ([_GLASS], _METAL | _BRUSHED),
@@ -64,22 +66,20 @@ def chart(folder: Path, report: Report) -> None:
     rows = [row for name, stacks in groups.items() for row in _rows(name, stacks)]
     write_table(tables[0], _HEADING, _COLUMNS, rows, report)
     print_table(_COLUMNS, rows)
-    errors = [[name, *_error(Stack.from_dict({"layers": layers, "base": base}))] for name, (layers, base) in STANDS_IN.items()]
+    errors = [[name, *_error(Stack.from_dict({"layers": layers, "base": base}), tuple(live))] for name, (layers, base, *live) in STANDS_IN.items()]
     write_table(tables[1], _STANDS_IN_HEADING, _STANDS_IN_COLUMNS, errors, report)
     print_table(_STANDS_IN_COLUMNS, errors)
 
 
 def chosen(stack: Stack, live: tuple[Place, ...]) -> str:
     """What the surface of one patch has in the quality `baked` over these live values."""
-    if any(place.name == THIN_FILM.name for place in not_bakeable(stack)):
-        return PAPER
     if not_bakeable(stack):
-        return ANALYTIC
+        return PAPER if has_film(stack) else ANALYTIC
     try:
         require_bake_follows(stack, live)
     except LaminaError:
         return REFUSED
-    return BAKED if METHOD.follows(stack, live) else ANALYTIC
+    return BAKED if METHOD.follows(stack, live) else PAPER if has_film(stack) else ANALYTIC
 
 
 def textured(stack: Stack) -> list[Place]:
@@ -102,9 +102,9 @@ def _rows(name: str, stacks: list[Stack]) -> list[list[str]]:
     return rows
 
 
-def _error(stack: Stack) -> tuple[str, ...]:
-    """What stands in, its worst error of albedo, and what of that is beyond four standard errors."""
-    made, cosines = make_lobe_set(stack, "baked").lobe_set, np.cos(np.radians(VIEWS_DEG))
+def _error(stack: Stack, live: tuple[Place, ...]) -> tuple[str, ...]:
+    """What it gets where these values are textured, its worst error of albedo, and what of that is beyond four standard errors."""
+    made, cosines = make_lobe_set(stack, "baked", live=live).lobe_set, np.cos(np.radians(VIEWS_DEG))
     phi = np.radians(AZIMUTHS_DEG)
     truth, stderr = PositionFree(stack, walks=_WALKS).albedo_stderr(spherical(np.radians(VIEWS_DEG)[:, None], phi))
     albedo = np.stack([sum(lobe_energy(lobe, cosines, a) for lobe in made.lobes(cosines, a)) for a in phi], axis=1)

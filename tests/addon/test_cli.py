@@ -106,13 +106,13 @@ def test_explain_says_what_was_tried_and_chosen():
 
 def test_explain_of_a_cloudy_stack(tmp_path):
     cloudy = {"kind": "dielectric", "scatter_color": [0.9, 0.9, 0.9], "density": 3.0}
-    files = [tmp_path / "cloudy.json", tmp_path / "filmed.json"]
-    for file, film in zip(files, ({}, {"film_thickness": 400.0})):
-        file.write_text(json.dumps({"layers": [{**cloudy, **film}], "base": {"kind": "lambert"}}))
+    files = [tmp_path / "cloudy.json", tmp_path / "brushed.json"]
+    for file, film in zip(files, ({}, {"_thickness": 400.0})):
+        file.write_text(json.dumps({"layers": [{**cloudy, **brushed}], "base": {"kind": "lambert"}}))
     tried = json.loads(lamina("explain", files[0], "--json")[0])["tried"]
     assert tried and all(row["label"].startswith("baked") for row in tried)
     _, told = lamina("explain", files[1], code=2)
-    assert told.splitlines()[-1] == "lamina: a medium that scatters cannot be had together with the thin film of layer 0; choose one of the two"
+    assert told.splitlines()[-1] == "lamina: a medium that scatters cannot be had together with the anisotropy of layer 0; choose one of the two"
 
 
 def test_tables_name_their_model():

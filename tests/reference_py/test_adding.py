@@ -16,6 +16,7 @@ from lamina.reference_py.models.adding.effective_stack import EffectiveStack
 from lamina.reference_py.models.adding.operators import Resolution, interface_operators
 from lamina.reference_py.models.adding.two_events import two_reflections
 from lamina.reference_py.models.position_free import PositionFree
+from lamina.reference_py.optics.facet_reflectance import ConductorFacet, DielectricFacet
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.fresnel import cos_theta_t, fresnel_dielectric
 from lamina.reference_py.optics.microfacet import distribution
@@ -146,7 +147,9 @@ def test_thickness_zero_and_huge():
 def _parts():
     grid, resolution = Grid((1.0, 1.3, 1.5, 1.8), 24), Resolution(2, 12, 24)
     return [
-        interface_operators(above, below, alpha, "ggx", "multiple", grid, resolution).over_medium(Medium(operators.transmittance(grid, below, 0.1)))
+        interface_operators(DielectricFacet(above, below), alpha, "ggx", "multiple", grid, resolution).over_medium(
+            Medium(operators.transmittance(grid, below, 0.1))
+        )
         for above, below, alpha in ((1.0, 1.5, 0.2), (1.5, 1.3, 0.0), (1.3, 1.8, 0.5))
     ]
 
@@ -160,8 +163,8 @@ def test_adding_is_associative():
 
 def test_smooth_slab_is_the_sum_of_its_bounces():
     grid, resolution = Grid((1.0, 1.5), 16), Resolution(1, 8, 8)
-    front = interface_operators(1.0, 1.5, 0.0, "ggx", "multiple", grid, resolution)
-    back = interface_operators(1.5, 1.0, 0.0, "ggx", "multiple", grid, resolution)
+    front = interface_operators(DielectricFacet(1.0, 1.5), 0.0, "ggx", "multiple", grid, resolution)
+    back = interface_operators(DielectricFacet(1.5, 1.0), 0.0, "ggx", "multiple", grid, resolution)
     slab: Layers = add(front, back)
     r = fresnel_dielectric(grid.cosines(1.0), 1.5)
     np.testing.assert_allclose(np.diagonal(slab.r_up[0]), 2.0 * r / (1.0 + r), rtol=1e-9)
@@ -298,7 +301,7 @@ def test_f_of_narrow_lobes_agrees_with_the_walk_far_from_their_peak(name, theta_
 def test_the_shape_of_further_events_changes_no_energy(alpha, eta):
     """Both sides share the leftover alike, whether the shape or the energy alone is solved for."""
     cos = np.cos(np.radians([10.0, 60.0, 80.0]))
-    surface = Microsurface(alpha, "ggx", etas=(eta, 1.0 / eta))
+    surface = Microsurface(alpha, "ggx", DielectricFacet(1.0, eta))
     energy, shape = (surface.shares(cos, detail_of(modes))[0][:, 0, :, 0] for modes in (1, 16))
     np.testing.assert_allclose(energy, shape, atol=4e-3)
     np.testing.assert_allclose(shape.sum(axis=0), 1.0, rtol=1e-9)
@@ -382,7 +385,7 @@ def test_light_that_no_second_facet_meets_has_no_shape(roughness):
     wo = np.broadcast_to(spherical(np.radians(30.0), 0.0), wi.shape)
     np.testing.assert_allclose(Adding(metal).f(wo, wi), make_model("weidlich_wilkie", metal).f(wo, wi), rtol=1e-3, atol=1e-3)
     grazing = np.cos(np.radians([20.0, 45.0, 80.0]))
-    assert np.all(np.abs(Microsurface(roughness**2, "beckmann", index=(0.2, 3.0)).shares(grazing, detail_of(64))[0]) <= 1.0)
+    assert np.all(np.abs(Microsurface(roughness**2, "beckmann", ConductorFacet(1.0, 0.2, 3.0)).shares(grazing, detail_of(64))[0]) <= 1.0)
 
 
 # What of all light a draft puts elsewhere, up to 60 degrees and beyond: measured, with a third more.
@@ -424,7 +427,7 @@ def test_f_of_two_grazing_directions_agrees_with_the_walk(material):
 @pytest.mark.parametrize("alpha", [0.25, 0.5, 1.0])
 def test_two_reflections_are_the_integral_over_the_direction_between_them(alpha):
     """By drawing that direction evenly from the sphere, for white facets."""
-    lobe = two_reflections(alpha, "ggx", ((1e-9, 1e9),))
+    lobe = two_reflections(alpha, "ggx", (ConductorFacet(1.0, 1e-9, 1e9),))
     wo, wi = spherical(np.radians(60.0), 0.0), spherical(np.radians(80.0), np.radians(110.0))
     n = 400_000
     z = np.linspace(-wo[2], wi[2], 2 * n + 1)[1::2]
@@ -460,9 +463,9 @@ def test_modes_that_rough_layers_blur_away_are_left_out_and_not_missed(top, monk
     )
     wo, wi = spherical(np.radians([10.0, 60.0, 80.0]), 0.0), spherical(np.radians([20.0, 55.0, 70.0]), np.radians([180.0, 170.0, 60.0]))
     fewer = Adding(deep, nodes=12, modes=48)
-    f, seen = fewer.f(wo, wi), [len(operators.r_up) for operators in fewer._by_depth[0]]
+    f, seen = fewer.f(wo, wi), [len(operators.r_up) for operators in fewer._by_depth(0)[0]]
     monkeypatch.setattr("lamina.reference_py.models.adding.depth._UNSEEN", 0.0)
     every = Adding(deep, nodes=12, modes=48)
     np.testing.assert_allclose(f, every.f(wo, wi), rtol=1e-6)
-    assert [len(operators.r_up) for operators in every._by_depth[0]] == [48] * 5
+    assert [len(operators.r_up) for operators in every._by_depth(0)[0]] == [48] * 5
     assert seen == sorted(seen, reverse=True) and seen[0] == 48 and (seen[-1] == 48) == bool(top)

@@ -219,7 +219,6 @@ def test_keys_tell_methods_lobes_and_tolerances_apart():
     "layer, words",
     [
         ({"coverage": 0.5}, "a stack with coverage or opaque layers has one truth for each of its patches"),
-        ({"film_thickness": 300.0}, "knows no thin_film, which layer 1 has"),
         ({"anisotropy": 0.5}, "knows no anisotropy, which layer 1 has"),
     ],
 )

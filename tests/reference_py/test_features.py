@@ -111,18 +111,23 @@ def test_a_patch_model_samples_its_density():
 
 
 @pytest.mark.parametrize("name", ["adding", "weidlich_wilkie", "belcour"])
-@pytest.mark.parametrize("feature, element", [("anisotropy", {**STEEL, **BRUSHED}), ("thin_film", {**STEEL, **FILM})])
-def test_models_name_what_they_do_not_know(name, feature, element):
-    with pytest.raises(LaminaError, match=f"model {name} knows no {feature}, which base has; choose position_free, closure_model"):
-        make_model(name, stack([], element))
+@pytest.mark.parametrize("feature, element, able", [("anisotropy", BRUSHED, ""), ("thin_film", FILM, "adding, ")])
+def test_models_name_what_they_do_not_know(name, feature, element, able):
+    if f"{name}, " == able:
+        assert np.all(make_model(name, stack([], {**STEEL, **element})).albedo(WO) < 1.0)
+    else:
+        with pytest.raises(LaminaError, match=f"model {name} knows no {feature}, which base has; choose {able}position_free, closure_model"):
+            make_model(name, stack([], {**STEEL, **element}))
     assert name in MODELS
 
 
 def test_what_a_bake_cannot_hold_is_named_and_makes_it_live():
     one = stack([{**COAT, **BRUSHED, "coverage": 0.5}, {**COAT, **FILM}], {**WHITE, "normal": [0, 0, 0]})
-    assert needs_live(one) == "the anisotropy of layer 0, the thin film of layer 1", "a normal leaves the bake in force"
+    assert needs_live(one) == "the anisotropy of layer 0", "a film and a normal leave the bake in force"
+    assert needs_live(stack([{**COAT, **FILM}], {**WHITE, "normal": [0, 0, 0]})) == "the thin film of layer 0", "a top that is no lobe apart"
+    assert needs_live(stack([{**COAT, **FILM, "roughness": 0.0}], {**WHITE, "normal": [0, 0, 0]})) is None
     assert needs_live(stack([{**COAT, "coverage": 0.5}], WHITE)) is None
-    assert make_lobe_set(one, "baked").reason == "weidlich_wilkie, the one quality that knows thin films"
+    assert make_lobe_set(one, "baked").lobe_set.parts[0][1].reason == "weidlich_wilkie, as a bake cannot follow the anisotropy of layer 0"
     brushed = make_lobe_set(stack([{**COAT, **BRUSHED, "coverage": 0.5}], WHITE), "baked")
     assert "analytic, as a bake cannot follow the anisotropy of layer 0" in brushed.reason
 

@@ -126,10 +126,6 @@ def test_nothing_is_told_of_errors_that_were_not_estimated(chosen):
     assert estimated_error(live) is None
     # the cost of what has no choice is that of its lobes
     assert estimated_cost(live) == max(cost(AnalyticLobes(patch.stack)) for patch in patches(HALF))
-    # what is estimated knows no films
-    chosen(*[(0.01, 0.01, 1.0, "because")] * 2)
-    filmed = make_lobe_set(stack(coat(0.3, coverage=0.5, film_thickness=300.0, film_ior=2.0), base=lambert(0.5)), "auto")
-    assert all(part.choice for _, part in filmed.lobe_set.parts) and estimated_error(filmed) is None
 
 
 @pytest.mark.parametrize("count, glossy", [(1, 7), (2, 3), (4, 1)])

@@ -20,7 +20,9 @@ _FILM, _BRUSHED = {"film_thickness": 300.0, "film_ior": 1.8}, {"anisotropy": 0.5
         ([VARNISH, GLAZE], METAL, [(1, "ior")], ANALYTIC),
         ([VARNISH], METAL, [(0, "roughness"), (0, "tint"), (None, "roughness")], ANALYTIC),
         ([VARNISH | _BRUSHED], METAL, [], ANALYTIC),
-        ([VARNISH | _FILM], METAL, [], PAPER),
+        ([VARNISH | _FILM], METAL, [(0, "roughness")], BAKED),
+        ([VARNISH | _FILM], METAL, [(0, "film_thickness")], PAPER),
+        ([VARNISH | _FILM | _BRUSHED], METAL, [], PAPER),
         ([MILK], METAL, [(0, "density"), (0, "thickness")], REFUSED),
     ],
 )

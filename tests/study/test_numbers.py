@@ -41,7 +41,7 @@ def test_a_table_that_changes_makes_documents_differ(monkeypatch):
     rows = [{**row, "albedo_worst": "0.02"} for row in named_numbers.rows("preset_errors")]
     text = filled("at most <!--n:presets energy-->?<!--/n-->")
     monkeypatch.setattr(named_numbers, "rows", lambda table: rows)
-    assert differences(text) == ["presets energy is '.6 %', in the tables '2.0 %'"]
+    assert differences(text) == ["presets energy is '1.0 %', in the tables '2.0 %'"]
 
 
 @pytest.mark.parametrize("text, said", (

@@ -13,10 +13,10 @@ from ..view_table import knot_cosines
 
 
 def top_lobe(stack: Stack) -> GlossyLobe | None:
-    """The closure that is exact for one event on a rough top interface, where there is one and nothing dims it."""
+    """The closure that is exact for one event on a rough top interface, where there is one without film and nothing dims it."""
     for surface in OpticalStack.of(stack).interfaces:
-        if surface.eta != 1.0:
-            if is_specular(surface.alpha):
+        if not surface.does_nothing:
+            if surface.film is not None or is_specular(surface.alpha):
                 return None
             alpha = surface.alpha
             return GlossyLobe(surface.distribution, np.ones(3), alpha, alpha, fresnel=DielectricCurve(surface.eta))

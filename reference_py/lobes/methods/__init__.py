@@ -10,7 +10,6 @@ from ...errors import LaminaError
 from ...material.coverage import Patch, is_plain, patches
 from ...material.place import Place, in_words
 from ...material.qualities import DEFAULT_METHOD
-from ...material.schema import THIN_FILM
 from ...material.stack import Stack
 from ...optics.optical_stack import OpticalStack
 from ..analytic import AnalyticLobes
@@ -23,7 +22,7 @@ from ..patch_lobes import PatchLobes
 from ..pools import MAX_CLOSURES
 from . import auto, baking
 from .method import Method
-from .not_bakeable import bakeable, needs_live, not_bakeable, scatters
+from .not_bakeable import bakeable, has_film, needs_live, not_bakeable, scatters
 from .paper import PaperLobes
 from .with_features import featured_analytic
 
@@ -169,14 +168,13 @@ def _made(row: Method, stack: Stack, options: Options) -> Made:
     if row.follows(plain, options.live):
         made = row.make(plain, options)
     else:
-        made = Made(row.name, plain, AnalyticLobes(plain), f"{AnalyticLobes.name}, as a bake cannot follow {in_words(options.live)}")
+        lobe_set = featured_analytic(plain)
+        made = Made(row.name, plain, lobe_set, f"{lobe_set.name}, as a bake cannot follow {in_words(options.live)}")
     if not not_bakeable(stack):
         return made
     # what is chosen for the plain stack, which has a truth that is quick to compute, is made of the whole one
     whole = featured_analytic(stack) if isinstance(made.lobe_set, AnalyticLobes) else type(made.lobe_set)(stack)
     reason = made.reason
-    if any(element.has(THIN_FILM) for element in (*stack.layers, stack.base)):
-        reason = f"{whole.name}, the one quality that knows thin films"
-    elif row is auto.METHOD:
+    if row is auto.METHOD:
         reason += f"; errors are those without {needs_live(stack)}"
     return Made(row.name, stack, whole, reason, made.choice)

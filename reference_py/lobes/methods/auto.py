@@ -25,7 +25,7 @@ from ..made import Candidate, Choice, Made, Options
 from ..truth import truth_of
 from .cost import cost
 from .method import Computed, Method
-from .not_bakeable import scatters
+from .not_bakeable import has_film, scatters
 from .paper import PaperLobes
 from .with_features import featured_analytic
 
@@ -52,7 +52,7 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
     report = options.report
     estimator = ErrorEstimator(stack, truth, ball_cosines() if cosines is None else cosines, light_deg)
     can_bake = follows(stack, live)
-    able = {} if scatters(stack) else _LIVE
+    able = {} if scatters(stack) else {PaperLobes.name: PaperLobes} if has_film(stack) else _LIVE
     makers: Iterable = [(method, lambda lobe_set=lobe_set: lobe_set(stack)) for method, lobe_set in able.items()]
     if not live:
         makers = chain(makers, _bakes(Baker(stack, truth), glossy, tolerance))

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Features that tables over the view cannot hold: they know neither azimuths nor films' colors in a lobe."""
+"""Features that tables over the view cannot hold: they know no azimuths, and no lobe apart, with a normal of its own, of a rough top with a film."""
 
 from dataclasses import replace
 from types import MappingProxyType
 
 from ...material.place import Place, in_words, places
-from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
-from ...material.stack import LayerOrBase, Stack
+from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM, Feature
+from ...material.stack import Stack
 from ...optics.interface import Microfacets
-
-_FEATURES = (ANISOTROPY, THIN_FILM)
+from ...optics.optical_stack import OpticalStack
+from ..own_normals import has_own_normals
 
 
 def needs_live(stack: Stack) -> str | None:
@@ -19,7 +19,20 @@ def needs_live(stack: Stack) -> str | None:
 
 def not_bakeable(stack: Stack) -> tuple[Place, ...]:
     """Features that tables over the view cannot hold."""
-    return tuple(Place(i, feature.name) for i, element in places(stack) for feature in _FEATURES if element.has(feature))
+    return tuple(Place(i, feature.name) for i, _ in places(stack) for feature in _lost(stack, i))
+
+
+def _lost(stack: Stack, i: int | None) -> list[Feature]:
+    """Of the features of a layer, or of the base for None, those that tables cannot hold."""
+    element = stack.base if i is None else stack.layers[i]
+    lost = [ANISOTROPY] if element.has(ANISOTROPY) else []
+    return [*lost, THIN_FILM] if i == 0 and has_own_normals(stack) and _is_rough_film(stack) else lost
+
+
+def _is_rough_film(stack: Stack) -> bool:
+    """Whether the first layer is rough and has a film: closures with a dielectric's curve alone are told apart."""
+    top = OpticalStack.of(stack).interfaces[0]
+    return top.film is not None and not top.facets.is_specular
 
 
 def scatters(stack: Stack) -> bool:
@@ -27,14 +40,22 @@ def scatters(stack: Stack) -> bool:
     return any(layer.has(SCATTERING) for layer in stack.layers)
 
 
+def has_film(stack: Stack) -> bool:
+    """Whether a surface of the stack has a thin film, which the method analytic does not know."""
+    return any(element.has(THIN_FILM) for _, element in places(stack))
+
+
 def bakeable(stack: Stack) -> Stack:
     """The stack without the features of `not_bakeable`; its surfaces are as rough as those that they had."""
-    names = {p.name for feature in _FEATURES for p in feature.parameters}
+    if not not_bakeable(stack):
+        return stack
 
-    def plain(element: LayerOrBase) -> LayerOrBase:
+    def plain(i: int | None):
+        lost, element = _lost(stack, i), stack.base if i is None else stack.layers[i]
+        names = {p.name for feature in lost for p in feature.parameters}
         values = {k: v for k, v in element.values.items() if k not in names}
-        if element.has(ANISOTROPY):
+        if ANISOTROPY in lost:
             values["roughness"] = Microfacets.of(element).alpha ** 0.5
         return replace(element, values=MappingProxyType(values))
 
-    return replace(stack, layers=tuple(plain(layer) for layer in stack.layers), base=plain(stack.base)) if not_bakeable(stack) else stack
+    return replace(stack, layers=tuple(plain(i) for i in range(len(stack.layers))), base=plain(None))

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is said of a lobe set that was made: what it holds, by which methods, at which error and cost."""
 
-from ...material.schema import THIN_FILM
 from ..made import Made
 from ..patch_lobes import PatchLobes
 from .cost import cost
@@ -25,8 +24,7 @@ def live_methods(made: Made) -> set[str]:
 def estimated_error(made: Made) -> float | None:
     """The worst estimated visible error of what the method auto chose, as a share of the light; None where nothing was estimated."""
     parts = parts_of(made)
-    films = any(element.has(THIN_FILM) for element in (*made.stack.layers, made.stack.base))
-    if films or any(part.choice is None for part in parts):
+    if any(part.choice is None for part in parts):
         return None
     return max(part.choice.chosen.visible for part in parts)
 

@@ -12,7 +12,6 @@ from functools import partial
 
 import numpy as np
 
-from ...material.schema import THIN_FILM
 from ...material.stack import Stack
 from ...optics.interface import AnisotropicRoughness, Microfacets
 from ..analytic import AnalyticLobes
@@ -21,17 +20,15 @@ from ..analytic.interface_tables import anisotropic_energy, closure_energy
 from ..analytic.lobe_set import at_views
 from ..lobe import DiffuseLobe, GlossyLobe
 from ..view_table import MIN_COS_O
-from .not_bakeable import bakeable, not_bakeable
+from .not_bakeable import bakeable, has_film, not_bakeable
 from .paper import PaperLobes
 
 
 def featured_analytic(stack: Stack):
     """The lobe set that a stack has in the method `analytic`."""
-    if not not_bakeable(stack):
-        return AnalyticLobes(stack)
-    if any(element.has(THIN_FILM) for element in (*stack.layers, stack.base)):
+    if has_film(stack):
         return PaperLobes(stack)
-    return AnalyticLobesWithFeatures(stack)
+    return AnalyticLobesWithFeatures(stack) if not_bakeable(stack) else AnalyticLobes(stack)
 
 
 class AnalyticLobesWithFeatures(AnalyticLobes):

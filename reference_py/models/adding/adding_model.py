@@ -25,15 +25,17 @@ draft   | 0        | a whole number from 0 to 1; 1 is f for fits, three to ten t
 [0.07, 0.131, 0.193]
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property, partial
 from math import ceil
 
 import numpy as np
 
 from ...errors import LaminaError, one_of
-from ...material.schema import SCATTERING
+from ...material.schema import SCATTERING, THIN_FILM
 from ...material.stack import Stack
+from ...optics.facet_reflectance import DielectricFacet
 from ...optics.frame import color_axis, no_axis, per_direction, sampled
 from ...optics.microfacet import is_specular
 from ...optics.optical_stack import OpticalStack, supports
@@ -91,7 +93,7 @@ class LayerEnergies:
         return self.grid.weights[: self.grid.count(n)] @ self.nodal[name] / (np.pi * n * n)
 
 
-@supports("model", features=(SCATTERING,))
+@supports("model", features=(SCATTERING, THIN_FILM))
 class Adding:
     """The truth, deterministic: adding of interface operators, all orders.
 
@@ -118,6 +120,7 @@ class Adding:
             nodes = _NODES if nodes is None else shape_nodes
             self._shape = Resolution(modes, across=max(24, modes // 2), along=48)
         self._grid, self._shape_grid = self._effective.grid(nodes), self._effective.grid(shape_nodes)
+        self._depths: dict[tuple[DielectricFacet, ...], tuple[list[InterfaceOperators], Resolution]] = {}
 
     def _draft(self, fine: float) -> tuple[int, Resolution]:
         """Nodes and resolution of a draft for lobes that want `fine` nodes."""
@@ -146,22 +149,26 @@ class Adding:
         result = np.zeros((len(cos_theta), self.channels))
         if len(visible):
             cos_o = np.minimum(cos_theta[visible], 1.0)
-            reflected, crossed = self._rows_from_above(cos_o)
+            top_rows = cache(partial(self._top_rows, cos_o))  # channels whose facets are alike share them
             for channel, members in self._effective.channels():
-                inside = reflected(channel) if crossed is None else reflected(channel) + crossed @ self._escape[channel]
-                inside = inside * np.exp(-self._effective.tau_above[channel] / cos_o)
+                inside = self._turned_out(channel, cos_o, top_rows) * np.exp(-self._effective.tau_above[channel] / cos_o)
                 result[np.ix_(visible, members)] = inside[:, None]
         return result[inverse]
 
-    def _rows_from_above(self, cos_o):
-        """Energy that the first surface turns out per channel, and what it lets cross on the grid below it."""
+    def _turned_out(self, channel: int, cos_o: np.ndarray, top_rows: Callable) -> np.ndarray:
+        """Energy (I,) that all below the medium at the top gives back outside for what reaches it from cosines (I,)."""
         effective, grid = self._effective, self._grid
-        outside = {c: transmittance(grid, 1.0, effective.tau_above[c]) for c in range(self.channels)}
+        outside = transmittance(grid, 1.0, effective.tau_above[channel])
         if not effective.interfaces:
-            return lambda c: sum(base_rows(effective.base, c, cos_o, self.surface, grid, ENERGY))[0] @ outside[c], None
-        top = effective.interfaces[0]
-        single, multi, crossed = dielectric_rows(top.n_above, top.n_below, cos_o, top.alpha, top.distribution, self.surface, grid, ENERGY)
-        return lambda c: (single + multi)[0] @ outside[c], crossed[0]
+            return sum(base_rows(effective.base, channel, cos_o, self.surface, grid, ENERGY))[0] @ outside
+        reflected, crossed = top_rows(effective.facets(channel)[0])
+        return reflected @ outside + crossed @ self._escape[channel]
+
+    def _top_rows(self, cos_o: np.ndarray, facet: DielectricFacet) -> tuple[np.ndarray, np.ndarray]:
+        """(reflected, crossed), each (I, N): what the first interface does to light from cosines (I,)."""
+        top = self._effective.interfaces[0]
+        single, multi, crossed = dielectric_rows(facet, cos_o, top.alpha, top.distribution, self.surface, self._grid, ENERGY)
+        return (single + multi)[0], crossed[0]
 
     @cached_property
     def _escape(self) -> dict[int, np.ndarray]:
@@ -169,7 +176,7 @@ class Adding:
         escape = {}
         for channel, _ in self._effective.channels():
             below = self._below(0, channel, ENERGY)
-            top = self._operators(0, ENERGY)
+            top = self._operators(0, channel, ENERGY)
             outside = top.t_up[0] @ transmittance(self._grid, 1.0, self._effective.tau_above[channel])
             escape[channel] = round_trips(below[0], top.r_down[0], below[0] @ outside)
         return escape
@@ -194,18 +201,20 @@ class Adding:
         effective, grid = self._effective, self._grid
         whole = empty(grid.count(1.0), 1).over_medium(effective.medium(0, channel, grid, 1))
         for k in range(len(effective.interfaces)):
-            whole = add(whole, self._operators(k, ENERGY).over_medium(effective.medium(k + 1, channel, grid, 1)))
+            whole = add(whole, self._operators(k, channel, ENERGY).over_medium(effective.medium(k + 1, channel, grid, 1)))
         return whole
 
-    def _operators(self, k: int, resolution: Resolution) -> InterfaceOperators:
+    def _operators(self, k: int, channel: int, resolution: Resolution) -> InterfaceOperators:
         if resolution is self._shape:
-            return self._by_depth[0][k]
+            return self._by_depth(channel)[0][k]
         i = self._effective.interfaces[k]
-        return interface_operators(i.n_above, i.n_below, i.alpha, i.distribution, self.surface, self._grid, resolution)
+        return interface_operators(i.facet(channel), i.alpha, i.distribution, self.surface, self._grid, resolution)
 
-    @cached_property
-    def _by_depth(self) -> tuple[list[InterfaceOperators], Resolution]:
-        return operators_by_depth(self._effective, self.surface, self._shape_grid, self._shape)
+    def _by_depth(self, channel: int) -> tuple[list[InterfaceOperators], Resolution]:
+        facets = self._effective.facets(channel)
+        if facets not in self._depths:
+            self._depths[facets] = operators_by_depth(self._effective, channel, self.surface, self._shape_grid, self._shape)
+        return self._depths[facets]
 
     def _grid_for(self, resolution: Resolution) -> Grid:
         return self._shape_grid if resolution is self._shape else self._grid
@@ -222,12 +231,12 @@ class Adding:
         effective, grid = self._effective, self._grid_for(resolution)
         if k == len(effective.interfaces):
             base = effective.base
-            seen = self._by_depth[1] if resolution is self._shape else resolution
+            seen = self._by_depth(channel)[1] if resolution is self._shape else resolution
             single, multi = base_rows(base, channel, grid.cosines(base.n_above), self.surface, grid, seen)
             whole, direct = single + multi, single
             specular = np.diagonal(multi[0]) if base.is_specular else np.zeros(len(single[0]))
         else:
-            top = self._operators(k, resolution)
+            top = self._operators(k, channel, resolution)
             below, specular_below, direct_below = self._reflection(k + 1, channel, resolution)
             reached, whole = top.cut(len(below)), top.r_up.copy()
             whole[: len(below)] += reached.t_down @ round_trips(below, reached.r_down, below @ reached.t_up)

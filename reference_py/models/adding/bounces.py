@@ -17,7 +17,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...optics.fresnel import fresnel_conductor, fresnel_dielectric
+from ...optics.facet_reflectance import DielectricFacet, Facet
 from .direction_grid import chebyshev, gauss_legendre, legendre
 from .facets import MULTIPLE, smith_lambda, visible_facets
 
@@ -73,12 +73,16 @@ def detail_of(modes: int, whole: int | None = None, is_draft: bool = False) -> D
 
 @dataclass(frozen=True)
 class Microsurface:
-    """`etas`: n_other / n_own of each side for a dielectric, or empty; `index`: relative (eta, k) of a conductor."""
+    """A surface of facets that light meets from side 0; a dielectric's has a second side."""
 
     alpha: float
     distribution: str
-    etas: tuple[float, ...] = ()
-    index: tuple[float, float] = (0.0, 0.0)
+    facet: Facet
+
+    @property
+    def sides(self) -> tuple[Facet, ...]:
+        """The facet as each side meets it."""
+        return (self.facet, self.facet.turned) if isinstance(self.facet, DielectricFacet) else (self.facet,)
 
     def shares(self, cos_theta: np.ndarray, detail: Detail) -> tuple[np.ndarray, np.ndarray]:
         """How the leftover of light at cosines (I,) on side 0 is shared: (side, azimuths, I, moments), and the part of it that is two
@@ -88,8 +92,8 @@ class Microsurface:
         """
         # The two sides of an interface are one problem, whichever the light comes from.
         surface, side = self, 0
-        if self.etas and self.etas[0] < 1.0:
-            surface, side = replace(self, etas=self.etas[::-1]), 1
+        if isinstance(self.facet, DielectricFacet) and self.facet.eta < 1.0:
+            surface, side = replace(self, facet=self.facet.turned), 1
         scatter = _Scatter(surface, side, cos_theta, detail)
         # from above the surface, where c = 1, every ray comes down to some height
         descent = _descent(np.ones(1), cos_theta, self, detail.heights)[:, 0]
@@ -103,7 +107,7 @@ class Microsurface:
         # narrow Beckmann surfaces, the collocation's error says otherwise.
         energy = np.maximum(again[:, 0, :, 0], 0.0)
         least = _ACCURACY
-        if self.etas:
+        if len(self.sides) == 2:
             left = energy.sum(axis=0)  # what does not leave directly, up to the collocation's error, which this takes out
             least = _NOTHING
         else:
@@ -122,7 +126,7 @@ class Microsurface:
 @lru_cache(maxsize=64)
 def _solution(surface: Microsurface, detail: Detail) -> tuple[np.ndarray, np.ndarray]:
     """(azimuths, side, directions, heights, sides * moments) of the unknown at the nodes, and of its part that meets one facet more."""
-    sides = max(len(surface.etas), 1)
+    sides = len(surface.sides)
     directions, heights = detail.directions, detail.heights
     cosines = _node_cosines(surface.alpha, directions)
     walk = _path(_node_heights(heights), cosines, surface)
@@ -147,20 +151,19 @@ class _Scatter:
 
     def __init__(self, surface: Microsurface, side: int, cos_theta: np.ndarray, detail: Detail):
         self.surface, self.side, self.detail = surface, side, detail
-        eta = (surface.etas or (1.0,))[side]
+        facet = surface.sides[side]
+        eta = facet.eta if isinstance(facet, DielectricFacet) else 1.0
         facets = visible_facets(cos_theta, surface.alpha, surface.distribution, MULTIPLE, detail.across, detail.along, eta)
         cos = np.clip(facets.cos_om, 0.0, 1.0)
-        if surface.etas:
-            reflectance = fresnel_dielectric(cos, eta)
+        reflectance = facet(cos)
+        if isinstance(facet, DielectricFacet):
             cos_t = np.sqrt(np.maximum(1.0 - (1.0 - cos * cos) / eta**2, 0.0))
             refracted = (cos / eta - cos_t)[..., None] * facets.wm - facets.wo / eta
             self._refracted = _Rays(surface, refracted * np.array([1.0, 1.0, -1.0]), facets.weights * (1.0 - reflectance), detail)
-        else:
-            reflectance = fresnel_conductor(cos, *surface.index)
         self._mirrored, self._weights = 2.0 * cos[..., None] * facets.wm - facets.wo, facets.weights
         self._reflected = _Rays(surface, self._mirrored, facets.weights * reflectance, detail)
         self.reflect = self._reflected.at_directions()
-        self.refract = self._refracted.at_directions() if surface.etas else None
+        self.refract = self._refracted.at_directions() if isinstance(facet, DielectricFacet) else None
 
     def single(self, sides: int) -> np.ndarray:
         """(azimuths, I, heights, sides * moments): what leaves directly after this event, at the heights' nodes."""
@@ -179,7 +182,7 @@ class _Scatter:
     def apply(self, solution: np.ndarray) -> np.ndarray:
         """(azimuths, I, heights, ...): the unknown after this event, at the heights' nodes."""
         result = _through(self.reflect, solution[:, self.side])
-        if self.surface.etas:
+        if self.refract is not None:
             result += _through(self.refract, solution[:, 1 - self.side, :, ::-1])
         return result
 

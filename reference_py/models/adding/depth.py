@@ -13,8 +13,10 @@ from .operators import InterfaceOperators, Resolution, interface_operators
 _UNSEEN = 1e-7
 
 
-def operators_by_depth(effective: EffectiveStack, surface: str, grid: Grid, resolution: Resolution) -> tuple[list[InterfaceOperators], Resolution]:
-    """Operators of the interfaces, from the top, with the modes that are seen of each, and the resolution of the base.
+def operators_by_depth(
+    effective: EffectiveStack, channel: int, surface: str, grid: Grid, resolution: Resolution
+) -> tuple[list[InterfaceOperators], Resolution]:
+    """Operators of the interfaces in a channel, from the top, with the modes that are seen of each, and the resolution of the base.
 
     Below a medium that scatters no more are left out: what it turns takes other ways than those that are followed here.
     """
@@ -22,7 +24,7 @@ def operators_by_depth(effective: EffectiveStack, surface: str, grid: Grid, reso
     asked: dict[tuple, Resolution] = {}
     through, is_clear = np.eye(grid.count(1.0))[None], True
     for interface in effective.interfaces:
-        like = (interface.n_above, interface.n_below, interface.alpha, interface.distribution)
+        like = (interface.facet(channel), interface.alpha, interface.distribution)
         # of interfaces that are alike the first has the most modes
         own = interface_operators(*like, surface, grid, asked.setdefault(like, resolution)).cut(resolution.modes)
         operators.append(own)

@@ -10,8 +10,9 @@ from itertools import takewhile
 
 import numpy as np
 
+from ...optics.facet_reflectance import Facet
 from ...optics.frame import dot, half_vector
-from ...optics.fresnel import cos_theta_t, fresnel_dielectric
+from ...optics.fresnel import cos_theta_t
 from ...optics.interface import Interface
 from ...optics.microfacet import is_specular
 from ...optics.slab import henyey_greenstein, peak, single_scattering, without_peak
@@ -52,7 +53,7 @@ class _SmoothRun:
         run = list(takewhile(lambda i: is_specular(i.alpha), effective.interfaces))
         cosines = [cos_theta, *(cos_theta_t(cos_theta, i.n_below) for i in run)]
         crossing = [np.exp(-tau / np.maximum(c, 1e-12)[:, None]) for tau, c in zip((effective.tau_above, *effective.taus), cosines)]
-        reflectances = [fresnel_dielectric(cosine, i.eta)[:, None] for cosine, i in zip(cosines, run)]
+        reflectances = [i.reflectance(cosine) for cosine, i in zip(cosines, run)]
         self.depth = len(run)
         self.mirrored = np.zeros((len(cos_theta), effective.base.channels))
         if self.depth == len(effective.interfaces) and effective.base.is_specular:
@@ -100,26 +101,26 @@ def _event(effective: EffectiveStack, k: int, surface: str, wo, wi, resolution: 
     base = effective.base
     if k < len(effective.interfaces):
         interface = effective.interfaces[k]
-        facets, fresnel = interface.facets, fresnel_dielectric(cos_h, interface.eta)[:, None]
-        indices = ((interface.eta,),)
+        facets, fresnel = interface.facets, interface.reflectance(cos_h)
+        met = [interface.facet(c) for c in range(fresnel.shape[1])]
     elif base.facets is None:
         return base.f(wi, wo)
     elif base.is_specular:
         return np.zeros((len(wo), base.channels))
     else:
-        facets, fresnel, indices = base.facets, base.reflectance(cos_h), tuple(zip(*base.relative_index))
+        facets, fresnel, met = base.facets, base.reflectance(cos_h), [base.facet(c) for c in range(base.channels)]
     lobe = (facets.alpha, facets.distribution)
     f = fresnel * reflection_lobe(wo[:, 2], wi[:, 2], wh[:, 2], *lobe, surface)[:, None]
     if knows_two_events(surface, facets.alpha, resolution):
-        f = f + _two_events(wo, wi, *lobe, indices)
+        f = f + _two_events(wo, wi, *lobe, met)
     return f
 
 
-def _two_events(wo, wi, alpha: float, distribution: str, indices: tuple) -> np.ndarray:
-    """f (P, len(indices)) of two reflections on facets of these indices."""
-    distinct = tuple(dict.fromkeys(indices))
+def _two_events(wo, wi, alpha: float, distribution: str, met: list[Facet]) -> np.ndarray:
+    """f (P, len(met)) of two reflections on such facets."""
+    distinct = tuple(dict.fromkeys(met))
     sines = np.maximum(np.hypot(wo[:, 0], wo[:, 1]) * np.hypot(wi[:, 0], wi[:, 1]), 1e-12)
     turn = (wo[:, 2], wi[:, 2], -(wo[:, 0] * wi[:, 0] + wo[:, 1] * wi[:, 1]) / sines)
     # of many channels a few at a time, which bounds memory
     tables = (two_reflections(alpha, distribution, distinct[i : i + _AT_ONCE]) for i in range(0, len(distinct), _AT_ONCE))
-    return np.concatenate([table(*turn) for table in tables], axis=1)[:, [distinct.index(index) for index in indices]]
+    return np.concatenate([table(*turn) for table in tables], axis=1)[:, [distinct.index(facet) for facet in met]]

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...optics.bases import ConductorBase, DiffuseBase
+from ...optics.facet_reflectance import DielectricFacet
 from ...optics.interface import Interface, Microfacets
 from ...optics.microfacet import is_specular
 from ...optics.optical_stack import OpticalStack
@@ -32,11 +33,11 @@ class EffectiveStack:
         """That of a resolved stack."""
         tau_above, kept, taus = np.zeros(optics.channels), [], []
         for interface in optics.interfaces:
-            if interface.eta == 1.0 and (interface.scattering or (kept and kept[-1].scattering)):
+            if interface.does_nothing and (interface.scattering or (kept and kept[-1].scattering)):
                 interface = replace(interface, facets=Microfacets(interface.distribution, 0.0))
                 kept.append(interface)
                 taus.append(interface.tau)
-            elif interface.eta != 1.0:
+            elif not interface.does_nothing:
                 kept.append(interface)
                 taus.append(interface.tau)
             elif kept:
@@ -70,12 +71,16 @@ class EffectiveStack:
         facets = [i.facets for i in self.interfaces] + ([self.base.facets] if self.base.facets else [])
         return [f.alpha for f in facets if not is_specular(f.alpha)]
 
+    def facets(self, channel: int) -> tuple[DielectricFacet, ...]:
+        """What the interfaces' facets reflect in a channel of light from above."""
+        return tuple(i.facet(channel) for i in self.interfaces)
+
     def channels(self) -> list[tuple[int, list[int]]]:
         """(representative, members) of each set of channels that are alike."""
         groups: dict = {}
         for c in range(self.base.channels):
             scattered = (i.scattering.albedo[c] for i in self.interfaces if i.scattering)
-            key = (self.base.channel_key(c), self.tau_above[c], *(tau[c] for tau in self.taus), *scattered)
+            key = (self.base.channel_key(c), self.facets(c), self.tau_above[c], *(tau[c] for tau in self.taus), *scattered)
             groups.setdefault(key, []).append(c)
         return [(members[0], members) for members in groups.values()]
 
@@ -97,9 +102,9 @@ def base_rows(base: DiffuseBase | ConductorBase, channel: int, cos_theta: np.nda
     """(reflected once, reflected otherwise), each (modes, I, N), of a base for walkers at cosines (I,)."""
     match base:
         case ConductorBase():
-            index = tuple(zip(*base.relative_index))
-            facets = base.facets
-            return conductor_rows(index, base.n_above, cos_theta, facets.alpha, facets.distribution, surface, grid, resolution)[channel]
+            metals = tuple(base.facet(c) for c in range(base.channels))
+            setup = (base.facets.alpha, base.facets.distribution, surface, grid, resolution)
+            return conductor_rows(metals, cos_theta, *setup)[channel]
         case DiffuseBase(sigma_deg=0.0):
             rows = lambert_rows(float(base.color[channel]), base.n_above, len(cos_theta), grid, resolution.modes)
         case DiffuseBase():

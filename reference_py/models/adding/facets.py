@@ -13,7 +13,7 @@ from math import pi
 import numpy as np
 
 from ...optics import microfacet
-from ...optics.fresnel import fresnel_dielectric
+from ...optics.facet_reflectance import DielectricFacet
 from ...optics.microfacet import GGX, distribution_of
 from ...optics.sampling import projected_area
 from .direction_grid import gauss_legendre
@@ -194,16 +194,16 @@ def _rooted(count, low, high):
     return low + (high - low) * np.square(np.sin(0.5 * pi * v)), (high - low) * 0.5 * pi * np.sin(pi * v) * w
 
 
-def dielectric_reflected(facets: Facets, eta: float) -> tuple[np.ndarray, np.ndarray]:
-    """(wi, weights) of a dielectric, Fresnel included; eta = n_t / n_i."""
+def dielectric_reflected(facets: Facets, facet: DielectricFacet) -> tuple[np.ndarray, np.ndarray]:
+    """(wi, weights) of a dielectric, Fresnel included."""
     wi, weights = facets.reflected()
-    return wi, weights * fresnel_dielectric(facets.cos_om, eta)
+    return wi, weights * facet(facets.cos_om)
 
 
-def dielectric_refracted(facets: Facets, eta: float) -> tuple[np.ndarray, np.ndarray]:
-    """(wt, weights) of a dielectric, Fresnel included; eta = n_t / n_i."""
-    wt, weights = facets.refracted(eta)
-    return wt, weights * (1.0 - fresnel_dielectric(facets.cos_om, eta))
+def dielectric_refracted(facets: Facets, facet: DielectricFacet) -> tuple[np.ndarray, np.ndarray]:
+    """(wt, weights) of a dielectric, Fresnel included."""
+    wt, weights = facets.refracted(facet.eta)
+    return wt, weights * (1.0 - facet(facets.cos_om))
 
 
 _LANCZOS = (

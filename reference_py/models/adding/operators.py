@@ -13,8 +13,9 @@ from functools import lru_cache
 import numpy as np
 
 from ...optics.diffuse import oren_nayar
+from ...optics.facet_reflectance import ConductorFacet, DielectricFacet
 from ...optics.frame import spherical
-from ...optics.fresnel import cos_theta_t, fresnel_conductor, fresnel_dielectric
+from ...optics.fresnel import cos_theta_t
 from ...optics.microfacet import is_specular
 from ...optics.slab import slab
 from .assembly import Layers, ScatteringMedium
@@ -60,57 +61,55 @@ class InterfaceOperators(Layers):
 
 
 @lru_cache(maxsize=24)
-def interface_operators(n_above, n_below, alpha, distribution, surface, grid: Grid, resolution: Resolution) -> InterfaceOperators:
-    """Operators of a dielectric interface; n_above and n_below are among grid.breaks."""
+def interface_operators(facet: DielectricFacet, alpha, distribution, surface, grid: Grid, resolution: Resolution) -> InterfaceOperators:
+    """Operators of a dielectric interface of such facets, met from above; both their indices are among grid.breaks."""
     if is_specular(alpha):
-        return _specular_operators(n_above, n_below, grid, resolution.modes)
+        return _specular_operators(facet, grid, resolution.modes)
     setup = (alpha, distribution, surface, grid, resolution)
-    single, multi, t_down = dielectric_rows(n_above, n_below, grid.cosines(n_above), *setup)
+    below_cosines = grid.cosines(facet.n_other)
+    single, multi, t_down = dielectric_rows(facet, grid.cosines(facet.n_own), *setup)
     if resolution.modes == 1:
-        single_down, multi_down, t_up = dielectric_rows(n_below, n_above, grid.cosines(n_below), *setup)
+        single_down, multi_down, t_up = dielectric_rows(facet.turned, below_cosines, *setup)
     else:
         # rows from above average the noise of few facets per mode, and by reciprocity say the way up
-        single_down, multi_down, _ = dielectric_rows(n_below, n_above, grid.cosines(n_below), *setup, transmits=False)
-        above, below = (grid.weights[: grid.count(n)] for n in (n_above, n_below))
+        single_down, multi_down, _ = dielectric_rows(facet.turned, below_cosines, *setup, transmits=False)
+        above, below = (grid.weights[: grid.count(n)] for n in (facet.n_own, facet.n_other))
         t_up = np.swapaxes(t_down, -1, -2) * above / below[:, None]
     return InterfaceOperators(single + multi, t_down, single_down + multi_down, t_up, single)
 
 
-def _specular_operators(n_above, n_below, grid, modes) -> InterfaceOperators:
+def _specular_operators(facet: DielectricFacet, grid, modes) -> InterfaceOperators:
     """Exactly diagonal, so that light which is trapped below a critical angle never leaks."""
-    above, below = grid.count(n_above), grid.count(n_below)
-    f_above = fresnel_dielectric(grid.cosines(n_above), n_below / n_above)
-    f_below = fresnel_dielectric(grid.cosines(n_below), n_above / n_below)
+    above, below = grid.count(facet.n_own), grid.count(facet.n_other)
+    f_above, f_below = facet(grid.cosines(facet.n_own)), facet.turned(grid.cosines(facet.n_other))
     every = np.ones((modes, 1, 1))
     r_up, r_down = every * np.diag(f_above), every * np.diag(f_below)
     t_down, t_up = every * np.eye(above, below), every * np.eye(below, above)
     return InterfaceOperators(r_up, t_down * (1.0 - f_above)[:, None], r_down, t_up * (1.0 - f_below)[:, None], np.zeros_like(r_up))
 
 
-def dielectric_rows(n_own, n_other, cos_theta, alpha, distribution, surface, grid: Grid, resolution: Resolution, transmits: bool = True):
-    """Rows for walkers that arrive at cosines (I,) in n_own: (reflected as `direct_f` knows, reflected otherwise, transmitted).
+def dielectric_rows(facet: DielectricFacet, cos_theta, alpha, distribution, surface, grid: Grid, resolution: Resolution, transmits: bool = True):
+    """Rows for walkers that arrive at cosines (I,) on the side from which the facet is met: (reflected as `direct_f` knows, reflected otherwise, transmitted).
 
     A mirror reflects "otherwise": its part has no finite f. Without `transmits`, what is transmitted is zeros in its place.
     """
-    eta, modes = n_other / n_own, resolution.modes
+    n_own, n_other, modes = facet.n_own, facet.n_other, resolution.modes
     if is_specular(alpha):
-        reflectance = fresnel_dielectric(cos_theta, eta)[:, None]
+        reflectance = facet(cos_theta)[:, None]
         specular = reflectance * grid.interpolation(n_own, cos_theta)
-        refracted = (1.0 - reflectance) * grid.interpolation(n_other, cos_theta_t(cos_theta, eta))
+        refracted = (1.0 - reflectance) * grid.interpolation(n_other, cos_theta_t(cos_theta, facet.eta))
         every = np.ones((modes, 1, 1))
         return 0.0 * every * specular, every * specular, every * refracted
-    setup = (eta, alpha, distribution, surface, grid, resolution, transmits)
-    parts = [_dielectric_chunk(n_own, n_other, cos_theta[i : i + _CHUNK], *setup) for i in range(0, len(cos_theta), _CHUNK)]
+    setup = (alpha, distribution, surface, grid, resolution, transmits)
+    parts = [_dielectric_chunk(facet, cos_theta[i : i + _CHUNK], *setup) for i in range(0, len(cos_theta), _CHUNK)]
     single, transmitted, crossed = (np.concatenate(rows, axis=-2) for rows in zip(*parts))
     if _is_resolved(alpha, grid):
-        single = _resolved_lobes([lambda cos: fresnel_dielectric(cos, eta)], cos_theta, n_own, alpha, distribution, surface, grid, modes, resolution.left_out)[
-            0
-        ]
+        (single,) = _resolved_lobes([facet], cos_theta, n_own, alpha, distribution, surface, grid, modes, resolution.left_out)
     multi = np.zeros_like(single)
     if _scatters_more_than_once(surface, alpha, resolution):
         left = 1.0 - single[0].sum(axis=1, keepdims=True) - crossed
         detail = detail_of(modes, modes + resolution.left_out, resolution.is_draft)
-        moments, twice = (shares * left for shares in Microsurface(alpha, distribution, etas=(eta, n_own / n_other)).shares(cos_theta, detail))
+        moments, twice = (shares * left for shares in Microsurface(alpha, distribution, facet).shares(cos_theta, detail))
         multi[: moments.shape[1]] = _spread(moments[0], grid, n_own)
         if transmits:
             transmitted[: moments.shape[1]] += _spread(moments[1], grid, n_other)
@@ -121,17 +120,17 @@ def dielectric_rows(n_own, n_other, cos_theta, alpha, distribution, surface, gri
     return single, multi, transmitted
 
 
-def _dielectric_chunk(n_own, n_other, cos_theta, eta, alpha, distribution, surface, grid, resolution, transmits):
+def _dielectric_chunk(facet, cos_theta, alpha, distribution, surface, grid, resolution, transmits):
     """Of one event: rows reflected, where lobes are not resolved, and transmitted, and the share (I, 1) that crosses."""
     spread = resolution if transmits or not _is_resolved(alpha, grid) else ENERGY
-    facets = visible_facets(cos_theta, alpha, distribution, surface, spread.across, spread.along, eta)
-    wt, w_refracted = dielectric_refracted(facets, eta)
-    single, transmitted = (np.zeros((resolution.modes, len(cos_theta), grid.count(n))) for n in (n_own, n_other))
+    facets = visible_facets(cos_theta, alpha, distribution, surface, spread.across, spread.along, facet.eta)
+    wt, w_refracted = dielectric_refracted(facets, facet)
+    single, transmitted = (np.zeros((resolution.modes, len(cos_theta), grid.count(n))) for n in (facet.n_own, facet.n_other))
     if not _is_resolved(alpha, grid):
-        wi, w_reflected = dielectric_reflected(facets, eta)
-        single = grid.project(n_own, wi, resolution.modes)(w_reflected)[0]
+        wi, w_reflected = dielectric_reflected(facets, facet)
+        single = grid.project(facet.n_own, wi, resolution.modes)(w_reflected)[0]
     if transmits:
-        transmitted = grid.project(n_other, wt, resolution.modes)(w_refracted)[0]
+        transmitted = grid.project(facet.n_other, wt, resolution.modes)(w_refracted)[0]
     return single, transmitted, w_refracted.sum(axis=1, keepdims=True)
 
 
@@ -191,45 +190,42 @@ def oren_nayar_rows(color: float, sigma_deg: float, n: float, cos_theta, grid: G
     return np.einsum("mp,ijp->mij", harmonics, f) * grid.weights[: grid.count(n)] / (n * n)
 
 
-def conductor_rows(index, n, cos_theta, alpha, distribution, surface, grid: Grid, resolution: Resolution):
-    """By channel, rows (modes, I, N) of a conductor of relative (eta, k) per channel: (reflected once, reflected otherwise)."""
+def conductor_rows(metals: tuple[ConductorFacet, ...], cos_theta, alpha, distribution, surface, grid: Grid, resolution: Resolution):
+    """By channel, rows (modes, I, N) of a conductor of such facets: (reflected once, reflected otherwise)."""
     setup = (alpha, distribution, surface, grid, resolution)
-    return _conductor_rows(index, n, tuple(cos_theta.tolist()), *setup)
+    return _conductor_rows(metals, tuple(cos_theta.tolist()), *setup)
 
 
 @lru_cache(maxsize=8)
-def _conductor_rows(index, n, cos_theta: tuple, alpha, distribution, surface, grid, resolution):
-    distinct = list(dict.fromkeys(index))
+def _conductor_rows(metals, cos_theta: tuple, alpha, distribution, surface, grid, resolution):
+    distinct = list(dict.fromkeys(metals))
     cosines = np.array(cos_theta)
-    parts = [_conductor_chunk(distinct, n, cosines[i : i + _CHUNK], alpha, distribution, surface, grid, resolution) for i in range(0, len(cosines), _CHUNK)]
+    parts = [_conductor_chunk(distinct, cosines[i : i + _CHUNK], alpha, distribution, surface, grid, resolution) for i in range(0, len(cosines), _CHUNK)]
     by_channel = [tuple(np.concatenate(rows, axis=1) for rows in zip(*chunks)) for chunks in zip(*parts)]
-    return tuple(by_channel[distinct.index(pair)] for pair in index)
+    return tuple(by_channel[distinct.index(metal)] for metal in metals)
 
 
-def _conductor_chunk(index, n, cos_theta, alpha, distribution, surface, grid, resolution) -> list[tuple[np.ndarray, np.ndarray]]:
-    modes = resolution.modes
+def _conductor_chunk(metals: list[ConductorFacet], cos_theta, alpha, distribution, surface, grid, resolution) -> list[tuple[np.ndarray, np.ndarray]]:
+    n, modes = metals[0].n_above, resolution.modes
     if is_specular(alpha):
         every = np.ones((modes, 1, 1))
-        specular = [fresnel_conductor(cos_theta, *pair)[:, None] * grid.interpolation(n, cos_theta) for pair in index]
+        specular = [metal(cos_theta)[:, None] * grid.interpolation(n, cos_theta) for metal in metals]
         return [(0.0 * every * rows, every * rows) for rows in specular]
-    curves = [lambda cos, pair=pair: fresnel_conductor(cos, *pair) for pair in index]
     if _is_resolved(alpha, grid):
         lobe = (cos_theta, n, alpha, distribution, surface, grid)
-        single, white = _resolved_lobes(curves, *lobe, modes, resolution.left_out), _resolved_lobes([np.ones_like], *lobe, 1)[0][0].sum(axis=1)
+        single, white = _resolved_lobes(metals, *lobe, modes, resolution.left_out), _resolved_lobes([np.ones_like], *lobe, 1)[0][0].sum(axis=1)
     else:
         # along the plane of incidence a draft needs as many, or loses 2 % of a foil's light
         across = resolution.across if resolution.is_draft else 2 * resolution.across
         facets = visible_facets(cos_theta, alpha, distribution, surface, across, 2 * resolution.along)
         wi, weights = facets.reflected()
         cos_om = facets.cos_om
-        single, white = grid.project(n, wi, modes)(*(weights * curve(cos_om) for curve in curves)), weights.sum(axis=1)
+        single, white = grid.project(n, wi, modes)(*(weights * metal(cos_om) for metal in metals)), weights.sum(axis=1)
     multi = [np.zeros_like(rows) for rows in single]
     if _scatters_more_than_once(surface, alpha, resolution):
         left = np.maximum(1.0 - white, 0.0)[:, None]
-        for once, rows, pair in zip(single, multi, index):
-            (moments,), twice = Microsurface(alpha, distribution, index=pair).shares(
-                cos_theta, detail_of(modes, modes + resolution.left_out, resolution.is_draft)
-            )
+        for once, rows, metal in zip(single, multi, metals):
+            (moments,), twice = Microsurface(alpha, distribution, metal).shares(cos_theta, detail_of(modes, modes + resolution.left_out, resolution.is_draft))
             rows[: len(moments)] = _spread(moments * left, grid, n)
             if knows_two_events(surface, alpha, resolution):
                 known = _spread((moments if alpha < NARROW_ALPHA else twice) * left, grid, n)

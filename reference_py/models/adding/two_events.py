@@ -16,7 +16,7 @@ from functools import lru_cache
 import numpy as np
 
 from ...optics import microfacet
-from ...optics.fresnel import fresnel_conductor, fresnel_dielectric
+from ...optics.facet_reflectance import Facet
 from .bounces import ENERGY, NARROW_ALPHA, Microsurface
 from .direction_grid import gauss_legendre
 from .facets import smith_lambda
@@ -78,37 +78,36 @@ def _place(cos_theta, alpha: float):
 
 
 @lru_cache(maxsize=32)
-def two_reflections(alpha: float, distribution: str, indices: tuple) -> TwoReflections:
-    """That of a surface whose curves are a dielectric's (eta,) or conductors' (eta, k), relative."""
+def two_reflections(alpha: float, distribution: str, facets: tuple[Facet, ...]) -> TwoReflections:
+    """That of a surface of these facets, a curve each."""
     directions, azimuths = _FINE if alpha < _NARROW else _COARSE
     angles = 1.0 - np.square(np.linspace(1.0, 0.0, 2049))
     nodes = np.interp(np.linspace(0.0, 1.0, directions), _place(np.cos(0.5 * np.pi * angles), alpha), angles)
     cos = np.maximum(np.cos(0.5 * np.pi * nodes), _LAST)
     z, weights = _between(np.append(cos, 0.0)[::-1], alpha)
     facet_cosines = np.linspace(0.0, 1.0, _CELLS + 1)
-    curves = [fresnel_dielectric(facet_cosines, *index) if len(index) == 1 else fresnel_conductor(facet_cosines, *index) for index in indices]
+    curves = [facet(facet_cosines) for facet in facets]
     own, between = smith_lambda(cos, alpha, distribution), smith_lambda(z, alpha, distribution)
     rising = weights / (z * (1.0 + own[:, None] + between))
     up = _lobes(cos, z, alpha, distribution, curves, azimuths)
     down = _lobes(cos, -z, alpha, distribution, curves, azimuths)
     scale = _fading(own[:, None], own) / (16.0 * cos[:, None] * cos * (1.0 + own[:, None] + own))
     tables = []
-    for index, first, then in zip(indices, up, down):
+    for facet, first, then in zip(facets, up, down):
         # (modes, o, z) @ (modes, z, i)
         half = np.moveaxis(first * rising[..., None], -1, 0) @ np.moveaxis(then, -1, 0).swapaxes(-1, -2)
         spectrum = half + half.swapaxes(-1, -2)
         f = np.fft.irfft(spectrum, axis=0)[: azimuths + 1] * (np.pi / azimuths) * scale
-        further = _further(cos, alpha, distribution, index)
+        further = _further(cos, alpha, distribution, facet)
         tables.append(np.log(np.maximum(np.moveaxis(f * (1.0 + further[:, None] * further), 0, -1), _LEAST)))
     return TwoReflections(alpha, distribution, np.stack(tables, axis=-1))
 
 
-def _further(cos, alpha: float, distribution: str, index: tuple):
+def _further(cos, alpha: float, distribution: str, facet: Facet):
     """(I,) whose products are what a narrow surface reflects otherwise, over what it reflects twice: from the energies of both."""
     if alpha >= NARROW_ALPHA:
         return np.zeros(len(cos))
-    surface = Microsurface(alpha, distribution, etas=(index[0], 1.0 / index[0])) if len(index) == 1 else Microsurface(alpha, distribution, index=index)
-    again, twice = surface.shares(cos, ENERGY)
+    again, twice = Microsurface(alpha, distribution, facet).shares(cos, ENERGY)
     return np.sqrt(np.clip(again[0, 0, :, 0] / np.maximum(twice[0, :, 0], 1e-9) - 1.0, 0.0, 1.0))
 
 
