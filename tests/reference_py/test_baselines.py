@@ -14,6 +14,7 @@ from lamina.reference_py.models.baselines.energy import mean_fresnel
 from lamina.reference_py.models.baselines.parts import dielectric, f82
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.fresnel import fresnel_conductor, fresnel_dielectric
+from lamina.reference_py.optics.quadrature import directional_albedo
 from lamina.reference_py.registry import MODELS, make_model
 
 NAMES = [baseline.name for baseline in BASELINES]
@@ -145,6 +146,14 @@ def test_albedo_is_the_integral_of_f(name):
     weight = w * np.pi / 4.0 * np.sin(theta) * np.cos(theta) * 2.0 * np.pi / len(phi)
     total = np.sum(model.f(wo, wi) * weight[:, None, None], axis=(0, 1))
     np.testing.assert_allclose(model.albedo(wo), total, rtol=1e-3)
+
+
+@pytest.mark.parametrize("case", [case for case in STRESS if "beckmann" not in case])
+def test_principled_albedo_by_its_closures_is_the_integral_of_its_f(case):
+    model = make_model("principled_coat", STRESS[case])
+    wo = spherical(np.radians([0.0, 30.0, 60.0, 80.0]), 0.0)
+    whole = directional_albedo(model.f, wo, model._widths(), count=65536) + model._specular_albedo(wo[:, 2])
+    np.testing.assert_allclose(model.albedo(wo), whole, atol=4e-4)
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ...optics.frame import dot, spherical
-from ...optics.ggx import ggx_visible_normals
+from ...optics.frame import spherical
+from ...optics.ggx import ggx_visible_columns
 from ...optics.microfacet import GGX, masking_g1, masking_g2
 from ...optics.quadrature import directional_albedo, points
 from .parts import Fresnel
@@ -51,12 +51,11 @@ def facets_seen(cos_o: np.ndarray, alpha: np.ndarray, each: int) -> tuple[np.nda
     """
     # A grid would meet the horizon in steps. The far half of the azimuth mirrors the near one.
     u1, u2 = points(each)
-    count = len(cos_o)
-    view = spherical(np.arccos(np.repeat(cos_o, each)), 0.0)
-    wm = ggx_visible_normals(view, np.repeat(alpha, each), np.tile(u1, count), np.tile(0.5 * u2, count))
-    cos_om = dot(view, wm)
-    cos_i = 2.0 * cos_om * wm[:, 2] - view[:, 2]
-    return np.clip(cos_om, 0.0, 1.0).reshape(count, each), cos_i.reshape(count, each)
+    cos_o, alpha = cos_o[:, None], alpha[:, None]
+    sin_o = np.sqrt(np.maximum(1.0 - cos_o * cos_o, 0.0))
+    x, _, z = ggx_visible_columns(sin_o, 0.0, cos_o, alpha, alpha, u1, 0.5 * u2)
+    cos_om = sin_o * x + cos_o * z
+    return np.clip(cos_om, 0.0, 1.0), 2.0 * cos_om * z - cos_o
 
 
 def reflected_share(cos_i: np.ndarray, cos_o: np.ndarray, alpha: np.ndarray) -> np.ndarray:

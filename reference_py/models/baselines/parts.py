@@ -50,13 +50,15 @@ class Baseline:
     def albedo(self, wo: np.ndarray) -> np.ndarray:
         """Directional albedo (..., 3), mirror-like parts included; 0 for views below the surface."""
         visible = wo[..., 2:] > 0.0
-        above = np.where(visible, wo, _UP)
-        total = directional_albedo(self.f, above, self._widths()) + self._specular_albedo(above[..., 2])
-        return np.where(visible, total, 0.0)
+        return np.where(visible, self._albedo(np.where(visible, wo, _UP)), 0.0)
 
     def _f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
         """f (..., 3) for directions above the surface."""
         raise NotImplementedError
+
+    def _albedo(self, wo: np.ndarray) -> np.ndarray:
+        """Albedo (n, 3) for views above the surface."""
+        return directional_albedo(self.f, wo, self._widths()) + self._specular_albedo(wo[..., 2])
 
     def _widths(self) -> Sequence[tuple[str, float]]:
         """(distribution, alpha) of the lobes, for the quadrature."""

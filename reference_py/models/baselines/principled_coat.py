@@ -25,6 +25,7 @@ from ...material.stack import Stack
 from ...optics.diffuse import fujii_roughness
 from ...optics.fresnel import cos_theta_t
 from ...optics.optical_stack import supports
+from ...optics.quadrature import directional_albedo
 from .cycles import MULTI_GGX, Closure, dielectric_closure, principled_specular
 from .energy import mean_fresnel
 from .parts import Baseline, metal_colors, metal_f82
@@ -72,6 +73,19 @@ class PrincipledCoat(Baseline):
         if self._specular:
             base = self._specular.f(wo, wi) + self._specular.left(wo[..., 2]) * base
         return self._throughput(wo[..., 2]) * base + (self._coat.f(wo, wi) if self._coat else 0.0)
+
+    def _albedo(self, above):
+        """By its closures: that of each depends on the view alone."""
+        cos_o, base = above[..., 2], self.optics.base
+        if self._metal:
+            below = self._metal.albedo(cos_o)
+        elif base.sigma_deg > 0.0:
+            below = directional_albedo(lambda wo, wi: base.f(wi, wo), above, [])
+        else:
+            below = base.color
+        if self._specular:
+            below = self._specular.albedo(cos_o) + self._specular.left(cos_o) * below
+        return self._throughput(cos_o) * below + (self._coat.albedo(cos_o) if self._coat else 0.0)
 
     def _specular_albedo(self, cos_o):
         base = self._metal.specular_albedo(cos_o) if self._metal else super()._specular_albedo(cos_o)
