@@ -107,7 +107,7 @@ def test_explain_says_what_was_tried_and_chosen():
 def test_explain_of_a_cloudy_stack(tmp_path):
     cloudy = {"kind": "dielectric", "scatter_color": [0.9, 0.9, 0.9], "density": 3.0}
     files = [tmp_path / "cloudy.json", tmp_path / "brushed.json"]
-    for file, film in zip(files, ({}, {"_thickness": 400.0})):
+    for file, brushed in zip(files, ({}, {"anisotropy": 0.5})):
         file.write_text(json.dumps({"layers": [{**cloudy, **brushed}], "base": {"kind": "lambert"}}))
     tried = json.loads(lamina("explain", files[0], "--json")[0])["tried"]
     assert tried and all(row["label"].startswith("baked") for row in tried)
