@@ -41,7 +41,7 @@ printf '#!/usr/bin/env bash\nexec "$(dirname "$(readlink -f "$0")")/inside" blen
 chmod +x "$folder/inside" "$folder/blender"
 
 cp -L /etc/resolv.conf "$root/etc/resolv.conf"
-packages="blender ca-certificates fonts-dejavu-core libgl1-mesa-dri libglx-mesa0 libegl-mesa0 python3-numpy python3-openimageio python3-requests python3-zstandard python3-pip"
+packages="blender ca-certificates fonts-dejavu-core libgl1 libgl1-mesa-dri libglx-mesa0 libegl-mesa0 python3-numpy python3-openimageio python3-requests python3-zstandard python3-pip"
 if ! "$folder/inside" dpkg-query -W blender >/dev/null 2>&1; then
   # A mirror may be a snapshot, whose list of releases is out of date.
   "$folder/inside" apt-get -o Acquire::Check-Valid-Until=false update -qq

@@ -2,7 +2,7 @@
 """Bakes that run beside Blender's window, one at a time, and shaders that follow values which they hold.
 
 A timer looks at the materials after something changed: a shader of old values is replaced at once by one that reads
-them (tier analytic), the means of their textures are measured once they rest, and when the values have rested for one tick, a process starts to compute the lobe set that the
+them (tier analytic), the means of their textures are measured once they rest, and what the next click on the active one may need is compiled, and when the values have rested for one tick, a process starts to compute the lobe set that the
 material's tier stands for. Without a window nothing of this runs: `material.refresh(settle=True)` waits instead.
 """
 
@@ -15,8 +15,8 @@ from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.lobes.cache import stack_key
 from ...reference_py.material.schema import SCHEMA_VERSION
 from ..blender.user_folders import cache_folder
+from ..material import first_click, osl_setting, pasted, reading, record, shader_node, state
 from ..material import material as materials
-from ..material import osl_setting, pasted, reading, record, shader_node, state
 from ..material.marks import concern_us
 from . import conversions
 from .process import Process, worker
@@ -90,6 +90,8 @@ def tick() -> float | None:
             try:
                 if material.name_full in resting:
                     reading.measure_means(material)
+                    if material == getattr(bpy.context.view_layer.objects.active, "active_material", None):
+                        first_click.compile_next(material)
                 left |= _follow(material)
                 left |= conversions.follow(material)
             except LaminaError as error:

@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
 import bpy
 
@@ -43,59 +44,44 @@ def is_untouched(text: str) -> bool:
 def holds(node: bpy.types.ShaderNodeScript, shader: Shader) -> bool:
     """Whether a Script node has this very shader, compiled, with all its sockets."""
     text = node.script
-    return text is not None and text.as_string() == shader.text and bool(node.bytecode) and not _missing(node, shader)
+    present = {socket.identifier for socket in (*node.inputs, *node.outputs)}
+    return text is not None and text.as_string() == shader.text and bool(node.bytecode) and _needed(shader) <= present
 
 
 def set_script(node: bpy.types.ShaderNodeScript, shader: Shader) -> None:
-    """Give a new Script node the shader and compile it into the node.
-
-    Raises LaminaError with the compiler's words when sockets are missing afterwards: Cycles would render such a
-    node white without an error.
-    """
-    log: list[str] = []
+    """Give a new Script node the shader, compiled. Raises LaminaError when that fails: Cycles would render such a node white without an error."""
+    compiled = compile_shader(shader)
     node.mode = "INTERNAL"
-    with _compiler_leftovers_removed():
-        node.script = text_of(shader)  # compiles it only while the window's scene renders with Cycles
-        if _missing(node, shader) and shader.name in _compiled:
-            _compiled[shader.name].give(node)
-            return
-        if _missing(node, shader):
-            import cycles.osl
+    with _not_compiled_again():
+        node.script = text_of(shader)
+    for is_output, kind, name, default in compiled.sockets:
+        sockets = node.outputs if is_output else node.inputs
+        socket = sockets.get(name) or sockets.new(kind, name, identifier=name)
+        if default is not None:
+            socket.default_value = default
+    node.bytecode, node.bytecode_hash = compiled.bytecode, compiled.bytecode_hash
 
-            cycles.osl.update_script_node(node, lambda level, message: log.append(message))
-    missing = _missing(node, shader)
-    if missing:
-        said = " ".join(log) or "the compiler said nothing"
-        raise LaminaError("the shader {shader} did not compile, sockets missing: {missing}; {said}", shader=shader.name, missing=", ".join(missing), said=said)
-    _anonymise(node)
-    if len(_compiled) >= _MOST_COMPILED:
-        _compiled.pop(next(iter(_compiled)))
-    _compiled[shader.name] = _Compiled.of(node)
+
+@contextmanager
+def _not_compiled_again() -> Iterator[None]:
+    """While the scene renders with Cycles, Blender compiles a text as soon as a node gets it, through this function of Cycles' add-on."""
+    import cycles.osl
+
+    before = cycles.osl.update_script_node
+    cycles.osl.update_script_node = lambda *_: False
+    try:
+        yield
+    finally:
+        cycles.osl.update_script_node = before
 
 
 @dataclass(frozen=True)
 class _Compiled:
-    """What compiling gave a node: its bytecode, and its sockets as (of the outputs, type, name, identifier, default)."""
+    """What a Script node gets of a shader: its bytecode, and its sockets as (of the outputs, type, name, default)."""
 
     bytecode: str
     bytecode_hash: str
     sockets: tuple[tuple, ...]
-
-    @classmethod
-    def of(cls, node) -> "_Compiled":
-        rows = []
-        for sockets in (node.inputs, node.outputs):
-            for s in sockets:
-                default = getattr(s, "default_value", None)
-                rows.append((s.is_output, s.bl_idname, s.name, s.identifier, default if isinstance(default, (int, float, str, type(None))) else tuple(default)))
-        return cls(node.bytecode, node.bytecode_hash, tuple(rows))
-
-    def give(self, node) -> None:
-        for is_output, kind, name, identifier, default in self.sockets:
-            socket = (node.outputs if is_output else node.inputs).new(kind, name, identifier=identifier)
-            if default is not None:
-                socket.default_value = default
-        node.bytecode, node.bytecode_hash = self.bytecode, self.bytecode_hash
 
 
 # By shader name, which is a hash of its text: materials that share a shader compile it once. The latest ones only.
@@ -103,26 +89,42 @@ _MOST_COMPILED = 32
 _compiled: dict[str, _Compiled] = {}
 
 
-@contextmanager
-def _compiler_leftovers_removed() -> Iterator[None]:
-    """Blender leaves a temporary file of up to some megabytes behind for each compilation of a text."""
-    before = tempfile.tempdir
+def compile_shader(shader: Shader) -> _Compiled:
+    """A shader as Blender's compiler makes it, at once where it did so before. Raises LaminaError when sockets are missing."""
+    if shader.name not in _compiled:
+        made = _compile(shader)
+        if len(_compiled) >= _MOST_COMPILED:
+            _compiled.pop(next(iter(_compiled)))
+        _compiled[shader.name] = made
+    return _compiled[shader.name]
+
+
+def _compile(shader: Shader) -> _Compiled:
+    """What `cycles.osl.update_script_node` does, without a node: so a shader can be compiled before there is one, and no temporary file stays behind."""
+    import _cycles
+    import oslquery
+    from cycles.osl import shader_param_type_default
+
     with tempfile.TemporaryDirectory() as folder:
-        tempfile.tempdir = folder
-        try:
-            yield
-        finally:
-            tempfile.tempdir = before
+        source, target = Path(folder, f"{shader.name}.osl"), Path(folder, f"{shader.name}.oso")
+        source.write_text(shader.text, encoding="utf-8")
+        is_compiled = _cycles.osl_compile(str(source), str(target))
+        code = _anonymous(target.read_text(encoding="utf-8")) if is_compiled else ""
+        parameters = oslquery.OSLQuery(str(target)).parameters if is_compiled else ()
+        rows = [(p.isoutput, p.name, *shader_param_type_default(p, False)) for p in parameters if p.type.arraylen == 0]
+    missing = sorted(_needed(shader) - {name for _, name, _, _ in rows})
+    if missing:
+        raise LaminaError(
+            "the shader {shader} did not compile, sockets missing: {missing}; the console says why", shader=shader.name, missing=", ".join(missing)
+        )
+    return _Compiled(code, hashlib.md5(code.encode(), usedforsecurity=False).hexdigest(), tuple((of, kind, name, value) for of, name, kind, value in rows))
 
 
-def _anonymise(node) -> None:
-    """Drop the compiler's remarks from the compiled shader: they hold folders of this machine, and the file may travel."""
-    code = re.sub(r"\n#[^\n]*", "", "\n" + node.bytecode)[1:]
-    node.bytecode = re.sub(r"%(?:filename|line)\{[^}]*\} ?", "", code)
-    node.bytecode_hash = hashlib.md5(node.bytecode.encode(), usedforsecurity=False).hexdigest()
+def _anonymous(code: str) -> str:
+    """A compiled shader without the compiler's remarks: they hold folders of this machine, and the file may travel."""
+    return re.sub(r"%(?:filename|line)\{[^}]*\} ?", "", re.sub(r"\n#[^\n]*", "", "\n" + code)[1:])
 
 
-def _missing(node, shader: Shader) -> list[str]:
-    """Sockets that the shader needs and the node has not."""
-    present = {socket.identifier for socket in (*node.inputs, *node.outputs)}
-    return sorted({"BSDF", *shader.others, *(i.osl_name for i in shader.inputs)} - present)
+def _needed(shader: Shader) -> set[str]:
+    """The sockets that a node of the shader has, by identifier."""
+    return {"BSDF", *shader.others, *(i.osl_name for i in shader.inputs)}
