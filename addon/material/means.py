@@ -10,7 +10,8 @@ import json
 import bpy
 
 from ...reference_py.material.schema import COLOR, FLOAT, Parameter
-from .source_mean import is_painted, mean_of, name_of, source_of_socket, state_of
+from .mask_groups import MASK_KEY
+from .source_mean import has_images, is_painted, mean_of, name_of, source_of_socket, state_of
 
 MEANS = "lamina_means"
 
@@ -37,7 +38,7 @@ def measure_node(node: bpy.types.Node, parameters: tuple[Parameter, ...]) -> boo
             continue
         row, state = former.get(parameter.label), state_of(source, parameter)
         if row is None or row["state"] != state or is_painted(source):
-            row = {"of": _address(source), "state": state, "mean": mean_of(source, parameter)}
+            row = {"of": _address(source), "state": state, "mean": _mean(source, parameter, state)}
         rows[parameter.label] = row
     if rows == former:
         return False
@@ -46,6 +47,22 @@ def measure_node(node: bpy.types.Node, parameters: tuple[Parameter, ...]) -> boo
     else:
         del node[MEANS]
     return {label: row["mean"] for label, row in rows.items()} != {label: row["mean"] for label, row in former.items()}
+
+
+# By their state, the means of generated masks that this session measured: what they are made of is all in them, unlike images.
+_MOST_MEASURED = 256
+_measured: dict[str, float | list[float]] = {}
+
+
+def _mean(source: bpy.types.NodeSocket, parameter: Parameter, state: str) -> float | list[float]:
+    group = getattr(source.node, "node_tree", None)
+    if group is None or MASK_KEY not in group or any(socket.is_linked for socket in source.node.inputs) or has_images(source):
+        return mean_of(source, parameter)
+    if state not in _measured:
+        if len(_measured) >= _MOST_MEASURED:
+            _measured.pop(next(iter(_measured)))
+        _measured[state] = mean_of(source, parameter)
+    return _measured[state]
 
 
 def _address(source: bpy.types.NodeSocket) -> list[str]:

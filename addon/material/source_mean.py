@@ -58,6 +58,11 @@ def is_painted(source: bpy.types.NodeSocket) -> bool:
     return any(image.is_dirty or image.source == "GENERATED" for image in _images(source.node, set()))
 
 
+def has_images(source: bpy.types.NodeSocket) -> bool:
+    """Whether an image is before a socket."""
+    return next(_images(source.node, set()), None) is not None
+
+
 def mean_of(source: bpy.types.NodeSocket, parameter: Parameter) -> list[float] | float:
     """The mean of what a socket gives, within the parameter's range, to four digits: the same on every machine."""
     read = partial(_read, parameter)

@@ -7,7 +7,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from lamina.addon.exchange import mask_bake
-from lamina.addon.material import layers, masks, material
+from lamina.addon.material import layers, masks, material, means
 from lamina.addon.material.elements import node_of
 from lamina.addon.material.node_copy import copy_sources
 from lamina.addon.material.reading import measured_stack, stack_of
@@ -201,3 +201,22 @@ def test_buttons(blender):
     assert (values["low"], values["high"]) == (0.0, 0.4)
     assert bpy.ops.lamina.bake_masks(into="IMAGE", size="64") == {"FINISHED"}
     assert bpy.ops.lamina.live_masks() == {"FINISHED"}
+
+
+def test_a_mask_that_comes_again_is_not_measured_again(blender, monkeypatch):
+    measured = []
+    monkeypatch.setattr(means, "_measured", {})
+    monkeypatch.setattr(means, "mean_of", lambda source, _: measured.append(source.node.name) or 0.5)
+    first = masked("patches")
+    assert len(measured) == 1
+    masked("patches")
+    assert len(measured) == 1
+    masked("patches", scale=7.0)
+    assert len(measured) == 2
+    mask = masks.mask_node(node_of(first.lamina.layers[0]).inputs["Coverage"])
+    picture = node_of(first.lamina.layers[0]).id_data.nodes.new("ShaderNodeTexImage")
+    picture.image = bpy.data.images.new("packed", 4, 4)
+    picture.id_data.links.new(picture.outputs[0], mask.inputs[0])
+    for count in (3, 4):
+        measured_stack(first)
+        assert len(measured) == count
