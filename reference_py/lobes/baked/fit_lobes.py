@@ -175,13 +175,9 @@ class ViewFits:
 
     def _moments(self, rows, weights) -> tuple[np.ndarray, np.ndarray]:
         """Weighted products of the rows with each other (V, C, r, r), and with the goal (V, C, r)."""
-        count = rows.shape[1]
-        gram = np.empty((*weights.shape[:2], count, count))
-        for channel in range(weights.shape[1]):
-            weighted = rows * weights[:, channel, None]
-            for i in range(count):  # half of what is symmetric; a product of so small matrices costs more by BLAS
-                gram[:, channel, i, i:] = gram[:, channel, i:, i] = np.einsum("vq,viq->vi", weighted[:, i], rows[:, i:])
-        return gram, np.einsum("vcq,viq->vci", weights * self.goal, rows)
+        across = np.swapaxes(rows, 1, 2)
+        gram = np.stack([(rows * weights[:, channel, None]) @ across for channel in range(weights.shape[1])], axis=1)
+        return gram, (weights * self.goal) @ across
 
 
 def _squares(gram, moments, weight) -> np.ndarray:
