@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How fast the two truths and bakes are: walks per second of `position_free`, seconds of a cold albedo of `adding` and of a bake, and where
+"""How fast the two truths and bakes are: walks per second of `position_free`, seconds of a cold albedo and f of `adding` and of a bake, and where
 Mitsuba is installed (`make mitsuba`) what the walks cost beside its explicit slabs at equal error.
 
 Processor time, not the clock's, and the best of several repeats, so that other work on the machine counts little.
 Run by `make bench`; nothing is asserted.
 """
 
+import os
 import resource
 import time
 from multiprocessing import get_context
@@ -43,8 +44,18 @@ THREE_LAYERS = {
     ],
 }
 
-# Paths a pixel of 64 x 64.
-MITSUBA_SAMPLES = 16
+_ALPHAS = [(0.3 + 0.02 * i) ** 2 for i in range(20)]
+SILVER = {"kind": "conductor", "metal": "silver", "roughness": 0.3}
+TWENTY_LAYERS = {
+    "twenty rough layers, two alternate": suite_stack("twenty_rough"),
+    "two indices, twenty roughnesses": Stack.from_dict({"base": SILVER, "layers": [layer((1.5, 1.3)[i % 2], a) for i, a in enumerate(_ALPHAS)]}),
+    "twenty indices and roughnesses": Stack.from_dict(
+        {"base": SILVER, "layers": [layer((1.3 + 0.01 * i, 1.7 - 0.01 * i)[i % 2], a) for i, a in enumerate(_ALPHAS)]}
+    ),
+}
+
+# Paths a pixel of 64 x 64, and estimates of both ways.
+MITSUBA_SAMPLES, MITSUBA_ROUNDS = 16, 9
 SLABS = ("plastic_grey_0_4", "gold_coat_0_1_metal_0_1", "three_rough")
 BAKED = ("plastic_grey_0", "plastic_tinted", "gold_coat_0_1_metal_0_1", "three_rough")
 
@@ -67,6 +78,15 @@ def cold_seconds(name: str) -> float:
     wo = spherical(np.linspace(0.0, np.radians(89.0), DIRECTIONS), 0.0)
     start = time.process_time()
     make_model("adding", Stack.from_dict({"layers": layers, "base": base})).albedo(wo)
+    return time.process_time() - start
+
+
+def cold_f_seconds(name: str) -> float:
+    """Building `adding` and its f at sixty pairs of directions."""
+    wo = spherical(np.radians(np.linspace(0.0, 85.0, 6)), 0.0)[:, None]
+    wi = spherical(np.radians(np.tile(np.linspace(0.0, 80.0, 5), 2)), np.repeat([0.5, 2.8], 5))
+    start = time.process_time()
+    make_model("adding", TWENTY_LAYERS[name]).f(wo, wi)
     return time.process_time() - start
 
 
@@ -105,14 +125,22 @@ def beside_mitsuba() -> None:
         print("beside Mitsuba's slabs: it is not installed (make mitsuba)")
         return
     mi.set_variant("scalar_rgb")
-    print(f"albedo at 45 degrees to 1 %, processor seconds: position_free, slabs in Mitsuba {mi.__version__}, and their quotient")
+    print(f"albedo at 45 degrees to 1 %, processor seconds: position_free, slabs in Mitsuba {mi.__version__}, their quotient and its least and largest")
     for name in SLABS:
         stack = suite_stack(name)
-        ours, theirs = (min(way() for _ in range(REPEATS)) for way in (lambda: walks_to_one_percent(stack), lambda: slabs_to_one_percent(mi, stack)))
-        print(f"  {name:36} {ours:8.4f} {theirs:8.4f} {theirs / ours:6.1f}", flush=True)
+        # in turn, so that other work on the machine slows both; the first of each sets things up
+        rounds = [(walks_to_one_percent(stack), slabs_to_one_percent(mi, stack)) for _ in range(MITSUBA_ROUNDS + 1)][1:]
+        ours, theirs = np.transpose(rounds)
+        quotients = theirs / ours
+        print(
+            f"  {name:36} {np.median(ours):8.4f} {np.median(theirs):8.4f} {np.median(quotients):6.1f} {quotients.min():6.1f} {quotients.max():6.1f}",
+            flush=True,
+        )
 
 
 def main() -> None:
+    # as where bakes are made and on the command line; read by what starts from here on
+    os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     print("position_free, walks per second of one coat over Lambert .5")
     for surface in ("single", "multiple"):
         for name, coat in COATS.items():
@@ -121,6 +149,10 @@ def main() -> None:
     with get_context("spawn").Pool(1, maxtasksperchild=1) as fresh:
         for name in THREE_LAYERS:
             best = min(fresh.apply(cold_seconds, (name,)) for _ in range(REPEATS))
+            print(f"  {name:36} {best:8.2f}", flush=True)
+        print("adding, processor seconds of a cold f at 60 pairs of directions")
+        for name in TWENTY_LAYERS:
+            best = min(fresh.apply(cold_f_seconds, (name,)) for _ in range(REPEATS))
             print(f"  {name:36} {best:8.2f}", flush=True)
         print("baked, processor seconds and peak memory")
         for name in BAKED:

@@ -469,3 +469,25 @@ def test_modes_that_rough_layers_blur_away_are_left_out_and_not_missed(top, monk
     np.testing.assert_allclose(f, every.f(wo, wi), rtol=1e-6)
     assert [len(operators.r_up) for operators in every._by_depth(0)[0]] == [48] * 5
     assert seen == sorted(seen, reverse=True) and seen[0] == 48 and (seen[-1] == 48) == bool(top)
+
+
+@pytest.mark.parametrize("alpha", [0.05, 0.4])
+def test_between_two_edges_facets_do_not_reflect_totally(alpha):
+    cos, eta = np.array([-0.6, -0.1, 0.2, 0.5, 0.8]), 1.0 / 1.5
+    sin, length = np.sqrt(1.0 - cos * cos), np.hypot(alpha * np.sqrt(1.0 - cos * cos), cos)
+    cap = facets._StretchedCap((alpha * sin / length)[:, None, None], (cos / length)[:, None, None], alpha)
+    low, critical = -np.arctan2(cap.vz, cap.vx), np.sqrt(1.0 - eta * eta) / length[:, None, None]
+    across = cap.transmitting_across(low, critical)
+    a = across * np.linspace(0.0, 0.999, 7)[:, None]
+    edges = cap.transmitting_along(a, across, np.broadcast_to(low, a.shape), critical)
+
+    def cosine(b):
+        """Between the direction and the facet."""
+        x, y, z = cap.normal(a, b)
+        return (sin[:, None, None] * alpha * x + cos[:, None, None] * z) / np.sqrt(np.square(alpha * x) + np.square(alpha * y) + z * z)
+
+    least = np.sqrt(1.0 - eta * eta)
+    assert np.all(cosine(0.5 * (edges[0] + edges[1])) > least)
+    for edge in edges:
+        inside = (edge > low + 1e-9) & (edge < 0.5 * np.pi - 1e-9)
+        assert np.any(inside) and np.allclose(cosine(edge)[inside], least, atol=1e-9)

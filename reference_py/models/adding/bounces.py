@@ -191,9 +191,9 @@ class _Rays:
     """Rays of travel w (I, Q, 3) and weights (I, Q) after an event. In each row those that rise come first, then those that fall, and none that is empty."""
 
     def __init__(self, surface: Microsurface, w: np.ndarray, weights: np.ndarray, detail: Detail):
-        part = np.where(weights > 0.0, w[..., 2] < 0.0, 2)
-        order = np.argsort(part, axis=1, kind="stable")
+        part = np.where(weights > 0.0, w[..., 2] < 0.0, np.int8(2))
         self._ends = [np.count_nonzero(part <= last, axis=1) for last in (0, 1)]
+        order = np.argsort(part, axis=1, kind="stable")[:, : np.max(self._ends)]
         x, y, self._z = (np.take_along_axis(component, order, axis=1) for component in np.moveaxis(w, -1, 0))
         self._weights, self._across = np.take_along_axis(weights, order, axis=1), np.hypot(x, y)
         self._surface, self._detail = surface, detail

@@ -59,64 +59,64 @@ class Grid:
         inside = self._panels[: self.breaks.index(n) + 1]
         return np.concatenate([np.sqrt((n * n - b * b) + (b * b - a * a) * np.square(np.cos(_psi(x)))) / n for a, b, x, _ in inside])
 
-    def project(self, n: float, directions: np.ndarray, modes: int) -> "Projector":
-        """Prepare rows of operators for end directions (I, Q, 3) in a medium of index n, sign of z ignored."""
-        return Projector(self, n, directions, modes)
-
     def interpolation(self, n: float, cos_theta: np.ndarray) -> np.ndarray:
         """(I, count(n)) weights that interpolate nodal values at the cosines (I,) in a medium of index n."""
-        cos_theta = np.asarray(cos_theta, float)
-        direction = np.stack([np.sqrt(1.0 - np.square(cos_theta)), np.zeros_like(cos_theta), cos_theta], axis=-1)
-        return self.project(n, direction[:, None], 1).at_points()
-
-
-class Projector:
-    """Turns weights of points on the sphere of directions into rows of operators on nodal values."""
-
-    def __init__(self, grid: Grid, n: float, directions: np.ndarray, modes: int):
-        self._grid, self._panel_count, self._modes = grid, grid.breaks.index(n) + 1, modes
-        self._shape = directions.shape[:2]
-        x, y, z = np.moveaxis(directions.reshape(-1, 3), -1, 0)
-        s2, below_n = n * n * (x * x + y * y), n * n * z * z
-        edges = np.square(grid.breaks[: self._panel_count - 1])
-        panel = np.searchsorted(edges, s2, side="right")
-        self._parts = []
-        for p in range(self._panel_count):
-            a, b, nodes, gauss = grid._panels[p]
-            chosen = np.flatnonzero(panel == p)
-            rise = np.sqrt(np.maximum(s2[chosen] - a * a, 0.0))
-            fall = np.sqrt(np.maximum(b * b - n * n + below_n[chosen], 0.0))
-            basis = legendre(4.0 / np.pi * np.arctan2(rise, fall) - 1.0, len(nodes))
-            # Gauss nodes: coefficient k of the interpolant is (k + 1/2) sum_j w_j P_k(x_j) g_j
-            to_nodes = legendre(nodes, len(nodes)) * gauss * (np.arange(len(nodes)) + 0.5)[:, None]
-            bounds = np.searchsorted(chosen, np.arange(self._shape[0] + 1) * self._shape[1])
-            self._parts.append((chosen, basis, to_nodes, bounds))
-        # travel of the walker, which starts along -x: the cosine of the azimuth by which the interface turned it
-        across = np.hypot(x, y)
-        self._cos_turn = np.where(across > 0.0, -x / np.maximum(across, 1e-300), 1.0) if modes > 1 else None
-
-    def at_points(self) -> np.ndarray:
-        """(points, count(n)): the node's basis at each point."""
-        starts = self._grid.starts
-        rows = np.zeros((self._shape[0] * self._shape[1], starts[self._panel_count]))
-        for p, (chosen, basis, to_nodes, _) in enumerate(self._parts):
-            rows[chosen, starts[p] : starts[p + 1]] = basis.T @ to_nodes
+        cos2 = np.square(np.asarray(cos_theta, float))
+        rows = np.zeros((len(cos2), self.count(n)))
+        panel = self._panel(n, 1.0 - cos2)
+        for p, (start, end) in enumerate(zip(self.starts, self.starts[1 : panel.max(initial=-1) + 2])):
+            here = panel == p
+            rows[here, start:end] = self._basis(p, n, 1.0 - cos2[here], cos2[here]).T @ self._to_nodes(p)
         return rows
 
-    def __call__(self, *weights: np.ndarray) -> list[np.ndarray]:
-        """For each array of weights (I, Q), rows (modes, I, count(n)): sum over the points of weights times cos(m turn) times the node's basis."""
-        starts = self._grid.starts
-        rows = np.zeros((len(weights), self._modes, self._shape[0], starts[self._panel_count]))
-        for p, (chosen, basis, to_nodes, bounds) in enumerate(self._parts):
-            moments = np.zeros((len(weights), self._modes, self._shape[0], len(basis)))
-            part_weights = [w.ravel()[chosen] for w in weights]
-            for i in np.flatnonzero(np.diff(bounds)):
-                part = slice(bounds[i], bounds[i + 1])
-                turns = chebyshev(self._cos_turn[chosen[part]], self._modes) if self._modes > 1 else np.ones((1, 1))
-                for moment, weight in zip(moments, part_weights):
-                    moment[:, i] = turns @ (basis[:, part] * weight[part]).T if self._modes > 1 else basis[:, part] @ weight[part]
-            rows[..., starts[p] : starts[p + 1]] = moments @ to_nodes
+    def project(self, n: float, directions: np.ndarray, modes: int, *weights: np.ndarray) -> list[np.ndarray]:
+        """For each array of weights (I, Q), rows (modes, I, count(n)) of operators on nodal values.
+
+        They are sums of weights times cos(m turn) times the node's basis over end directions (I, Q, 3) in a medium of index n, sign of z ignored.
+        """
+        (count, size), panels = weights[0].shape, self.breaks.index(n) + 1
+        lit = np.flatnonzero(np.any(weights, axis=0))
+        x, y, z = directions.reshape(-1, 3)[lit].T
+        # by row, and in a row by panel
+        cell = lit // size * panels + self._panel(n, x * x + y * y)
+        order = np.argsort(cell, kind="stable")
+        x, y, z = x[order], y[order], z[order]
+        sin2, cos2, panel = x * x + y * y, z * z, cell[order] % panels
+        bases = [self._basis(p, n, sin2[panel == p], cos2[panel == p]) for p in range(panels)]
+        counts = np.bincount(cell, minlength=count * panels).reshape(count, panels)
+        ends, columns = np.cumsum(counts).reshape(counts.shape), np.cumsum(counts, axis=0)
+        # travel of the walker, which starts along -x: the cosine of the azimuth by which the interface turned it
+        across = np.sqrt(sin2)
+        cos_turn = np.where(across > 0.0, -x / np.maximum(across, 1e-300), 1.0)
+        weights = [w.ravel()[lit[order]] for w in weights]
+        moments = [np.zeros((len(weights), modes, count, len(basis))) for basis in bases]
+        for i in range(count):
+            first = ends[i, 0] - counts[i, 0]
+            turns = chebyshev(cos_turn[first : ends[i, -1]], modes)
+            for p in np.flatnonzero(counts[i]):
+                here = slice(ends[i, p] - counts[i, p], ends[i, p])
+                basis = bases[p][:, columns[i, p] - counts[i, p] : columns[i, p]]
+                for moment, weight in zip(moments[p], weights):
+                    moment[:, i] = turns[:, here.start - first : here.stop - first] @ (basis * weight[here]).T
+        rows = np.concatenate([moment @ self._to_nodes(p) for p, moment in enumerate(moments)], axis=-1)
         return list(rows)
+
+    def _panel(self, n: float, sin2: np.ndarray) -> np.ndarray:
+        """(P,) number of the panel of directions whose squared sine is this in a medium of index n."""
+        return np.searchsorted(np.square(self.breaks[: self.breaks.index(n)]), n * n * sin2, side="right")
+
+    def _basis(self, p: int, n: float, sin2: np.ndarray, cos2: np.ndarray) -> np.ndarray:
+        """(nodes of panel p, P) Legendre polynomials at directions on it."""
+        a, b, nodes, _ = self._panels[p]
+        rise = np.sqrt(np.maximum(n * n * sin2 - a * a, 0.0))
+        fall = np.sqrt(np.maximum(b * b - n * n + n * n * cos2, 0.0))
+        return legendre(4.0 / np.pi * np.arctan2(rise, fall) - 1.0, len(nodes))
+
+    def _to_nodes(self, p: int) -> np.ndarray:
+        """(nodes, nodes) from polynomials on panel p to the basis of its nodes."""
+        # Gauss nodes: coefficient k of the interpolant is (k + 1/2) sum_j w_j P_k(x_j) g_j
+        _, _, nodes, gauss = self._panels[p]
+        return legendre(nodes, len(nodes)) * gauss * (np.arange(len(nodes)) + 0.5)[:, None]
 
 
 def _psi(x: np.ndarray) -> np.ndarray:
@@ -168,12 +168,12 @@ def chebyshev_moments(f: np.ndarray, x: np.ndarray, count: int) -> np.ndarray:
         return np.einsum("cpt,mpt->cmp", f, low[:count])
     high = chebyshev(low[_BLOCK], -(-count // _BLOCK))
     # (curves, P, blocks, T) @ (P, T, block)
-    both = np.moveaxis(f[:, None] * high, 1, 2) @ np.moveaxis(low[:_BLOCK], 0, 2)
+    both = np.swapaxes(f[:, None] * high, 1, 2) @ low[:_BLOCK].transpose(1, 2, 0)
     result = np.empty((len(f), len(high) * _BLOCK, len(x)))
     for j in range(len(high)):
         start = j * _BLOCK
         own = result[:, start : start + _BLOCK]
-        own[:] = np.moveaxis(both[:, :, j], -1, 1)
+        own[:] = np.swapaxes(both[:, :, j], -1, 1)
         if j:
             own[:, 1:] *= 2.0
             own[:, 1:] -= result[:, start - 1 : start - _BLOCK : -1]

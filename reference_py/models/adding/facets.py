@@ -87,10 +87,11 @@ def visible_facets(cos_theta: np.ndarray, alpha: float, distribution: str, surfa
     low, high = -np.arctan2(cap.vz, cap.vx), np.full(cap.vz.shape, 0.5 * pi)
     if eta < 1.0:
         critical = np.sqrt(1.0 - eta * eta) / length[:, None, None]
-        a, w_a = _joined(across // 2, 0.0 * high, cap.transmitting_across(low, critical), high)
+        edge = cap.transmitting_across(low, critical)
+        a, w_a = _joined(across // 2, 0.0 * high, edge, high)
         a, w_a = np.moveaxis(a, 1, 2), np.moveaxis(w_a, 1, 2)
         low, high = (np.broadcast_to(edge, a.shape) for edge in (low, high))
-        b, w_b = _joined(along // 2, low, *cap.transmitting_along(a, low, critical), high)
+        b, w_b = _joined(along // 2, low, *cap.transmitting_along(a, edge, low, critical), high)
     else:
         a, w_a = _gauss(across, 0.0, 0.5 * pi)
         a, w_a = a[:, None], w_a[:, None]
@@ -116,10 +117,15 @@ def visible_facets(cos_theta: np.ndarray, alpha: float, distribution: str, surfa
 
 def reflection_lobe(cos_o, cos_i, cos_m, alpha: float, distribution: str, surface: str) -> np.ndarray:
     """D G / (4 cos_i cos_o) of one event, f without Fresnel; cos_m is that of the facet normal. Broadcasts."""
+    return microfacet.distribution(cos_m, alpha, distribution) * seen_by_both(cos_o, cos_i, alpha, distribution, surface)
+
+
+def seen_by_both(cos_o, cos_i, alpha: float, distribution: str, surface: str) -> np.ndarray:
+    """G / (4 cos_i cos_o), the part of `reflection_lobe` that knows no azimuth."""
     cos_o, cos_i = np.maximum(cos_o, GRAZING), np.maximum(cos_i, GRAZING)
     lambda_o, lambda_i = smith_lambda(cos_o, alpha, distribution), smith_lambda(cos_i, alpha, distribution)
     one_over_g = (1.0 + lambda_o) * (1.0 + lambda_i) if surface == SINGLE else 1.0 + lambda_o + lambda_i
-    return microfacet.distribution(cos_m, alpha, distribution) / (4.0 * cos_o * cos_i * one_over_g)
+    return 1.0 / (4.0 * cos_o * cos_i * one_over_g)
 
 
 def smith_lambda(cos_theta: np.ndarray, alpha: float, distribution: str) -> np.ndarray:
@@ -144,37 +150,40 @@ class _StretchedCap:
         t2, depth = np.cos(a) * np.sin(b), np.cos(a) * np.cos(b)
         return depth * self.vx - t2 * self.vz, np.sin(a) + 0.0 * b, t2 * self.vx + depth * self.vz
 
-    def _excess(self, a, b, critical):
-        """Positive where the facets' cosine, in units of the stretched length, exceeds `critical`."""
-        cos_a, cos_b = np.cos(a), np.cos(b)
-        nz2 = np.square(cos_a * (np.sin(b) * self.vx + cos_b * self.vz))
-        return cos_a * cos_b - critical * np.sqrt(self.alpha**2 + (1.0 - self.alpha**2) * nz2)
-
     def transmitting_across(self, low, critical):
         """Largest a at which some facets do not reflect totally; 0 if all do."""
-        trial = _trials(low)
-        inside = np.zeros(low.shape)
-        return _root(lambda a: self._excess(a, trial, critical).max(axis=-1, keepdims=True), inside, inside + 0.5 * pi)
+        p, q, half = self._harmonics(critical)
+        trial = 2.0 * _trials(low)
+        most = np.max(half + p * np.cos(trial) + q * np.sin(trial), axis=-1, keepdims=True)
+        return np.arccos(np.minimum(critical * self.alpha / np.sqrt(np.maximum(most, 1e-300)), 1.0))
 
-    def transmitting_along(self, a, low, critical):
-        """The two b between which the facets at a do not reflect totally; equal if all do."""
+    def transmitting_along(self, a, across, low, critical):
+        """The two b between which the facets at a do not reflect totally; equal if all do, as they do from `across` on."""
+        p, q, half = self._harmonics(critical)
+        least = np.square(critical * self.alpha / np.cos(a)) - half
+        middle, reach = np.arctan2(q, p), np.arccos(np.clip(least / np.hypot(p, q), -1.0, 1.0))
+        nearest = self._nearest(a, low, critical)
+        return [np.where(a < across, np.clip(0.5 * (middle + side * reach), low, 0.5 * pi), nearest) for side in (-1.0, 1.0)]
+
+    def _nearest(self, a, low, critical):
+        """Of a few b, the one at which the facets at a are closest to not reflecting totally."""
         trial = _trials(low)
-        best = np.take_along_axis(trial, np.argmax(self._excess(a, trial, critical), axis=-1)[..., None], axis=-1)
-        return [_root(lambda b: self._excess(a, b, critical), best, edge) for edge in (low, np.full(low.shape, 0.5 * pi))]
+        cos_a, cos_b = np.cos(a), np.cos(trial)
+        nz2 = np.square(cos_a * (np.sin(trial) * self.vx + cos_b * self.vz))
+        excess = cos_a * cos_b - critical * np.sqrt(self.alpha**2 + (1.0 - self.alpha**2) * nz2)
+        return np.take_along_axis(trial, np.argmax(excess, axis=-1)[..., None], axis=-1)
+
+    def _harmonics(self, critical):
+        """(p, q, half): facets do not reflect totally where cos(a)^2 (half + p cos(2 b) + q sin(2 b)) > (critical alpha)^2.
+
+        Their cosine, cos(a) cos(b) in units of the stretched length, is to exceed `critical` times the length of the unstretched normal.
+        """
+        flat = np.square(critical) * (1.0 - self.alpha**2)
+        return 0.5 - 0.5 * flat * (np.square(self.vz) - np.square(self.vx)), -flat * self.vx * self.vz, 0.5 - 0.5 * flat
 
 
 def _trials(low):
     return low + (0.5 * pi - low) * (np.arange(24) + 0.5) / 24
-
-
-def _root(excess, inside, outside):
-    """Bisection for the end of what is positive; `outside` if all is, about `inside` if nothing is."""
-    low, high = inside, outside
-    for _ in range(26):
-        middle = 0.5 * (low + high)
-        positive = excess(middle) > 0.0
-        low, high = np.where(positive, middle, low), np.where(positive, high, middle)
-    return high
 
 
 def _joined(count, *edges):

@@ -12,6 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ...optics import microfacet
 from ...optics.diffuse import oren_nayar
 from ...optics.facet_reflectance import ConductorFacet, DielectricFacet
 from ...optics.frame import spherical
@@ -21,12 +22,13 @@ from ...optics.slab import slab
 from .assembly import Layers, ScatteringMedium
 from .bounces import NARROW_ALPHA, Microsurface, detail_of
 from .direction_grid import Grid, chebyshev_moments, gauss_legendre, legendre
-from .facets import MULTIPLE, dielectric_reflected, dielectric_refracted, reflection_lobe, visible_facets
+from .facets import MULTIPLE, dielectric_reflected, dielectric_refracted, seen_by_both, visible_facets
 
 # Azimuths of the quadrature of an Oren-Nayar base over the half circle.
 _OREN_NAYAR_AZIMUTHS = 128
-# A reflected lobe of alpha * nodes above this is resolved by the grid; it is integrated over so many azimuths + 2 modes.
-_RESOLVED, _LOBE_AZIMUTHS = 2.0, 24
+# A reflected lobe of alpha * nodes above this is resolved by the grid; it is integrated over so many azimuths + 2 modes, and 2 more for
+# up to so many of the modes that are left out.
+_RESOLVED, _LOBE_AZIMUTHS, _MORE = 2.0, 24, 8
 # Below this alpha multiple scattering has no part in f, nor, in a draft, in what the grid holds of f.
 _SPIKE, _DRAFT_SPIKE = 0.01, 0.05
 # Directions and pairs of them handled at once, which bounds memory.
@@ -128,9 +130,9 @@ def _dielectric_chunk(facet, cos_theta, alpha, distribution, surface, grid, reso
     single, transmitted = (np.zeros((resolution.modes, len(cos_theta), grid.count(n))) for n in (facet.n_own, facet.n_other))
     if not _is_resolved(alpha, grid):
         wi, w_reflected = dielectric_reflected(facets, facet)
-        single = grid.project(facet.n_own, wi, resolution.modes)(w_reflected)[0]
+        single = grid.project(facet.n_own, wi, resolution.modes, w_reflected)[0]
     if transmits:
-        transmitted = grid.project(facet.n_other, wt, resolution.modes)(w_refracted)[0]
+        transmitted = grid.project(facet.n_other, wt, resolution.modes, w_refracted)[0]
     return single, transmitted, w_refracted.sum(axis=1, keepdims=True)
 
 
@@ -220,7 +222,7 @@ def _conductor_chunk(metals: list[ConductorFacet], cos_theta, alpha, distributio
         facets = visible_facets(cos_theta, alpha, distribution, surface, across, 2 * resolution.along)
         wi, weights = facets.reflected()
         cos_om = facets.cos_om
-        single, white = grid.project(n, wi, modes)(*(weights * metal(cos_om) for metal in metals)), weights.sum(axis=1)
+        single, white = grid.project(n, wi, modes, *(weights * metal(cos_om) for metal in metals)), weights.sum(axis=1)
     multi = [np.zeros_like(rows) for rows in single]
     if _scatters_more_than_once(surface, alpha, resolution):
         left = np.maximum(1.0 - white, 0.0)[:, None]
@@ -251,26 +253,32 @@ def _resolved_lobes(curves: Sequence[Callable], cos_theta, n, alpha, distributio
     f = np.empty((len(curves), modes, len(cos_theta), len(nodes)))
     for start in range(0, len(own), _PAIRS):
         o, i = own[start : start + _PAIRS], other[start : start + _PAIRS]
-        f[:, :, o, i] = _lobe_modes(curves, cos_theta[o], nodes[i], alpha, distribution, surface, modes, _LOBE_AZIMUTHS + 2 * (modes + left_out))
+        f[:, :, o, i] = _lobe_modes(curves, cos_theta[o], nodes[i], alpha, distribution, modes, _azimuths(curves, modes, left_out))
     if len(own) < len(cos_theta) * len(nodes):
         f[:, :, other, own] = f[:, :, own, other]
-    return list(f * grid.weights[: len(nodes)] / (n * n))
+    known = seen_by_both(cos_theta[:, None], nodes, alpha, distribution, surface) * grid.weights[: len(nodes)] / (n * n)
+    return list(f * known)
 
 
-def _lobe_modes(curves, cos_o, cos_i, alpha, distribution, surface, modes: int, azimuths: int) -> np.ndarray:
-    """(curves, modes, P) means of f cos(m turn) over azimuth, of one reflection between cosines (P,)."""
+def _azimuths(curves: Sequence[Callable], modes: int, left_out: int) -> int:
+    """Azimuths at which lobes are integrated over: a curve with a root, as that under total reflection, needs as many as all modes do."""
+    has_root = any(isinstance(curve, DielectricFacet) and curve.eta < 1.0 for curve in curves)
+    return _LOBE_AZIMUTHS + 2 * (modes + (left_out if has_root else min(left_out, _MORE)))
+
+
+def _lobe_modes(curves, cos_o, cos_i, alpha, distribution, modes: int, azimuths: int) -> np.ndarray:
+    """(curves, modes, P) means of D F cos(m turn) over azimuth, of one reflection between cosines (P,)."""
     # turn = 2 atan(width tan(u / 2)) is dense about the mirror direction; u crowds towards pi for the lobe's far tail
     x, gauss = gauss_legendre(azimuths)
     remainder = 0.5 * (1.0 - x)
     u, step = np.pi * (1.0 - remainder**4), 2.0 * gauss * remainder**3
     cos_o, cos_i = cos_o[:, None], cos_i[:, None]
     width = np.minimum(1.0, alpha * (cos_o + cos_i))
-    tangent2 = np.square(width * np.tan(0.5 * u))
-    measure = step * width / (np.square(np.cos(0.5 * u)) * (1.0 + tangent2))
-    cos_turn = (1.0 - tangent2) / (1.0 + tangent2)
+    # cos(turn / 2)^2
+    near = 1.0 / (1.0 + np.square(width) * np.square(np.tan(0.5 * u)))
     sines = np.sqrt((1.0 - np.square(cos_o)) * (1.0 - np.square(cos_i)))
-    # 1 + cos of the angle between wo and wi, whose azimuths differ by pi for a turn of 0
-    both = np.maximum(1.0 + cos_o * cos_i - sines * cos_turn, 1e-30)
-    cos_m, cos_om = np.minimum((cos_o + cos_i) / np.sqrt(2.0 * both), 1.0), np.sqrt(0.5 * both)
-    lobe = reflection_lobe(cos_o, cos_i, cos_m, alpha, distribution, surface) * measure
-    return chebyshev_moments(np.stack([lobe * curve(cos_om) for curve in curves]), cos_turn, modes)
+    # the azimuths of wo and wi differ by pi for a turn of 0
+    cos_om = np.sqrt(np.maximum(0.5 * (1.0 + cos_o * cos_i + sines) - sines * near, 5e-31))
+    facets = microfacet.distribution(np.minimum((0.5 * (cos_o + cos_i)) / cos_om, 1.0), alpha, distribution) * near
+    facets *= step / np.square(np.cos(0.5 * u)) * width
+    return chebyshev_moments(np.stack([facets * curve(cos_om) for curve in curves]), 2.0 * near - 1.0, modes)
