@@ -12,7 +12,7 @@ import numpy as np
 
 from ..optics.diffuse import oren_nayar
 from ..optics.fresnel import fresnel_dielectric
-from ..optics.ggx import ggx_visible_columns
+from ..optics.ggx import ggx_visible_columns, turn_of
 from ..optics.microfacet import GGX, anisotropic_distribution, distribution_of, is_specular, smith_lambda_stretched
 from ..optics.quadrature import GOLDEN, cosine_directions, points
 from ..optics.thin_film import film_reflectance
@@ -153,8 +153,8 @@ def unit_energy(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, rul
     cos_o = np.asarray(cos_theta_o, float)
     if is_specular_lobe(lobe):
         return fresnel(lobe, cos_o) * np.ones(3)
-    u1, u2, weights = _rings(*rule)
-    energy, cos_ih = _throughput(lobe.distribution, _shapes(lobe, cos_o), _views(lobe, cos_o, phi), u1, u2)
+    points, weights = _rings(*rule)
+    energy, cos_ih = _throughput(lobe.distribution, _shapes(lobe, cos_o), _views(lobe, cos_o, phi), points)
     return ((energy * weights)[:, None] @ fresnel(lobe, cos_ih))[:, 0] / np.sum(weights) * np.ones(3)
 
 
@@ -173,23 +173,23 @@ def fresnel_share(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -
         return at_view
     alpha_x, alpha_y, tilt = _shapes(lobe, cos_o)
     specular = is_specular(np.sqrt(alpha_x * alpha_y))
-    u1, u2, weights = _rings(*_SHARE_RULE)
+    points, weights = _rings(*_SHARE_RULE)
     alphas = np.where(specular, 1.0, alpha_x), np.where(specular, 1.0, alpha_y)
-    energy, cos_ih = _throughput(lobe.distribution, np.stack([*alphas, tilt]), _views(lobe, cos_o, phi), u1, u2)
+    energy, cos_ih = _throughput(lobe.distribution, np.stack([*alphas, tilt]), _views(lobe, cos_o, phi), points)
     energy *= weights
     share = (energy[:, None] @ fresnel(lobe, cos_ih))[:, 0] / np.sum(energy, axis=1)[:, None]
     return np.where(specular[:, None], at_view, share)
 
 
 @cache
-def _rings(rings: int, places: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points of the unit square, and their weights, not to be written to: Gauss' rule of rings.
+def _rings(rings: int, places: int) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
+    """Points of the unit square, the second coordinate as `turn_of` has it, and their weights, not to be written to: Gauss' rule of rings.
 
     Each is turned from the one before, so that few of them meet a horizon alike.
     """
     nodes, weights = np.polynomial.legendre.leggauss(rings)
     turns = (np.arange(rings)[:, None] * GOLDEN + np.arange(places) + 0.5) / places
-    return np.repeat(0.5 - 0.5 * nodes, places), turns.ravel() % 1.0, np.repeat(weights, places)
+    return (np.repeat(0.5 - 0.5 * nodes, places), *turn_of(turns.ravel() % 1.0)), np.repeat(weights, places)
 
 
 def _shapes(lobe: GlossyLobe, cos_o: np.ndarray) -> np.ndarray:
@@ -204,22 +204,22 @@ def _views(lobe: GlossyLobe, cos_o: np.ndarray, phi) -> np.ndarray:
     return np.stack([sin_o * np.cos(turn), sin_o * np.sin(turn), cos_o], axis=-1)
 
 
-def _throughput(distribution: str, shapes: np.ndarray, wo: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What light carries of a lobe's energy that GGX visible normals for u1, u2 (m,) mirror to views (n, 3), and its cosine to
+def _throughput(distribution: str, shapes: np.ndarray, wo: np.ndarray, points: tuple[np.ndarray, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """What light carries of a lobe's energy that GGX visible normals for `points` of `_rings` (m,) mirror to views (n, 3), and its cosine to
     these normals, both (n, m). The lobe has weight 1 and no curve; `shapes` (3, n) are as `_shapes` has them."""
-    energy, cos_ih = np.empty((len(wo), len(u1))), np.empty((len(wo), len(u1)))
-    at_once = max(1, _IN_CACHE // len(u1))
+    energy, cos_ih = np.empty((len(wo), len(points[0]))), np.empty((len(wo), len(points[0])))
+    at_once = max(1, _IN_CACHE // len(points[0]))
     for i in range(0, len(wo), at_once):
         part = slice(i, i + at_once)
-        energy[part], cos_ih[part] = _throughput_at_once(distribution, *shapes[:, part], wo[part], u1, u2)
+        energy[part], cos_ih[part] = _throughput_at_once(distribution, *shapes[:, part], wo[part], points)
     return energy, cos_ih
 
 
-def _throughput_at_once(distribution: str, alpha_x, alpha_y, tilt, wo: np.ndarray, u1: np.ndarray, u2: np.ndarray):
+def _throughput_at_once(distribution: str, alpha_x, alpha_y, tilt, wo: np.ndarray, points: tuple[np.ndarray, ...]):
     alpha_x, alpha_y, tilt, ox, oy, oz = (column[:, None] for column in (alpha_x, alpha_y, tilt, *wo.T))
     cos_t, sin_t = np.cos(tilt), np.sin(tilt)
     ox, oz = cos_t * ox - sin_t * oz, cos_t * oz + sin_t * ox
-    mx, my, mz = ggx_visible_columns(ox, oy, oz, alpha_x, alpha_y, u1, u2)
+    mx, my, mz = ggx_visible_columns(ox, oy, oz, alpha_x, alpha_y, *points)
     cos_om = ox * mx + oy * my + oz * mz
     ix, iy, iz = 2.0 * cos_om * mx - ox, 2.0 * cos_om * my - oy, 2.0 * cos_om * mz - oz
     stretched_o, stretched_i = (np.square(alpha_x * x) + np.square(alpha_y * y) for x, y in ((ox, oy), (ix, iy)))

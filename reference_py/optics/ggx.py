@@ -54,11 +54,17 @@ class Ggx(Distribution):
 
 def ggx_visible_normals(w: np.ndarray, alpha, u1: np.ndarray, u2: np.ndarray) -> np.ndarray:
     """GGX normals (n, 3) seen from w for uniform u1, u2 (n,)."""
-    return vectors(*ggx_visible_columns(*components(w), *axes(alpha), u1, u2))
+    return vectors(*ggx_visible_columns(*components(w), *axes(alpha), u1, *turn_of(u2)))
 
 
-def ggx_visible_columns(x, y, z, alpha_x, alpha_y, u1, u2) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The columns of `ggx_visible_normals`; what is given by columns is broadcast.
+def turn_of(u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cosines and sines of u2 turns."""
+    phi = (2.0 * pi) * u2
+    return np.cos(phi), np.sin(phi)
+
+
+def ggx_visible_columns(x, y, z, alpha_x, alpha_y, u1, cos_turn, sin_turn) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The columns of `ggx_visible_normals`, of which u2 is given as `turn_of` has it; what is given by columns is broadcast.
 
     GGX is a stretched hemisphere (Heitz18). Seen from w, its normals mirror w into directions that fill a
     spherical cap evenly (Dupuy23), whatever the sign of w_z.
@@ -69,8 +75,7 @@ def ggx_visible_columns(x, y, z, alpha_x, alpha_y, u1, u2) -> tuple[np.ndarray, 
     height = (1.0 - u1) * (1.0 + az)  # z of the half vector, free of cancellation
     cap_z = height - az
     sin = np.sqrt(np.maximum(1.0 - cap_z * cap_z, 0.0))
-    phi = (2.0 * pi) * u2
-    hx = alpha_x * (sin * np.cos(phi) + ax)
-    hy = alpha_y * (sin * np.sin(phi) + ay)
+    hx = alpha_x * (sin * cos_turn + ax)
+    hy = alpha_y * (sin * sin_turn + ay)
     scale = 1.0 / np.sqrt(hx * hx + hy * hy + height * height)
     return hx * scale, hy * scale, height * scale

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ...optics.frame import spherical
-from ...optics.ggx import ggx_visible_columns
+from ...optics.ggx import ggx_visible_columns, turn_of
 from ...optics.microfacet import GGX, masking_g1, masking_g2
 from ...optics.quadrature import directional_albedo, points
 from .parts import Fresnel
@@ -53,7 +53,7 @@ def facets_seen(cos_o: np.ndarray, alpha: np.ndarray, each: int) -> tuple[np.nda
     u1, u2 = points(each)
     cos_o, alpha = cos_o[:, None], alpha[:, None]
     sin_o = np.sqrt(np.maximum(1.0 - cos_o * cos_o, 0.0))
-    x, _, z = ggx_visible_columns(sin_o, 0.0, cos_o, alpha, alpha, u1, 0.5 * u2)
+    x, _, z = ggx_visible_columns(sin_o, 0.0, cos_o, alpha, alpha, u1, *turn_of(0.5 * u2))
     cos_om = sin_o * x + cos_o * z
     return np.clip(cos_om, 0.0, 1.0), 2.0 * cos_om * z - cos_o
 
