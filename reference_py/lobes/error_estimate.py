@@ -50,7 +50,7 @@ class ErrorEstimator:
         self._cosines = np.asarray(cosines, float)
         self._views = truth_at(truth, self._cosines, [alpha for _, alpha in rough_surfaces(stack)], _POINTS)
         self._albedo = truth.albedo(self._views.wo)
-        self._lights = _soft_lights(self._views, light_deg)
+        self._lights = soft_lights(self._views, light_deg)
 
     def errors(self, lobe_set) -> Errors:
         """Errors of a lobe set of the stack."""
@@ -63,7 +63,7 @@ class ErrorEstimator:
         return Errors(albedo, soft, shape)
 
 
-def _soft_lights(views: Views, light_deg: float) -> np.ndarray:
+def soft_lights(views: Views, light_deg: float) -> np.ndarray:
     """(V, lights, Q): the part of what each point sends that each light lights; a point's lights sum to 1."""
     theta = np.arccos(1.0 - (np.arange(_RINGS) + 0.5) / _RINGS)
     phi = 2.0 * np.pi * (np.arange(_AROUND) + 0.5) / _AROUND

@@ -25,6 +25,10 @@ class Views:
     share: np.ndarray
     f: np.ndarray
 
+    def thinned(self, step: int) -> "Views":
+        """With every so many points."""
+        return Views(self.cos_theta_o, self.wo, self.wi[:, ::step], self.share[:, ::step], self.f[:, ::step])
+
     def of(self, chosen) -> "Views":
         """The views that an index or a mask (V,) chooses."""
         return Views(self.cos_theta_o[chosen], self.wo[chosen], self.wi[chosen], self.share[chosen], self.f[chosen])

@@ -8,10 +8,13 @@ import pytest
 from support.stacks import coat, lambert, stack
 
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.lobes.error_estimate import Errors
+from lamina.reference_py.lobes.baked import Baker
+from lamina.reference_py.lobes.error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosines
 from lamina.reference_py.lobes.made import Options
 from lamina.reference_py.lobes.methods import auto
+from lamina.reference_py.lobes.truth import truth_of
 from lamina.reference_py.material.place import Place
+from lamina.study.suite import suite_stack
 
 COATED = stack(coat(0.1), base=lambert(0.5))
 WORST, CLOSE = 0.5, 0.001
@@ -24,7 +27,7 @@ def offered(monkeypatch):
     Every shape is far off: it does not count. Calls of `cost` tell whether values are live.
     """
 
-    def offer(candidates, live=(), first_errors=None, **options):
+    def offer(candidates, live=(), least=None, **options):
         told = []
 
         class Estimator:
@@ -36,15 +39,19 @@ def offered(monkeypatch):
                 # the albedo is the worst view's, the soft light's a mean over views
                 return Errors(np.array([0.0, albedo]), np.array([0.5 * soft, 1.5 * soft]), np.array([0.9, 0.9]))
 
-        def bake(k):
-            return SimpleNamespace(lobe_set=SimpleNamespace(name=f"baked, {k} glossy", lobe_count=k + 1))
+        baker = SimpleNamespace(
+            most_glossy=4,
+            path=lambda k, known: k,
+            lobe_set=lambda k: SimpleNamespace(name=f"baked, {k} glossy", lobe_count=k + 1),
+            least_soft_light=lambda k, *views: (least or {}).get(k, 0.0),
+        )
 
         def cost_of(lobe_set, live):
             told.append(live)
             return candidates[lobe_set.name][0]
 
         monkeypatch.setattr(auto, "ErrorEstimator", Estimator)
-        monkeypatch.setattr(auto, "Baker", lambda *arguments: SimpleNamespace(bake=bake, first_error=lambda k: (first_errors or {}).get(k, 0.0)))
+        monkeypatch.setattr(auto, "Baker", lambda *arguments: baker)
         monkeypatch.setattr(auto, "baked", lambda stack, live, glossy, report: SimpleNamespace(name="over", lobe_count=2, live=live))
         monkeypatch.setattr(auto, "cost", cost_of)
         result = auto.choose(COATED, None, Options(live=live, **options), cosines=np.ones(2))
@@ -123,8 +130,26 @@ def test_live_values_are_baked_over_where_a_bake_can_follow_them(offered):
 def test_what_is_hopeless_is_not_made_good(offered):
     """Far from the tolerance at a few knots a bake is left out; the last one never is, as something has to be the closest."""
     bakes = {f"baked, {k} glossy": (1.0 + 0.1 * k, 0.5 / k**3, 0.5 / k**3) for k in (1, 2, 3)}
-    told = offered({**DEAR_AND_EXACT, **bakes}, first_errors={1: 0.4, 2: 0.1, 3: 0.4}, glossy=3)
+    told = offered({**DEAR_AND_EXACT, **bakes}, least={1: 0.4, 2: 0.01, 3: 0.4}, glossy=3)
     assert [candidate.label for candidate in told.tried] == ["weidlich_wilkie", "analytic", "baked, 2 glossy", "baked, 3 glossy"]
+
+
+def test_where_no_bake_is_good_the_hopeless_are_looked_at_while_they_are_as_close(offered):
+    errors = {1: 0.3, 2: 0.25, 3: 0.1, 4: 0.102}
+    bakes = {f"baked, {k} glossy": (1.0 + 0.1 * k, error, error) for k, error in errors.items()}
+    told = offered({"weidlich_wilkie": (1.2, WORST, WORST), "analytic": (3.0, WORST, WORST), **bakes}, least=dict.fromkeys(errors, 0.05))
+    assert [candidate.label for candidate in told.tried[2:]] == ["baked, 4 glossy", "baked, 3 glossy", "baked, 2 glossy"]
+    assert told.chosen.label == "baked, 3 glossy"
+
+
+@pytest.mark.parametrize("name", ["plastic_grey_0_1", "gold_coat_0_1_metal_0_1", "narrow_over_narrow"])
+def test_soft_light_is_never_less_off_than_a_few_knots_say(name):
+    tested, views = suite_stack(name), ball_cosines()
+    truth = truth_of(tested)
+    baker, estimator = Baker(tested, truth), ErrorEstimator(tested, truth, views)
+    for count in (1, 2, 3):
+        least = baker.least_soft_light(count, views, SOFT_LIGHT_DEG)
+        assert 1.1 * least < np.mean(estimator.errors(baker.bake(count).lobe_set).soft_light) < 20.0 * least
 
 
 def test_progress_grows_to_the_end(offered):

@@ -14,6 +14,7 @@ from ...material.stack import Stack
 from ...optics.microfacet import GGX
 from ...optics.optical_stack import OpticalStack, rough_surfaces
 from ..closure import unit_energy
+from ..error_estimate import soft_lights
 from ..live_grid import LiveLobes
 from ..own_normals import has_own_normals
 from ..samples import Views, truth_at
@@ -24,7 +25,7 @@ from .black_and_white import BlackAndWhite, base_of, followed, over
 from .fit_lobes import LEAST_ALPHA
 from .knot_energies import left_over, top_lobe
 from .live import bake_live
-from .plan import Branches, Path, Plan, best_path, continued_path
+from .plan import COARSE, STRIDE, Branches, Path, Plan, best_path, continued_path
 
 DEFAULT_GLOSSY, MAX_GLOSSY = 2, 4
 # Points of each strategy at a view.
@@ -78,8 +79,9 @@ class Baker:
         known = [None] if top is None else [None, top]
         self._rest = [left_over(self._albedo, self._specular, lobe) for lobe in known]
         self._plans = [Plan(lobe, surfaces, views.of(slice(KNOTS)), views.of(slice(KNOTS, None)), least_alpha) for lobe in known]
-        self._top_apart = has_own_normals(stack)
-        self._found: dict[int, Found] = {}
+        self._top_apart, self._coarse = has_own_normals(stack), views.of(COARSE).thinned(STRIDE)
+        self.most_glossy = MAX_GLOSSY if surfaces else 1
+        self._own: dict[int, Found] = {}
         self._report(0.3)
 
     def bake(self, glossy: int) -> Bake:
@@ -87,23 +89,27 @@ class Baker:
         found = self.path(glossy)
         return Bake(self.lobe_set(found), found.path.mixtures.error)
 
-    def first_error(self, glossy: int) -> float:
-        """The mean error of shape at a few knots, before fits are made good at every one."""
-        return self._best_plan(glossy)[1].error
+    def least_soft_light(self, glossy: int, cosines: np.ndarray, light_deg: float) -> float:
+        """What an `ErrorEstimator`'s error in soft light at views (n,) is at least, by what is found at a few knots before fits are made good at every one.
 
-    def path(self, glossy: int) -> Found:
-        """The fits behind `bake`."""
-        if glossy not in self._found:
-            self._found[glossy] = self._path(glossy)
-        return self._found[glossy]
-
-    def _path(self, glossy: int) -> Found:
+        Bakes of a hundred stacks have 1.18 times as much and more, half of them twice as much.
+        """
         number, branches = self._best_plan(glossy)
-        found = Found(number, best_path(self._plans[number], branches))
-        self._report(0.9)
-        if glossy > 1 and self.first_error(glossy - 1) < _CLOSE * branches.error:
+        sent = np.abs(soft_lights(self._coarse, light_deg) @ np.swapaxes(self._plans[number].gaps(branches), 1, 2))
+        at_knots = np.mean(np.sum(sent, axis=1), axis=1)
+        return float(np.mean(np.interp(cosines, self._coarse.cos_theta_o, at_knots)))
+
+    def path(self, glossy: int, known: bool = False) -> Found:
+        """The fits behind `bake`. Only what is `known` of fewer lobes is compared, or all."""
+        if glossy not in self._own:
+            number, branches = self._best_plan(glossy)
+            self._own[glossy] = Found(number, best_path(self._plans[number], branches))
+            self._report(0.9)
+        found, fewer = self._own[glossy], glossy - 1
+        is_close = fewer and self._best_plan(fewer)[1].error < _CLOSE * self._best_plan(glossy)[1].error
+        if is_close and (fewer in self._own or not known):
             # more lobes fit each knot better, but may change more between knots
-            return min(found, self.path(glossy - 1), key=lambda one: one.path.cost)
+            return min(found, self.path(fewer, known), key=lambda one: one.path.cost)
         return found
 
     def _best_plan(self, glossy: int) -> tuple[int, Branches]:

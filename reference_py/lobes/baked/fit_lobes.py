@@ -138,6 +138,10 @@ class ViewFits:
         residual = self._residual(columns, weight)
         return np.max(np.sum(self.share * np.abs(residual), axis=2), axis=1), np.max(np.abs(np.sum(self.share * residual, axis=2)), axis=1)
 
+    def gaps(self, distributions: tuple[str, ...], mixtures: Mixtures) -> np.ndarray:
+        """What each point sends too little, over the truth's albedo, (V, C, Q)."""
+        return self.share * self._residual(self.columns(distributions, mixtures.shape), mixtures.weight)
+
     def _parameters(self, shape):
         """alpha_x, alpha_y and tilt, each (V, 1), of one lobe's shape (V, 3)."""
         return np.exp(shape[:, :1]), np.exp(shape[:, 1:2]), np.arctan(shape[:, 2] * self.sin_o)[:, None]

@@ -15,7 +15,7 @@ from .fit_lobes import Mixtures, ViewFits
 COARSE = np.array([0, 4, 8, 12, 16, 20, 23])
 _NEAREST = np.argmin(np.abs(np.arange(KNOTS)[:, None] - COARSE), axis=1)
 # Trials look at every so many points.
-_STRIDE = 2
+STRIDE = 2
 # Of each coarse knot its neighbours, and how often fits begin at what these found.
 _BEFORE, _AFTER, _PASSES = np.maximum(np.arange(len(COARSE)) - 1, 0), np.minimum(np.arange(len(COARSE)) + 1, len(COARSE) - 1), 2
 # Steps of a trial, of the best third of the trials, of a branch at every knot, and of fits to a truth much like the one before.
@@ -71,7 +71,7 @@ class Plan:
         self._distributions = sorted({distribution for distribution, _ in surfaces})
         self._alphas = _widths(surfaces)
         self.fits, self.middles = (ViewFits.at(some, known, least_alpha) for some in (views, middles))
-        self.fitted, self._coarse_fitted = Fitter(self.fits), Fitter(self.fits.of(COARSE).thinned(_STRIDE))
+        self.fitted, self._coarse_fitted = Fitter(self.fits), Fitter(self.fits.of(COARSE).thinned(STRIDE))
         self._found: dict[int, Branches] = {}
 
     def branches(self, free: int) -> Branches:
@@ -87,6 +87,10 @@ class Plan:
             trials = [(k, self._trials(k, fewer)) for k in distributions]
             self._found[free] = self._continued(*min(trials, key=lambda trial: float(np.mean(trial[1][0].error))))
         return self._found[free]
+
+    def gaps(self, branches: Branches) -> np.ndarray:
+        """What each of the points that trials look at, at the coarse knots, sends too little of the albedo by the best of all branches, (coarse, C, Q)."""
+        return self._coarse_fitted.fits.gaps(branches.distributions, branches.mixtures[0])
 
     def _trials(self, distributions: tuple[str, ...], fewer: Branches | None) -> list[Mixtures]:
         """A few steps from all starts at the coarse knots; the best third of them."""

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Method `auto`: the cheapest way to tell Cycles about a stack whose error stays under a tolerance."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from dataclasses import asdict, replace
-from itertools import chain
 
 import numpy as np
 
@@ -32,8 +31,8 @@ from .with_features import featured_analytic
 NAME = AUTO
 # Errors that differ by less than this share of them are as good: the cheaper one is taken.
 _AS_CLOSE = 0.05
-# Soft light sees a third to a fifth of an error of shape: above so many tolerances a bake need not be made good to know that it is not.
-_HOPELESS = 8.0
+# Where `Baker.least_soft_light` is above so much of the tolerance a bake need not be made good to know that it is not.
+_SURELY = 0.85
 # Of albedos with anisotropy: azimuths, views, and walks for each.
 _AZIMUTHS = np.radians([0.0, 45.0, 90.0, 135.0])
 _FEW, _WALKS = 4, 1 << 15
@@ -50,22 +49,25 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
     if not 0.0 < tolerance <= 1.0:
         raise LaminaError("tolerance {percent:g} percent: choose more than 0 and at most 100", percent=100.0 * tolerance)
     report = options.report
-    estimator = ErrorEstimator(stack, truth, ball_cosines() if cosines is None else cosines, light_deg)
+    cosines = ball_cosines() if cosines is None else cosines
+    estimator = ErrorEstimator(stack, truth, cosines, light_deg)
     can_bake = follows(stack, live)
     able = {} if scatters(stack) else {PaperLobes.name: PaperLobes} if has_film(stack) else _LIVE
-    makers: Iterable = [(method, lambda lobe_set=lobe_set: lobe_set(stack)) for method, lobe_set in able.items()]
-    if not live:
-        makers = chain(makers, _bakes(Baker(stack, truth), glossy, tolerance))
-    elif can_bake:
-        over = (f"baked over {in_words(live)}", lambda: baked(stack, live, min(DEFAULT_GLOSSY, glossy), lambda share: report(0.4 + 0.6 * share)))
-        makers = [over]  # stock nodes follow what is baked over, and no live method
     tried: list[tuple[Candidate, object]] = []
-    for done, (label, make) in enumerate(makers):
-        report(0.2 + 0.8 * done / (glossy + len(_LIVE)))
-        lobe_set = make()
+
+    def judge(label: str, lobe_set) -> float:
         tried.append((_candidate(label, lobe_set, estimator.errors(lobe_set), bool(live)), lobe_set))
-        if label not in _LIVE and tried[-1][0].visible <= tolerance:
-            break  # more lobes cost more
+        report(0.2 + 0.8 * len(tried) / (glossy + len(_LIVE)))
+        return tried[-1][0].visible
+
+    if live and can_bake:  # stock nodes follow what is baked over, and no live method
+        judge(f"baked over {in_words(live)}", baked(stack, live, min(DEFAULT_GLOSSY, glossy), lambda share: report(0.4 + 0.6 * share)))
+    else:
+        for method, lobe_set in able.items():
+            judge(method, lobe_set(stack))
+    if not live:
+        baker = Baker(stack, truth)
+        _try_bakes(baker, glossy, tolerance, lambda count: baker.least_soft_light(count, cosines, light_deg) > _SURELY * tolerance, judge)
     report(1.0)
     (chosen, lobe_set), reason = _best(tried, tolerance)
     if not can_bake:
@@ -73,11 +75,25 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
     return Choice(chosen, lobe_set, tuple(candidate for candidate, _ in tried), reason)
 
 
-def _bakes(baker: Baker, glossy: int, tolerance: float) -> Iterator[tuple[str, Callable]]:
-    """Labels and makers of bakes with ever more glossy lobes, without those that are hopeless."""
-    for count in range(1, glossy + 1):
-        if count == glossy or baker.first_error(count) < _HOPELESS * tolerance:
-            yield f"baked, {count} glossy", lambda count=count: baker.bake(count).lobe_set
+def _try_bakes(baker: Baker, glossy: int, tolerance: float, is_hopeless: Callable[[int], bool], judge: Callable[[str, object], float]) -> None:
+    """Judge bakes with ever more glossy lobes until one is within the tolerance. If none is, those that were left out as hopeless too, from
+    the last on, while they are as close as the closest."""
+    most, left_out, least = min(glossy, baker.most_glossy), [], np.inf
+
+    def error(count: int) -> float:
+        return judge(f"baked, {count} glossy", baker.lobe_set(baker.path(count, known=True)))
+
+    for count in range(1, most + 1):
+        if count < most and is_hopeless(count):
+            left_out.append(count)
+            continue
+        least = min(least, error(count))
+        if least <= tolerance:
+            return
+    for count in reversed(left_out):
+        if (now := error(count)) > least * (1.0 + _AS_CLOSE):
+            return
+        least = min(least, now)
 
 
 def _best(tried: list[tuple[Candidate, object]], tolerance: float) -> tuple[tuple[Candidate, object], str]:
