@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import bpy
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.exchange.principled import PLACES, from_principled, to_principled
+from ...reference_py.exchange.principled import PLACES, TEXTURE, from_principled, to_principled
 from ...reference_py.exchange.report import LOST, Report
 from ...reference_py.material.qualities import DEFAULT_METHOD
 from ...reference_py.material.stack import Stack
@@ -39,10 +39,11 @@ def to_lamina(material: bpy.types.Material, tier: str = DEFAULT_METHOD, backend:
     stack = _with_linked_features(converted.stack, converted.owners, sources)
     name = principled.name
     materials.apply_stack(material, stack, tier, backend)  # which removes the node where nothing is linked to it
+    said = {loss.parameter for loss in converted.report.of(LOST) if loss.value == TEXTURE}
     with materials.changing(material):
         elements = [*material.lamina.shown_layers, material.lamina.base]
         for socket, source in sources.items():
-            notes.append(_link(socket, source, elements, converted, backend_of(material) == OSL))
+            notes += [note for note in [_link(socket, source, elements, converted, backend_of(material) == OSL)] if socket not in said]
     principled = material.node_tree.nodes.get(name)
     if principled is not None and not any(output.is_linked for output in principled.outputs):
         material.node_tree.nodes.remove(principled)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's Principled BSDF, by the names of its sockets (4.5 to 5.2), to a stack and back."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..material.stack import Stack
@@ -30,6 +32,8 @@ _OPEN_NAMES = {
     "transmission_weight": "Transmission Weight", "fuzz_weight": "Sheen Weight", "emission_luminance": "Emission Strength", "geometry_opacity": "Alpha",
 }  # fmt: skip
 _TEXTURED = {"Subsurface Weight": "light spreads below the whole surface or not at all", **_NO_PLACE}
+# The value that a report has of a socket with one.
+TEXTURE = "texture"
 _BODY_NAMES = ("Subsurface Weight", "Subsurface Radius", "Subsurface Scale", "Subsurface Anisotropy")
 # What a stack says something about; the rest of the node is its user's.
 WRITTEN = {socket: default for socket, default in DEFAULTS.items() if socket not in _NO_PLACE}
@@ -46,6 +50,9 @@ PLACES = (
 def to_principled(stack: Stack, textured: bool = False) -> Converted:
     """Socket values as bright as the stack. `textured`: with a map for textures of the base color, which takes seconds."""
     slots, owners, report, colors = stack_to_slots(stack, NAME, lambda slots: rendered_by(PrincipledCoat.name, slots), frozenset({SUBSURFACE}), textured)
+    if slots.body and slots.body.g < 0.0:
+        backward = Loss("scatter_g", slots.body.g, LOST, "light below the surface of Principled is not scattered backward; its anisotropy is 0")
+        report = replace(report, losses=(*report.losses, backward))
     return Converted(stack, values_of(slots), slots, owners, report, colors)
 
 
@@ -80,14 +87,14 @@ def from_principled(values: dict, name: str = "", textured: bool = False, used: 
     values = DEFAULTS | {k: v for k, v in values.items() if k in DEFAULTS}
     require_finite(values, NAME)
     losses: list[Loss] = []
-    losses += [Loss(socket, "texture", LOST, why) for socket, why in _TEXTURED.items() if socket in used]
+    losses += [Loss(socket, TEXTURE, LOST, why) for socket, why in _TEXTURED.items() if socket in used]
     is_metal = values["Metallic"] >= 0.5
     if 0.0 < values["Metallic"] < 1.0:
         losses.append(Loss("Metallic", values["Metallic"], LOST, f"a base is metal or not; it is {'metal' if is_metal else 'diffuse'}"))
     elif values["Metallic"]:
         losses.append(Loss("Metallic", values["Metallic"], KEPT, "a conductor"))
     if "Metallic" in used:
-        losses.append(Loss("Metallic", "texture", LOST, "a base is metal or not; the socket's own value decides"))
+        losses.append(Loss("Metallic", TEXTURE, LOST, "a base is metal or not; the socket's own value decides"))
     slots = _slots(values, is_metal, used, losses)
     if values["Subsurface Weight"] and not is_metal:
         slots = with_body(slots, _free_path(values), values["Subsurface Anisotropy"], "Base Color" in used, _BODY_NAMES, values, losses)

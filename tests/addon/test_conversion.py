@@ -122,6 +122,15 @@ def test_light_below_the_surface_becomes_a_medium_and_comes_back(plane):
     assert tuple(node.inputs["Base Color"].default_value)[:3] == pytest.approx((0.8, 0.5, 0.2), abs=0.04)
 
 
+@pytest.mark.parametrize("name", ["Subsurface Weight", "Subsurface Scale", "Subsurface Radius", "Subsurface Anisotropy", "Metallic"])
+def test_a_texture_that_a_stack_cannot_have_is_said_once(plane, name):
+    material = principled(plane, Subsurface_Weight=1.0)
+    material.node_tree.links.new(ramp(material), principled_of(material).inputs[name])
+    report, notes = conversion.to_lamina(material)
+    lines = [line for line in [*report.lines(), *notes] if line.startswith(f"lost: {name} texture: ")]
+    assert len(lines) == 1
+
+
 def test_an_image_of_the_color_below_the_surface_stays_an_image(plane):
     material = principled(plane, Subsurface_Weight=1.0)
     source = ramp(material, color=True)

@@ -147,6 +147,28 @@ def test_it_goes_out_as_light_below_the_surface_again(wax):
     assert plain.values["base_color"][0] == pytest.approx(0.8, abs=0.04) and np.max(np.abs(plain.report.match.mean_error)) < 5e-4
 
 
+def test_what_scatters_backward_is_said_to_be_lost(wax):
+    backward = replace(wax.stack, layers=(wax.stack.layers[0].with_values(scatter_g=-0.5),))
+    converted = to_principled(backward)
+    assert converted.values["Subsurface Anisotropy"] == 0.0
+    assert [str(loss) for loss in converted.report.of(LOST)] == [
+        "lost: scatter_g -0.5: light below the surface of Principled is not scattered backward; its anisotropy is 0"
+    ]
+    assert to_openpbr(backward).values["subsurface_scatter_anisotropy"] == -0.5 and not to_openpbr(backward).report.of(LOST)
+    assert not to_principled(wax.stack).report.of(LOST)
+
+
+@pytest.mark.parametrize(
+    ("value", "density"),
+    [({"Subsurface Scale": 0.0}, 1000.0), ({"Subsurface Radius": (-1.0,) * 3}, 1000.0), ({"Subsurface Scale": 1e6}, 20.0)],
+)
+def test_a_path_below_the_surface_of_any_length_keeps_the_color(wax, value, density):
+    """A medium is as dense as the schema allows at most, and lets nothing show through at least; the report says so."""
+    converted = from_principled(WAX | {"Subsurface Anisotropy": 0.0} | value)
+    assert converted.stack.layers[0]["density"] == density and np.max(np.abs(converted.report.match.mean_error)) < 5e-4
+    assert f"of density {density:g}" in str(next(loss for loss in converted.report.losses if loss.parameter in value))
+
+
 def test_a_haze_over_another_color_goes_out_as_a_base_color():
     haze = {"kind": "dielectric", "ior": 1.5, "roughness": 0.2, "scatter_color": [0.9] * 3, "density": 1.0}
     values = to_principled(stack(PAINT, haze)).values

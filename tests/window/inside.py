@@ -61,6 +61,10 @@ def tell() -> float:
         _quick, lamina.tier = True, "analytic"
         with bpy.context.temp_override(window=window):
             bpy.ops.ed.undo_push(message="tier")
+    elements = dict(zip([layer.name for layer in lamina.layers] + ["Base"], [*lamina.layers, lamina.base])) if lamina is not None else {}
+    sockets = {f"{name} {socket.name}": socket for name, e in elements.items() if e.node for socket in material.node_tree.nodes[e.node].inputs}
+    sources = {name: socket.links[0].from_node for name, socket in sockets.items() if socket.is_linked}
+    browsers = [w for w in bpy.context.window_manager.windows if w != window and w.screen.areas[0].type == "FILE_BROWSER"]
     state = {
         "ready": biggest().spaces.active.context == "MATERIAL",
         "tick": _count,
@@ -73,6 +77,11 @@ def tell() -> float:
         "active": lamina.active_layer if lamina is not None else -1,
         "materials": [material.name for material in bpy.data.materials],
         "masked": [is_masked(material.node_tree.nodes[layer.node]) for layer in lamina.layers] if lamina is not None else [],
+        "paths": {name: socket.path_from_id("default_value") for name, socket in sockets.items() if hasattr(socket, "default_value")},
+        "linked": {name: node.bl_idname for name, node in sources.items()},
+        "images": {name: [node.image.name, node.image.colorspace_settings.name] for name, node in sources.items() if getattr(node, "image", None)},
+        "tint": [round(v, 3) for v in sockets["Tinted Glaze Tint"].default_value] if "Tinted Glaze Tint" in sockets else [],
+        "browser": next(([b.x, window.height - b.y - b.height, b.x + b.width, window.height - b.y] for b in browsers), []),
         "evaluated": _evaluated,
         "findings": findings(material),
     }  # fmt: skip

@@ -6,7 +6,6 @@
 Needs what window.py needs, and ImageMagick. Leaves first_hour_STEP.jpg in FOLDER, whole or not at all. Exit codes as window.py's.
 """
 
-import importlib.util
 import os
 import shutil
 import subprocess
@@ -14,16 +13,13 @@ import sys
 import tempfile
 from pathlib import Path
 
-# The folder of the tests is no package.
-_spec = importlib.util.spec_from_file_location("lamina_window", Path(__file__).with_name("window.py"))
-window = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(window)
+from driver import SKIPPED, Skip, Window, needed
 
 # As large as the picture that a listing on the extensions platform shows.
 PATIENCE, SIZE = 1200.0, (1920, 1080)
 
 
-def take(shown_in: window.Window, folder: Path) -> None:
+def take(shown_in: Window, folder: Path) -> None:
     """A picture of each step, until the script inside says that all is done."""
     shown = ""
     while True:
@@ -38,19 +34,19 @@ def take(shown_in: window.Window, folder: Path) -> None:
         subprocess.run(["import", "-window", "root", "-quality", "82", str(new)], env=shown_in.environment, check=True, timeout=60)
         os.replace(new, path)
         shown_in.state_file.with_name(f"{shown}.taken").touch()
-        window.told(f"wrote {path}")
+        print(f"wrote {path}", flush=True)
 
 
 def main(archive: str, folder: str) -> int:
     try:
-        blender = window.needed()
+        blender = needed()
         if shutil.which("import") is None:
-            raise window.Skip("ImageMagick's import is missing")
-    except window.Skip as reason:
+            raise Skip("ImageMagick's import is missing")
+    except Skip as reason:
         print(f"skipped: {reason}")
-        return window.SKIPPED
+        return SKIPPED
     with tempfile.TemporaryDirectory() as log:
-        opened = window.Window(blender, Path(archive).resolve(), Path(log), "manual_inside.py", SIZE)
+        opened = Window(blender, Path(archive).resolve(), Path(log), "manual_inside.py", SIZE)
         try:
             take(opened, Path(folder))
         except AssertionError as error:
