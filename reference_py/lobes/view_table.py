@@ -43,7 +43,11 @@ def interpolate(table: np.ndarray, cos_theta_o: np.ndarray) -> np.ndarray:
     place = np.sqrt(np.clip(cos_theta_o, 0.0, 1.0)) * (KNOTS - 1.0)
     cell = np.minimum(place.astype(int), KNOTS - 2)
     t = (place - cell)[..., None]
-    return table[cell] * (1.0 - t) + table[cell + 1] * t
+    low, high = table.take(cell, axis=0), table[1:].take(cell, axis=0)
+    low *= 1.0 - t
+    high *= t
+    low += high
+    return low
 
 
 def weight_at(table: np.ndarray, cos_theta_o: np.ndarray, phi: np.ndarray | float, axis: float | None) -> np.ndarray:

@@ -96,8 +96,10 @@ class ClosureModel:
         shares = np.ones((len(lobes), len(wo)))
         for share, lobe in zip(shares, lobes):
             share[:] = (lobe.weight * _reflectance(lobe, cos_o)) @ np.full(3, 1.0 / 3.0)
-        shares = np.where(np.sum(shares, axis=0) > 0.0, shares, 1.0)
-        return lobes, shares / np.sum(shares, axis=0)
+        total = np.sum(shares, axis=0)
+        shares[:, total <= 0.0] = 1.0
+        shares /= np.where(total > 0.0, total, len(lobes))
+        return lobes, shares
 
 
 def _reflectance(lobe, cos_o):
