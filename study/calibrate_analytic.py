@@ -27,7 +27,7 @@ from ..reference_py.lobes.analytic.interface_tables import anisotropic_energy, c
 from ..reference_py.lobes.closure import lobe_energy
 from ..reference_py.lobes.error_estimate import ErrorEstimator
 from ..reference_py.lobes.lobe import DiffuseLobe, GlossyLobe
-from ..reference_py.lobes.methods.with_features import featured_analytic
+from ..reference_py.lobes.methods.featured_analytic import featured_analytic
 from ..reference_py.material import presets
 from ..reference_py.material.stack import Stack
 from ..reference_py.models.adding.adding_model import Adding

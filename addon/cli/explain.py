@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.lobes.baked import MAX_GLOSSY
+from ...reference_py.lobes.analytic.brushed import has_brushing
+from ...reference_py.lobes.baked import MAX_GLOSSY, is_brushed
 from ...reference_py.lobes.error_estimate import SOFT_LIGHT_DEG
 from ...reference_py.lobes.made import DEFAULT_TOLERANCE, Options
 from ...reference_py.lobes.methods import MAX_CLOSURES, glossy_of_each, require_bake_follows
-from ...reference_py.lobes.methods.auto import COMPUTED, Choice, choose, with_anisotropy
+from ...reference_py.lobes.methods.auto import COMPUTED, Choice, choose, choose_brushed, with_anisotropy
 from ...reference_py.lobes.methods.not_bakeable import bakeable, not_bakeable
 from ...reference_py.lobes.truth import truth_of
 from ...reference_py.material.coverage import Patch, patches
-from ...reference_py.material.schema import ANISOTROPY
 from ...reference_py.material.stack import Stack
 from ..material.backend import OSL
 from ..material.limits import require_shader
@@ -60,10 +60,12 @@ def explain(options) -> None:
 
 
 def _choice(stack: Stack, tolerance: float, glossy: int, sight, progress) -> Choice:
-    """What auto chooses for one patch; anisotropy, which no bake holds, leaves the live tiers, judged with it."""
+    """What auto chooses for one patch; anisotropy that no bake holds leaves the live tiers, judged with it."""
+    if is_brushed(stack):
+        options = Options((), tolerance, glossy, progress)
+        return COMPUTED.result(stack, options) if sight is None else choose_brushed(stack, options, sight.cosines, sight.light_deg(SOFT_LIGHT_DEG))
     choice = _choice_of_plain(bakeable(stack), Options(not_bakeable(stack), tolerance, glossy, progress), sight)
-    is_anisotropic = any(element.has(ANISOTROPY) for element in (*stack.layers, stack.base))
-    return with_anisotropy(choice, stack, tolerance, None if sight is None else sight.cosines) if is_anisotropic else choice
+    return with_anisotropy(choice, stack, tolerance, None if sight is None else sight.cosines) if has_brushing(stack) else choice
 
 
 def _choice_of_plain(plain: Stack, options: Options, sight) -> Choice:

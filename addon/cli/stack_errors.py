@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...reference_py.lobes.analytic.brushed import has_brushing
 from ...reference_py.lobes.error_estimate import ErrorEstimator
 from ...reference_py.lobes.made import Made
 from ...reference_py.lobes.methods import DEFAULT_METHOD, make_lobe_set
@@ -38,7 +39,7 @@ class StackErrors(NamedTuple):
 def errors_of(stack: Stack) -> StackErrors:
     """Errors of the default tier against the truth that knows the stack's features."""
     made = make_lobe_set(stack)
-    return _against_walks(stack, made) if not_bakeable(stack) else _against_adding(stack, made)
+    return _against_walks(stack, made) if has_brushing(stack) or not_bakeable(stack) else _against_adding(stack, made)
 
 
 def _against_adding(stack: Stack, made: Made) -> StackErrors:

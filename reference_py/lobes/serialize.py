@@ -8,7 +8,7 @@ from ..material.stack import Stack
 from .axes import AXES, Scale
 from .live_grid import LiveBase, LiveLobe, LiveLobes, LogEnergy
 from .lobe import DielectricCurve
-from .view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
+from .view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
 
 
 def pack_tables(lobe_set: TableLobes) -> list[dict]:
@@ -27,9 +27,16 @@ def _pack(table) -> dict:
         return {name: getattr(table, name).tolist() for name in ("own", "through", "back")} | {"distribution": table.distribution, "shape": shape}
     weight = np.asarray(table.weight).tolist()
     if isinstance(table, DiffuseTable):
-        return {"weight": weight}
+        return {"weight": weight, "axis": table.axis}
     eta = None if table.fresnel is None else table.fresnel.eta
-    return {"weight": weight, "shape": np.asarray(table.shape).tolist(), "distribution": table.distribution, "eta": eta}
+    return {
+        "weight": weight,
+        "axis": table.axis,
+        "frame": table.frame,
+        "shape": np.asarray(table.shape).tolist(),
+        "distribution": table.distribution,
+        "eta": eta,
+    }
 
 
 def _unpack(data: dict, stack: Stack):
@@ -37,11 +44,12 @@ def _unpack(data: dict, stack: Stack):
         light = (_array(data[name]) for name in ("own", "through", "back"))
         shape = None if data["shape"] is None else _array(data["shape"])
         return BaseColorTable(*light, np.array(stack.base["color"]), distribution=data["distribution"], shape=shape)
-    weight = _array(data["weight"])
+    axis, frame = (None if data.get(name) is None else float(data[name]) for name in ("axis", "frame"))
+    weight = _array(data["weight"], (KNOTS, 3) if axis is None else (len(AZIMUTHS), KNOTS, 3))
     if "shape" not in data:
-        return DiffuseTable(weight)
+        return DiffuseTable(weight, axis)
     curve = None if data["eta"] is None else DielectricCurve(float(data["eta"]))
-    return GlossyTable(str(data["distribution"]), weight, _array(data["shape"]), curve)
+    return GlossyTable(str(data["distribution"]), weight, _array(data["shape"]), curve, frame, axis)
 
 
 def pack_grid(lobe_set: LiveLobes) -> dict:

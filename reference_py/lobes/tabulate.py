@@ -34,7 +34,7 @@ def tabulate(lobe_set, keep_dielectrics: bool = False, power: int = OREN_NAYAR_P
         return PatchLobes(lobe_set.stack, tuple((patch, tabulate(part.lobe_set, keep_dielectrics, power)) for patch, part in lobe_set.parts))
     if isinstance(lobe_set, LiveLobes):
         return live_tables(lobe_set, keep_dielectrics)
-    tables = lobe_set.tables if isinstance(lobe_set, TableLobes) else _tables(lobe_set, power)
+    tables = lobe_set.tables if isinstance(lobe_set, TableLobes) else tables_of(lobe_set, power)
     tables = [table if keep_dielectrics and _has_seen_curve(table) else _without_curve(table) for table in tables]
     return TableLobes(tuple([t for t in tables if isinstance(t, BaseColorTable) or np.any(t.weight > 0.0)] or tables[-1:]))
 
@@ -70,7 +70,8 @@ def _azimuths(axis: float) -> np.ndarray:
     return axis + np.arccos(AZIMUTHS)
 
 
-def _tables(lobe_set, power: int) -> list[GlossyTable | DiffuseTable | OrenNayarTable]:
+def tables_of(lobe_set, power: int = OREN_NAYAR_POWER) -> list[GlossyTable | DiffuseTable | OrenNayarTable]:
+    """The lobes of a live set at the knots, with the curves that they have."""
     cosines = knot_cosines()
     lobes = lobe_set.lobes(cosines)
     frames = [lobe.frame for lobe in lobes if isinstance(lobe, GlossyLobe) and lobe.frame is not None]

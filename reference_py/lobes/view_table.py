@@ -63,7 +63,7 @@ def weight_at(table: np.ndarray, cos_theta_o: np.ndarray, phi: np.ndarray | floa
 class GlossyTable:
     """A glossy lobe: `weight` (KNOTS, 3) or, with an `axis`, (AZIMUTHS, KNOTS, 3); `shape` (KNOTS, 3) of alpha_x, alpha_y and tan(tilt) / sin(theta_o).
 
-    `frame` is that of `GlossyLobe`; stock nodes alone know it and the axis.
+    `frame` is that of `GlossyLobe`.
     """
 
     distribution: str
@@ -164,6 +164,11 @@ class TableLobes:
     def followed(self) -> tuple[Place, ...]:
         """The live values that the tables follow."""
         return (BASE_COLOR,) if any(isinstance(table, BaseColorTable) for table in self.tables) else ()
+
+    @property
+    def is_brushed(self) -> bool:
+        """Whether any of them turns with the surface's tangent."""
+        return any(getattr(table, "axis", None) is not None or getattr(table, "frame", None) is not None for table in self.tables)
 
     def with_values_of(self, stack: Stack) -> "TableLobes":
         """The same for a stack's own live values and normals."""

@@ -52,6 +52,9 @@ STANDS_IN = {
     "brushed coat over metal": ([_COAT | _BRUSHED], _METAL),
     "smooth coat over brushed metal": ([_GLASS], _METAL | _BRUSHED),
     "rough coat over brushed metal": ([_COAT], _METAL | _BRUSHED),
+    "brushed coat of textured roughness over metal": ([_COAT | _BRUSHED], _METAL, Place(0, "roughness")),
+    "smooth coat over brushed metal of textured roughness": ([_GLASS], _METAL | _BRUSHED, Place(None, "roughness")),
+    "coat and metal brushed in two directions": ([_COAT | _BRUSHED], _METAL | _BRUSHED | {"rotation": 0.35}),
 }
 _STANDS_IN_COLUMNS = ("stack", "stands_in", "albedo_worst", "beyond_4_stderr")
 _STANDS_IN_HEADING = ("lamina chart followed", f"albedo against position_free at {VIEWS_DEG} degrees and azimuths {AZIMUTHS_DEG}; {_WALKS} walks each")

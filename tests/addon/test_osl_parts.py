@@ -5,6 +5,7 @@ import itertools
 import re
 import shutil
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from lamina.reference_py.lobes.live_grid import Energies, grid_of
 from lamina.reference_py.lobes.lobe import DielectricCurve
 from lamina.reference_py.lobes.made import Made
 from lamina.reference_py.lobes.methods import make_lobe_set
-from lamina.reference_py.lobes.view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes
+from lamina.reference_py.lobes.view_table import AZIMUTHS, KNOTS, DiffuseTable, GlossyTable, TableLobes
 from lamina.reference_py.material.place import Place
 from lamina.reference_py.material.stack import Stack
 
@@ -53,6 +54,16 @@ def baked():
     return Made("baked", ONE, tables(0.1))
 
 
+def brushed():
+    """Weights that turn with the tangent."""
+    lobe, weight = tables(0.1).tables[1], np.full((len(AZIMUTHS), KNOTS, 3), 0.3)
+    return Made(
+        "baked",
+        Stack.from_dict({"layers": [{**COAT, **ANISOTROPIC}], "base": {"kind": "lambert"}}),
+        TableLobes((replace(lobe, weight=weight, frame=0.6, axis=0.6),)),
+    )
+
+
 def baked_live():
     scale, energy = Scale(0.3, 0.6, 2), np.full((KNOTS, 3), 0.3)
     axis = NumberAxis((Place(0, "roughness"),), scale, scale, scale)
@@ -65,6 +76,7 @@ def all_made():
     for layers, base, tier in itertools.product(LAYERS, BASES, ("analytic", "weidlich_wilkie")):
         yield make_lobe_set(Stack.from_dict({"layers": layers, "base": base}), tier)
     yield baked()
+    yield brushed()
     yield baked_live()
 
 

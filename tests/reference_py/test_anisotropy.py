@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+from lamina.reference_py.lobes.analytic.brushed import seen_alpha
 from lamina.reference_py.lobes.analytic.interface_tables import anisotropic_energy
 from lamina.reference_py.lobes.closure import lobe_energy, lobe_f, unit_energy
 from lamina.reference_py.lobes.lobe import DielectricCurve, GlossyLobe
@@ -11,7 +12,6 @@ from lamina.reference_py.lobes.made import DEFAULT_TOLERANCE
 from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.lobes.methods.auto import with_anisotropy
 from lamina.reference_py.lobes.methods.not_bakeable import bakeable, not_bakeable
-from lamina.reference_py.lobes.methods.with_features import seen_alpha
 from lamina.reference_py.lobes.tabulate import tabulate
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical

@@ -64,8 +64,9 @@ def group_inputs(lobe_set: Tables, owners: Sequence[str] | None = None) -> tuple
         normals = [normal_input(table.normal, owners) for table in lobe_set.tables if table.normal is not None]
         if isinstance(lobe_set, LiveTables):
             return tuple(dict.fromkeys([*(place_input(lobe_set.stack, place, owners) for place in lobe_set.followed), *normals]))
-        framed = any(getattr(table, "axis", None) is not None or getattr(table, "frame", None) is not None for table in lobe_set.tables)
-        return tuple(dict.fromkeys([*([TANGENT_INPUT] if framed else []), *([base_color_input(owners[-1])] if lobe_set.followed else []), *normals]))
+        return tuple(
+            dict.fromkeys([*([TANGENT_INPUT] if lobe_set.is_brushed else []), *([base_color_input(owners[-1])] if lobe_set.followed else []), *normals])
+        )
     covers = [i for i in shader_inputs(lobe_set.stack) if i.parameter in COVERAGE.parameters]
     return (*covers, *dict.fromkeys(i for patch, part in lobe_set.parts for i in group_inputs(part, owners_of(patch))))
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the tier `analytic` writes for a stack: every value comes in through a parameter, tables are an array parameter.
 
-Of a stack's features, an anisotropic surface has the energy of the view's azimuth (reference_py/lobes/methods/with_features.py); a layer with
+Of a stack's features, an anisotropic surface has the energy of the view's azimuth (reference_py/lobes/analytic/brushed.py); a layer with
 a normal of its own has the energy of that normal's view.
 """
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ....reference_py.lobes.lobe import DielectricCurve
-from ....reference_py.lobes.view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes, is_glossy
+from ....reference_py.lobes.view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes, is_glossy
 from ..inputs import base_color_input
 from .block import Block, Closure, numbers
 from .view_frame import FRAME_FUNCTIONS, Frame
@@ -30,10 +30,20 @@ def table_block(lobe_set: TableLobes, owners: Sequence[str], prefix: str = "") -
     frames = [Frame.of(table.normal, owners) for table in lobe_set.tables]
     closures = tuple([_closure(arrays, said, f"{prefix}{i}", *lobe, owners[-1]) for i, lobe in enumerate(zip(lobe_set.tables, frames))])
     glossy = dict.fromkeys(frame for table, frame in zip(lobe_set.tables, frames) if is_glossy(table))
+    axes = dict.fromkeys(axis for table in lobe_set.tables if (axis := _axis(table)) is not None)
     return Block(
-        functions=(*(FRAME_FUNCTIONS if glossy else ("bent.h", "view_place.h")), *(name for frame in frames for name in frame.functions)),
+        functions=(
+            *(FRAME_FUNCTIONS if glossy else ("bent.h", "view_place.h")),
+            *(name for frame in frames for name in frame.functions),
+            *(("incidence.h", "rotate_tangent.h", "azimuth_place.h") if axes else ()),
+        ),
         arrays=tuple(arrays),
-        common=(*(line for frame in dict.fromkeys(frames) for line in frame.table_view), *(line for frame in glossy for line in frame.glossy), *said.values()),
+        common=(
+            *(line for frame in dict.fromkeys(frames) for line in frame.table_view),
+            *(line for frame in glossy for line in frame.glossy),
+            *(line for axis in axes for line in _about_axis(axis)),
+            *said.values(),
+        ),
         body=(),
         closures=closures,
     )
@@ -44,19 +54,45 @@ def _closure(arrays: list[str], said: dict[str, str], name: str, table: GlossyTa
     if isinstance(table, BaseColorTable):
         weight, table = _base_weight(arrays, said, name, table, about, owner), table.now
     else:
-        weight = _value(arrays, f"Weight{name}", table.weight, about)
+        weight = _value(arrays, f"Weight{name}", table.weight, about, _axis(table))
     if isinstance(table, DiffuseTable):
         return Closure(weight, f"diffuse({about.normal})")
     alpha_x, alpha_y, slope = _shape(arrays, said, name, table.shape, about)
-    upright = f"{about.normal}, tangent{about.suffix}"
+    upright = f"{about.normal}, {f'tangent{about.suffix}' if table.frame is None else _named(table.frame)}"
     if isinstance(table.fresnel, DielectricCurve):
         eta, distribution = f"{table.fresnel.eta:.9g}", table.distribution
-        return Closure(weight, f'interface_bsdf({upright}, {alpha_x}, break_isotropy({alpha_x}), {eta}, "{distribution}")')
-    if _is_round(table.shape):
+        alpha_y = f"break_isotropy({alpha_x})" if table.frame is None else alpha_y
+        return Closure(weight, f'interface_bsdf({upright}, {alpha_x}, {alpha_y}, {eta}, "{distribution}")')
+    if table.frame is not None:
+        frame = upright
+    elif _is_round(table.shape):
         frame, alpha_y = upright, f"break_isotropy({alpha_x})"
     else:
         frame = about.tilted(slope)
     return Closure(weight, f'microfacet("{table.distribution}", {frame}, {alpha_x}, {alpha_y}, 1.0, 0)', shape=(alpha_x, alpha_y, slope))
+
+
+def _axis(table) -> float | None:
+    """The axis of a lobe that is brushed, or whose weight turns with the azimuth of the view."""
+    frame = table.frame if isinstance(table, GlossyTable) else None
+    return frame if isinstance(table, BaseColorTable) or table.axis is None else table.axis
+
+
+def _named(axis: float) -> str:
+    """The variable of an axis, and in those of its sheets a suffix: its milliradians."""
+    return f"axis_{round(1000.0 * (axis % np.pi))}"
+
+
+def _about_axis(axis: float) -> tuple[str, ...]:
+    """Statements that declare an axis, and where sheets about it are read."""
+    name = _named(axis)
+    return (
+        f"vector {name} = rotate_tangent(Tangent, N, {axis / (2.0 * np.pi):.9g});",
+        f"int row_{name};",
+        f"float turned_{name};",
+        f"azimuth_place(tangential_part(I, bent_normal), {name}, row_{name}, turned_{name});",
+        f"row_{name} = row_{name} * {KNOTS} + cell;",
+    )
 
 
 def _base_weight(arrays: list[str], said: dict[str, str], name: str, table: BaseColorTable, about: Frame, owner: str) -> str:
@@ -93,8 +129,16 @@ def _shape(arrays: list[str], said: dict[str, str], name: str, shape: np.ndarray
     return f"shape_{name}[0]", f"shape_{name}[1]", f"shape_{name}[2]"
 
 
-def _value(arrays: list[str], name: str, column: np.ndarray, about: Frame) -> str:
-    """An expression for a column (KNOTS,) or (KNOTS, 3) at the view about a normal; a table becomes an array parameter."""
+def _value(arrays: list[str], name: str, column: np.ndarray, about: Frame, axis: float | None = None) -> str:
+    """An expression for a column (KNOTS,) or (KNOTS, 3), or for sheets (AZIMUTHS, KNOTS, 3) about an axis, at the view about a normal; a table becomes an
+    array parameter.
+    """
+    if column.ndim == 3:
+        entries = ", ".join([f"color({numbers(row)})" for row in column.reshape(-1, 3)])
+        arrays.append(f"color {name}[{len(AZIMUTHS) * KNOTS}] = {{{entries}}}")
+        row, turned = f"row_{_named(axis)}", f"turned_{_named(axis)}"
+        low, high = (f"mix({name}[{row}{i}], {name}[{row}{j}], between)" for i, j in (("", " + 1"), (f" + {KNOTS}", f" + {KNOTS + 1}")))
+        return f"mix({low}, {high}, {turned})"
     color = column.ndim == 2
     if np.all(column == column[0]):
         return f"color({numbers(column[0])})" if color else f"{column[0]:.9g}"

@@ -10,16 +10,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ....reference_py.lobes.analytic import AnalyticLobes
+from ....reference_py.lobes.analytic.brushed import BrushedLobes
 from ....reference_py.lobes.cache import ALWAYS_LIVE
 from ....reference_py.lobes.live_grid import LiveLobes
 from ....reference_py.lobes.made import Made
 from ....reference_py.lobes.methods.paper import PaperLobes
-from ....reference_py.lobes.methods.with_features import AnalyticLobesWithFeatures
 from ....reference_py.lobes.patch_lobes import PatchLobes
 from ....reference_py.lobes.view_table import TableLobes
 from ....reference_py.material.schema import SCHEMA, Schema
 from ....reference_py.material.stack import Base, Layer, Stack
-from ..inputs import BASE, PRIMARIES, ShaderInput, layer_owner, owners_of, shader_inputs
+from ..inputs import BASE, PRIMARIES, TANGENT_INPUT, ShaderInput, layer_owner, owners_of, shader_inputs
 from . import emit_analytic, emit_live_grid, emit_paper, emit_tables
 from .block import Block, Share, shader_text
 
@@ -50,9 +50,7 @@ _EMITTERS = {
     TableLobes: _Emitter(lambda lobes, owners, suffix, _: emit_tables.table_block(lobes, owners, suffix), emit_tables.NOTE, False),
     LiveLobes: _Emitter(lambda lobes, owners, suffix, _: emit_live_grid.grid_block(lobes, owners, suffix), emit_live_grid.NOTE, False),
     AnalyticLobes: _Emitter(lambda lobes, owners, _, stands_in: emit_analytic.analytic_block(lobes.stack, owners, stands_in), emit_analytic.NOTE, True),
-    AnalyticLobesWithFeatures: _Emitter(
-        lambda lobes, owners, _, stands_in: emit_analytic.analytic_block(lobes.stack, owners, stands_in), emit_analytic.NOTE, True
-    ),
+    BrushedLobes: _Emitter(lambda lobes, owners, _, stands_in: emit_analytic.analytic_block(lobes.stack, owners, stands_in), emit_analytic.NOTE, True),
     PaperLobes: _Emitter(lambda lobes, owners, *_: emit_paper.weidlich_wilkie_block(lobes.stack, owners), emit_paper.NOTE, True),
 }
 
@@ -69,6 +67,7 @@ def generate(made: Made, schema: Schema = SCHEMA) -> Shader:
     emitters = [_EMITTERS[type(part)] for *_, part in parts]
     is_live = any(emitter.reads_all for emitter in emitters)
     followed = {place for owners, _, part in parts for place in _followed(part, owners)}
+    followed |= {(TANGENT_INPUT.owner, TANGENT_INPUT.parameter.name) for *_, part in parts if isinstance(part, TableLobes) and part.is_brushed}
     inputs = tuple(i for i in shader_inputs(stack, schema) if is_live or i.parameter.name in ALWAYS_LIVE or (i.owner, i.parameter.name) in followed)
     blocks = []
     for number, ((owners, covered, part), emitter) in enumerate(zip(parts, emitters)):

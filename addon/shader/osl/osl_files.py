@@ -10,7 +10,7 @@ import numpy as np
 
 from ....reference_py.lobes.analytic import base, calibration, interface_tables
 from ....reference_py.lobes.methods import paper
-from ....reference_py.lobes.view_table import KNOTS, MIN_COS_O
+from ....reference_py.lobes.view_table import AZIMUTHS, KNOTS, MIN_COS_O
 from ....reference_py.optics import interface, thin_film
 
 PARTS = Path(__file__).resolve().parents[3] / "osl"
@@ -70,6 +70,7 @@ def constants() -> dict[str, str]:
         "LEAST_RATIO": interface_tables.LEAST_RATIO, "LEAST_KAPPA": interface_tables.LEAST_KAPPA, "ANISOTROPIC_ALPHAS": interface_tables.ANISOTROPIC_ALPHAS,
         "ANISOTROPIC_RATIOS": interface_tables.ANISOTROPIC_RATIOS, "ANISOTROPIC_COSINES": interface_tables.ANISOTROPIC_COSINES,
         **dict(zip(TABLE_BLOCKS.values(), table_starts())),
+        **{f"AZIMUTH_{i}": float(place) for i, place in enumerate(AZIMUTHS)},
     }  # fmt: skip
     rows = {"ANISOTROPIC_KNOTS": np.cos(2.0 * interface_tables.ANISOTROPIC_AZIMUTHS), "MEAN_COSINE": base.MEAN_COSINES, "MEAN_WEIGHT": base.MEAN_WEIGHTS}
     for name, value in (*vars(calibration).items(), *rows.items()):

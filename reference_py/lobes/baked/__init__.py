@@ -2,4 +2,5 @@
 """Bakes: closures fitted to the truth, as tables."""
 
 from .bake import DEFAULT_GLOSSY, MAX_GLOSSY, Bake, Baker, baked, pack_lobes, unpack_lobes
+from .brushed_bake import brushed, is_brushed, level
 from .live import follows, in_tables

@@ -11,6 +11,7 @@ from ...material.schema import SCATTERING
 from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
+from ..analytic.brushed import has_brushing
 from ..axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, IndexAxis, NumberAxis, ReflectanceAxis, Scale, ScatterColorAxis, ThicknessAxis
 from ..live_grid import Energies, LiveLobes, grid_of
 from ..truth import truth_of
@@ -33,7 +34,9 @@ _DEEPEST, _DEEPEST_MEDIUM = 6.0, 30.0
 
 
 def follows(stack: Stack, live: tuple[Place, ...]) -> bool:
-    """Whether a bake follows these live values."""
+    """Whether a bake follows these live values. Beside brushed surfaces none is followed."""
+    if has_brushing(stack):
+        return not live
     rest = _without_color(stack, live)
     return not rest or axes_of(stack, rest) is not None
 
@@ -47,7 +50,7 @@ def in_tables(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
     """Those of the live values that a bake follows, where it does not follow all: the color of a diffuse base alone."""
     if not live or follows(stack, live):
         return live
-    return (BASE_COLOR,) if BASE_COLOR in live and _is_diffuse(stack) else ()
+    return () if has_brushing(stack) else (BASE_COLOR,) if BASE_COLOR in live and _is_diffuse(stack) else ()
 
 
 def _is_diffuse(stack: Stack) -> bool:

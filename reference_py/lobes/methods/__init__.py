@@ -21,10 +21,10 @@ from ..made import Made, Options
 from ..patch_lobes import PatchLobes
 from ..pools import MAX_CLOSURES
 from . import auto, baking
+from .featured_analytic import featured_analytic
 from .method import Method
 from .not_bakeable import bakeable, has_film, needs_live, not_bakeable, scatters
 from .paper import PaperLobes
-from .with_features import featured_analytic
 
 METHODS = {
     row.name: row

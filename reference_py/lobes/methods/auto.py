@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Method `auto`: the cheapest way to tell Cycles about a stack whose error stays under a tolerance."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
+from types import MappingProxyType
 
 import numpy as np
 
 from ...errors import LaminaError
-from ...material.place import in_words
+from ...material.place import Place, in_words, places
 from ...material.qualities import AUTO
 from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
@@ -16,17 +17,18 @@ from ...optics.error_measure import albedo_error
 from ...optics.frame import spherical
 from ...optics.optical_stack import Support
 from ..analytic import AnalyticLobes
-from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, baked, follows, pack_lobes, unpack_lobes
+from ..analytic.brushed import isotropic
+from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, baked, brushed, follows, is_brushed, level, pack_lobes, unpack_lobes
 from ..cache import stack_key
 from ..closure import lobe_energy
 from ..error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosines
 from ..made import Candidate, Choice, Made, Options
 from ..truth import truth_of
 from .cost import cost
+from .featured_analytic import featured_analytic
 from .method import Computed, Method
 from .not_bakeable import has_film, scatters
 from .paper import PaperLobes
-from .with_features import featured_analytic
 
 NAME = AUTO
 # Errors that differ by less than this share of them are as good: the cheaper one is taken.
@@ -106,8 +108,21 @@ def _best(tried: list[tuple[Candidate, object]], tolerance: float) -> tuple[tupl
     return close, f"the cheapest of those about as close as the closest; none of {len(tried)} reaches {100.0 * tolerance:g} %"
 
 
-def with_anisotropy(choice: Choice, stack: Stack, tolerance: float, cosines: np.ndarray | None = None) -> Choice:
-    """The choice for a stack with anisotropy, of what was tried without: albedos are compared with walks through the whole stack.
+def choose_brushed(stack: Stack, options: Options, cosines: np.ndarray | None = None, light_deg: float = SOFT_LIGHT_DEG) -> Choice:
+    """As `choose`, for a stack of which `is_brushed` is true: a bake is tried too."""
+    plain, report = isotropic(stack), options.report
+    truth, brushing = truth_of(plain), tuple(Place(i, ANISOTROPY.name) for i, element in places(stack) if element.has(ANISOTROPY))
+    choice = choose(plain, truth, replace(options, live=brushing, progress=lambda share: report(0.3 * share)), cosines, light_deg)
+    lobe_set = brushed(stack, lambda share: report(0.3 + 0.5 * share))
+    errors = ErrorEstimator(plain, truth, ball_cosines() if cosines is None else cosines, light_deg).errors(level(plain))
+    candidate = _candidate("baked, brushed", lobe_set, errors, False)
+    return with_anisotropy(replace(choice, tried=(*choice.tried, candidate)), stack, options.tolerance, cosines, {candidate.label: lobe_set})
+
+
+def with_anisotropy(
+    choice: Choice, stack: Stack, tolerance: float, cosines: np.ndarray | None = None, bakes: Mapping[str, object] = MappingProxyType({})
+) -> Choice:
+    """The choice for a stack with anisotropy, of what was tried without: albedos are compared with walks through the whole stack. `bakes` are those of the tried that are no live method.
 
     At a few of the view `cosines` (n,), those of a ball's pixels unless given, and at `_AZIMUTHS`. Soft light and shape stay those
     of the isotropic stack.
@@ -118,8 +133,8 @@ def with_anisotropy(choice: Choice, stack: Stack, tolerance: float, cosines: np.
     truth, stderr = PositionFree(stack, walks=_WALKS).albedo_stderr(wo)
     tried = []
     for candidate in choice.tried:
-        if candidate.label in _LIVE:
-            lobe_set = _LIVE[candidate.label](stack)
+        if candidate.label in _LIVE or candidate.label in bakes:
+            lobe_set = bakes[candidate.label] if candidate.label in bakes else _LIVE[candidate.label](stack)
             albedo = np.stack([sum(lobe_energy(lobe, views, phi) for lobe in lobe_set.lobes(views, phi)) for phi in _AZIMUTHS], axis=1)
             error = float(np.max(albedo_error(albedo, truth)))
             tried.append((replace(candidate, albedo=error), lobe_set))
@@ -157,7 +172,7 @@ def _unpack(data: dict, stack: Stack) -> Choice:
 
 
 COMPUTED = Computed(
-    compute=lambda stack, options: choose(stack, truth_of(stack), options),
+    compute=lambda stack, options: choose_brushed(stack, options) if is_brushed(stack) else choose(stack, truth_of(stack), options),
     key=lambda stack, options: f"auto {stack_key(stack, options.live)} {options.tolerance:g} {options.glossy or MAX_GLOSSY}",
     pack=_pack,
     unpack=_unpack,

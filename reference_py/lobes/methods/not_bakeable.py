@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Features that tables over the view cannot hold: they know no azimuths, and no lobe apart, with a normal of its own, of a rough top with a film."""
+"""Features that tables over the view cannot hold: most anisotropy, and films on a rough top where normals differ, as that has no lobe apart."""
 
 from dataclasses import replace
 from types import MappingProxyType
@@ -7,8 +7,9 @@ from types import MappingProxyType
 from ...material.place import Place, in_words, places
 from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM, Feature
 from ...material.stack import Stack
-from ...optics.interface import Microfacets
 from ...optics.optical_stack import OpticalStack
+from ..analytic.brushed import isotropic
+from ..baked import is_brushed
 from ..own_normals import has_own_normals
 
 
@@ -25,7 +26,7 @@ def not_bakeable(stack: Stack) -> tuple[Place, ...]:
 def _lost(stack: Stack, i: int | None) -> list[Feature]:
     """Of the features of a layer, or of the base for None, those that tables cannot hold."""
     element = stack.base if i is None else stack.layers[i]
-    lost = [ANISOTROPY] if element.has(ANISOTROPY) else []
+    lost = [ANISOTROPY] if element.has(ANISOTROPY) and not is_brushed(stack) else []
     return [*lost, THIN_FILM] if i == 0 and has_own_normals(stack) and _is_rough_film(stack) else lost
 
 
@@ -47,15 +48,10 @@ def has_film(stack: Stack) -> bool:
 
 def bakeable(stack: Stack) -> Stack:
     """The stack without the features of `not_bakeable`; its surfaces are as rough as those that they had."""
-    if not not_bakeable(stack):
-        return stack
-
-    def plain(i: int | None):
-        lost, element = _lost(stack, i), stack.base if i is None else stack.layers[i]
-        names = {p.name for feature in lost for p in feature.parameters}
-        values = {k: v for k, v in element.values.items() if k not in names}
-        if ANISOTROPY in lost:
-            values["roughness"] = Microfacets.of(element).alpha ** 0.5
-        return replace(element, values=MappingProxyType(values))
-
-    return replace(stack, layers=tuple(plain(i) for i in range(len(stack.layers))), base=plain(None))
+    lost = {place.name for place in not_bakeable(stack)}
+    plain = isotropic(stack) if ANISOTROPY.name in lost else stack
+    if THIN_FILM.name not in lost:
+        return plain
+    names = {p.name for p in THIN_FILM.parameters}
+    top = plain.layers[0]
+    return replace(plain, layers=(replace(top, values=MappingProxyType({k: v for k, v in top.values.items() if k not in names})), *plain.layers[1:]))

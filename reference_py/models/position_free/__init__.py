@@ -118,13 +118,17 @@ class PositionFree:
         wo_visible = wo[visible]
 
         def sample(figure, rng):
-            energy = np.zeros((self.channels, len(figure)))
-            for rays in Walk(self._surfaces, wo_visible[figure], rng, splits=True).exits():
-                for total, throughput in zip(energy, rays.throughput.T):
-                    total += np.bincount(rays.path, throughput, len(total))
-            return energy.T
+            return self.walked(wo_visible[figure], rng)
 
         return self._spread(visible, *self._estimate(sample, len(wo_visible), (self.channels,), rng, progress, cancel))
+
+    def walked(self, wo: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        """What one walk from each of wo (n, 3), above the surface, makes of its albedo: (n, 3), right in the mean alone."""
+        energy = np.zeros((self.channels, len(wo)))
+        for rays in Walk(self._surfaces, wo, rng, splits=True).exits():
+            for total, throughput in zip(energy, rays.throughput.T):
+                total += np.bincount(rays.path, throughput, len(total))
+        return energy.T
 
     @per_direction(_depth_axes, _depth_axes)
     def albedo_by_depth(self, wo, *, rng=None, progress=None, cancel=None) -> tuple[np.ndarray, np.ndarray]:

@@ -1,41 +1,51 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tier `analytic` for stacks with features that its own arithmetic does not know.
+"""Tier `analytic` for stacks with brushed surfaces, which its own arithmetic does not know.
 
-Anisotropy: the top lobe has its surface's exact widths, deeper ones as far as their width is their own surface's, and every
+The top lobe has its surface's exact widths, deeper ones as far as their width is their own surface's, and every
 lobe's weight is of its own energy at the azimuth of the view. A view crosses the top as one of the isotropic surface that it sees
 there; what other anisotropic surfaces do to light that crosses them has no direction.
-Thin films: the method has no colored interfaces, so `weidlich_wilkie` stands in. Normals are the renderer's.
 """
 
 from dataclasses import replace
 from functools import partial
+from types import MappingProxyType
 
 import numpy as np
 
-from ...material.stack import Stack
+from ...material.place import places
+from ...material.schema import ANISOTROPY
+from ...material.stack import LayerOrBase, Stack
 from ...optics.interface import AnisotropicRoughness, Microfacets
-from ..analytic import AnalyticLobes
-from ..analytic.base import Facets
-from ..analytic.interface_tables import anisotropic_energy, closure_energy
-from ..analytic.lobe_set import at_views
 from ..lobe import DiffuseLobe, GlossyLobe
 from ..view_table import MIN_COS_O
-from .not_bakeable import bakeable, has_film, not_bakeable
-from .paper import PaperLobes
+from .base import Facets
+from .interface_tables import anisotropic_energy, closure_energy
+from .lobe_set import AnalyticLobes, at_views
 
 
-def featured_analytic(stack: Stack):
-    """The lobe set that a stack has in the method `analytic`."""
-    if has_film(stack):
-        return PaperLobes(stack)
-    return AnalyticLobesWithFeatures(stack) if not_bakeable(stack) else AnalyticLobes(stack)
+def has_brushing(stack: Stack) -> bool:
+    """Whether a surface of the stack is anisotropic."""
+    return any(element.has(ANISOTROPY) for _, element in places(stack))
 
 
-class AnalyticLobesWithFeatures(AnalyticLobes):
-    """The lobes of the stack without its features, in the shapes that these give them."""
+def isotropic(stack: Stack) -> Stack:
+    """The stack without anisotropy; its surfaces are as rough as those that they had."""
+    names = {p.name for p in ANISOTROPY.parameters}
+
+    def plain(element: LayerOrBase) -> LayerOrBase:
+        if not element.has(ANISOTROPY):
+            return element
+        values = {k: v for k, v in element.values.items() if k not in names} | {"roughness": Microfacets.of(element).alpha ** 0.5}
+        return replace(element, values=MappingProxyType(values))
+
+    return replace(stack, layers=tuple(map(plain, stack.layers)), base=plain(stack.base))
+
+
+class BrushedLobes(AnalyticLobes):
+    """The lobes of the stack without anisotropy, in the shapes that it gives them."""
 
     def __init__(self, stack: Stack):
-        self.stack, self._plain = stack, AnalyticLobes(bakeable(stack))
+        self.stack, self._plain = stack, AnalyticLobes(isotropic(stack))
         self.base = self._plain.base
 
     def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
