@@ -22,7 +22,7 @@ from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, baked, brushed, follows, 
 from ..cache import stack_key
 from ..closure import lobe_energy
 from ..error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosines
-from ..made import Candidate, Choice, Made, Options
+from ..made import Candidate, Choice, LobeSet, Made, Options
 from ..truth import truth_of
 from .cost import cost
 from .featured_analytic import featured_analytic
@@ -120,7 +120,7 @@ def choose_brushed(stack: Stack, options: Options, cosines: np.ndarray | None = 
 
 
 def with_anisotropy(
-    choice: Choice, stack: Stack, tolerance: float, cosines: np.ndarray | None = None, bakes: Mapping[str, object] = MappingProxyType({})
+    choice: Choice, stack: Stack, tolerance: float, cosines: np.ndarray | None = None, bakes: Mapping[str, LobeSet] = MappingProxyType({})
 ) -> Choice:
     """The choice for a stack with anisotropy, of what was tried without: albedos are compared with walks through the whole stack. `bakes` are those of the tried that are no live method.
 
@@ -134,7 +134,7 @@ def with_anisotropy(
     tried = []
     for candidate in choice.tried:
         if candidate.label in _LIVE or candidate.label in bakes:
-            lobe_set = bakes[candidate.label] if candidate.label in bakes else _LIVE[candidate.label](stack)
+            lobe_set: LobeSet = bakes[candidate.label] if candidate.label in bakes else _LIVE[candidate.label](stack)
             albedo = np.stack([sum(lobe_energy(lobe, views, phi) for lobe in lobe_set.lobes(views, phi)) for phi in _AZIMUTHS], axis=1)
             error = float(np.max(albedo_error(albedo, truth)))
             tried.append((replace(candidate, albedo=error), lobe_set))
