@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How fast the two truths and bakes are: walks per second of `position_free`, seconds of a cold albedo and f of `adding` and of a bake, and where
-Mitsuba is installed (`make mitsuba`) what the walks cost beside its explicit slabs at equal error.
+"""How fast the two truths and bakes are: walks per second of `position_free`, seconds of a cold albedo and f of `adding`, of samples and of a bake,
+and where Mitsuba is installed (`make mitsuba`) what the walks cost beside its explicit slabs at equal error.
 
 Processor time, not the clock's, and the best of several repeats, so that other work on the machine counts little.
 Run by `make bench`; nothing is asserted.
@@ -15,6 +15,7 @@ import numpy as np
 
 from lamina.reference_py.exchange.writers.mitsuba import slab_scene
 from lamina.reference_py.lobes.methods import make_lobe_set
+from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.registry import make_model
@@ -57,6 +58,7 @@ TWENTY_LAYERS = {
 # Paths a pixel of 64 x 64, and estimates of both ways.
 MITSUBA_SAMPLES, MITSUBA_ROUNDS = 16, 9
 SLABS = ("plastic_grey_0_4", "gold_coat_0_1_metal_0_1", "three_rough")
+SAMPLED = ("clean_copper", "satin_varnish", "frosted_paint", "metallic_car_paint")
 BAKED = ("plastic_grey_0", "plastic_tinted", "gold_coat_0_1_metal_0_1", "three_rough")
 
 
@@ -87,6 +89,14 @@ def cold_f_seconds(name: str) -> float:
     wi = spherical(np.radians(np.tile(np.linspace(0.0, 80.0, 5), 2)), np.repeat([0.5, 2.8], 5))
     start = time.process_time()
     make_model("adding", TWENTY_LAYERS[name]).f(wo, wi)
+    return time.process_time() - start
+
+
+def seconds_per_million_samples(name: str) -> float:
+    """Of `closure_model`, which draws what Cycles draws."""
+    model, wo = make_model("closure_model", presets.load(name)), np.repeat(VIEW[None], 1_000_000, axis=0)
+    start = time.process_time()
+    model.sample(wo, 1)
     return time.process_time() - start
 
 
@@ -153,6 +163,10 @@ def main() -> None:
         print("adding, processor seconds of a cold f at 60 pairs of directions")
         for name in TWENTY_LAYERS:
             best = min(fresh.apply(cold_f_seconds, (name,)) for _ in range(REPEATS))
+            print(f"  {name:36} {best:8.2f}", flush=True)
+        print("closure_model, processor seconds of a million samples")
+        for name in SAMPLED:
+            best = min(fresh.apply(seconds_per_million_samples, (name,)) for _ in range(REPEATS))
             print(f"  {name:36} {best:8.2f}", flush=True)
         print("baked, processor seconds and peak memory")
         for name in BAKED:

@@ -32,6 +32,8 @@ from . import DEFAULT_METHOD, make_lobe_set
 
 # Share of its weight that a lobe keeps where its Fresnel factor vanishes, as the factor rises around that view.
 _LEAST_SHARE = 1e-3
+# Directions drawn at once: so many stay in a processor's cache.
+_AT_ONCE = 1 << 14
 
 
 @supports("model", spectral=False, features=(ANISOTROPY, THIN_FILM, SCATTERING))
@@ -72,15 +74,20 @@ class ClosureModel:
         A lobe is picked by its energy at the view and sampled by its visible normals or cosine, as in Cycles.
         Mirror-like lobes are never picked; where there are no others, wi points straight down.
         """
+        wi = vectors(*(np.full(len(wo), part) for part in DOWN))
+        for start in range(0, len(wo), _AT_ONCE):
+            self._draw(wo[start : start + _AT_ONCE], wi[start : start + _AT_ONCE], rng)
+        return wi, (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
+
+    def _draw(self, wo: np.ndarray, wi: np.ndarray, rng: np.random.Generator) -> None:
+        """Write one direction per wo into wi, both (n, 3), where a lobe is picked."""
         lobes, shares = self._finite_lobes(wo)
         picked = rng.random(len(wo))
         chosen = sum((picked >= bound for bound in np.cumsum(shares, axis=0)[:-1]), np.zeros(len(wo), int))
-        wi = vectors(*(np.full(len(wo), part) for part in DOWN))
         for i, lobe in enumerate(lobes):
             rows = np.flatnonzero(chosen == i)
             if len(rows):
                 wi.T[:, rows] = _sample_lobe(_at(lobe, rows, len(wo)), take(wo, rows), rng)
-        return wi, (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
 
     @per_direction(no_axis)
     def pdf(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
