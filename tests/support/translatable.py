@@ -13,6 +13,7 @@ from lamina.addon import registration
 from lamina.addon.check import check
 from lamina.addon.library.preset_catalogues import CATALOGUES, OWN
 from lamina.addon.material import seen_color
+from lamina.addon.material.mask_groups import BAKED, USE_BAKED
 from lamina.addon.material.properties import choice_label
 from lamina.addon.ui.value_notes import UNITS
 from lamina.reference_py.material import ready_layers
@@ -43,6 +44,7 @@ def strings() -> set[str]:
         *_of_checks(),
         *CATALOGUES,
         OWN,
+        *(BAKED, USE_BAKED),
         *(group.title() for group in ready_layers.GROUPS),
         *UNITS.values(),
     }
