@@ -85,6 +85,13 @@ def texts():
     return [generate(made).text for made in all_made()]
 
 
+@pytest.mark.parametrize("tier", ["baked", "auto", "analytic"])
+@pytest.mark.parametrize("layers", [[], [{**COAT, "ior": 1.0}]])
+def test_what_is_black_altogether_has_a_shader(layers, tier):
+    made = make_lobe_set(Stack.from_dict({"layers": layers, "base": {"kind": "lambert", "color": [0, 0, 0]}}), tier)
+    assert made.lobe_count >= 1 and "BSDF = lobe_0" in generate(made).text
+
+
 def compiles(folder, name: str, tmp_path) -> bool:
     """Whether oslc takes a shader that includes this file of a folder and nothing else."""
     pytest.importorskip("bpy")

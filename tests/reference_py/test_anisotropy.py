@@ -4,14 +4,14 @@
 import numpy as np
 import pytest
 
-from lamina.reference_py.lobes.analytic.brushed import seen_alpha
+from lamina.reference_py.lobes.analytic.brushed import isotropic, seen_alpha
 from lamina.reference_py.lobes.analytic.interface_tables import anisotropic_energy
 from lamina.reference_py.lobes.closure import lobe_energy, lobe_f, unit_energy
 from lamina.reference_py.lobes.lobe import DielectricCurve, GlossyLobe
 from lamina.reference_py.lobes.made import DEFAULT_TOLERANCE
 from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.lobes.methods.auto import with_anisotropy
-from lamina.reference_py.lobes.methods.not_bakeable import bakeable, not_bakeable
+from lamina.reference_py.lobes.methods.not_bakeable import not_bakeable
 from lamina.reference_py.lobes.tabulate import tabulate
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
@@ -83,7 +83,7 @@ def test_a_brushed_metal_reflects_what_it_should(name):
 
 def test_isotropic_weights_would_be_caught():
     stack = Stack.from_dict({"base": metal()})
-    plain, own = make_lobe_set(bakeable(stack), "analytic").lobes(np.cos(THETA)), make_lobe_set(stack, "analytic").lobes(np.cos(THETA))
+    plain, own = make_lobe_set(isotropic(stack), "analytic").lobes(np.cos(THETA)), make_lobe_set(stack, "analytic").lobes(np.cos(THETA))
     wrong = plain[0].weight * unit_energy(own[0], np.cos(THETA), 0.0)
     print(np.round(wrong[:, 0], 4))
     assert wrong[0, 0] == pytest.approx(1.018, abs=2e-3) and wrong[3, 0] == pytest.approx(1.082, abs=2e-3)
@@ -92,7 +92,7 @@ def test_isotropic_weights_would_be_caught():
 def test_no_anisotropy_is_the_limit():
     for base in (metal(0.6, anisotropy=0.0), {"kind": "lambert", "color": [0.5, 0.4, 0.3]}):
         stack = Stack.from_dict({"layers": [{**COAT, "roughness": 0.5, "anisotropy": 0.0}], "base": base})
-        assert energies(make_lobe_set(stack, "analytic")) == pytest.approx(energies(make_lobe_set(bakeable(stack), "analytic")), rel=1e-3)
+        assert energies(make_lobe_set(stack, "analytic")) == pytest.approx(energies(make_lobe_set(isotropic(stack), "analytic")), rel=1e-3)
 
 
 @pytest.mark.parametrize("eta", [1.2, 1.5])
@@ -129,7 +129,7 @@ def test_coated_brushed_metals_are_as_good_as_isotropic_ones(name, layers, base,
     stack = Stack.from_dict({"layers": layers, "base": base})
     truth, stderr = walked(stack)
     error = np.abs(energies(make_lobe_set(stack, "analytic")) - truth)
-    plain = bakeable(stack)
+    plain = isotropic(stack)
     own = np.abs(energies(make_lobe_set(plain, "analytic"), azimuths=AZIMUTHS[:1])[0] - make_model("adding", plain).albedo(spherical(THETA, 0.0)))
     print(f"{name}: {error.max():.4f}, without anisotropy {own.max():.4f}, standard error {stderr.max():.1e}")
     assert np.all(error < most + 3.0 * stderr)
@@ -138,7 +138,7 @@ def test_coated_brushed_metals_are_as_good_as_isotropic_ones(name, layers, base,
 def test_the_estimated_error_knows_the_anisotropy():
     """Of the tier that forgets what facets hide from each other it is large, of the other what walks say."""
     stack = Stack.from_dict({"base": metal(0.9)})
-    choice = make_lobe_set(bakeable(stack), "auto", live=not_bakeable(stack)).choice
+    choice = make_lobe_set(isotropic(stack), "auto", live=not_bakeable(stack)).choice
     told = {c.label: c for c in with_anisotropy(choice, stack, DEFAULT_TOLERANCE).tried}
     theta, azimuths = np.radians([15.0, 45.0, 75.0]), np.radians([0.0, 90.0])
     truth, _ = walked(stack, theta, azimuths)

@@ -102,3 +102,10 @@ def test_live_values_are_followed_beside_a_film(layers, base, live, values):
         lobe_set = make_lobe_set(here, "baked", live=live).lobe_set
         assert not lobe_set.is_live
         assert np.max(ErrorEstimator(here, truth_of(here), VIEWS[:, 2]).errors(lobe_set).albedo) < 0.02
+
+
+def test_a_film_that_no_bake_holds_is_said_to_be_live():
+    """An own normal below a rough top with a film: what is chosen without the film says nothing of its error."""
+    stack = Stack.from_dict({"layers": [COAT | FILM, GLASS | {"ior": 1.7}], "base": CLAY | {"normal": [0, 0, 0]}})
+    made = make_lobe_set(stack, "auto")
+    assert made.reason == "weidlich_wilkie, the one live quality that knows thin films" and made.choice is None

@@ -147,7 +147,9 @@ class Baker:
             table = GlossyTable(distribution, weight, np.concatenate([np.exp(shape[:, :2]), shape[:, 2:]], axis=1))
             fitted.append((table, unit_energy(table.lobe(cosines), cosines)[:, :1]))
         fitted.append((DiffuseTable(weights[:, :, -1]), ones[:, :1]))
-        fitted = [(table, unit) for table, unit in fitted if isinstance(table, keep) or np.any(table.weight * unit > _NEGLIGIBLE * self._albedo)]
+        seen = [(table, unit) for table, unit in fitted if isinstance(table, keep) or np.any(table.weight * unit > _NEGLIGIBLE * self._albedo)]
+        # what is black altogether keeps a lobe, as a shader has to have one
+        fitted = seen if seen or tables else fitted[-1:]
         return TableLobes((*tables, *_with_energy(fitted, self._rest[found.plan])))
 
 

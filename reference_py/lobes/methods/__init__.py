@@ -174,7 +174,9 @@ def _made(row: Method, stack: Stack, options: Options) -> Made:
         return made
     # what is chosen for the plain stack, which has a truth that is quick to compute, is made of the whole one
     whole = featured_analytic(stack) if isinstance(made.lobe_set, AnalyticLobes) else type(made.lobe_set)(stack)
-    reason = made.reason
-    if row is auto.METHOD:
+    reason, choice = made.reason, made.choice
+    if whole.name != made.lobe_set.name:
+        reason, choice = f"{whole.name}, the one live quality that knows thin films", None
+    elif row is auto.METHOD:
         reason += f"; errors are those without {needs_live(stack)}"
-    return Made(row.name, stack, whole, reason, made.choice)
+    return Made(row.name, stack, whole, reason, choice)

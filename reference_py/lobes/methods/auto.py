@@ -13,7 +13,7 @@ from ...material.qualities import AUTO
 from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
 from ...models.position_free import PositionFree
-from ...optics.error_measure import albedo_error
+from ...optics.error_measure import albedo_error, worst_share
 from ...optics.frame import spherical
 from ...optics.optical_stack import Support
 from ..analytic import AnalyticLobes
@@ -139,7 +139,7 @@ def with_anisotropy(
             error = float(np.max(albedo_error(albedo, truth)))
             tried.append((replace(candidate, albedo=error), lobe_set))
     (chosen, lobe_set), reason = _best(tried, tolerance)
-    noise = float(np.max(stderr / truth))
+    noise = float(np.max(worst_share(stderr, truth)))
     reason += f"; albedo is judged with the anisotropy (standard error {100.0 * noise:.2g} %), soft light and shape without it"
     return Choice(chosen, lobe_set, tuple(candidate for candidate, _ in tried), reason)
 
