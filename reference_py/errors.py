@@ -25,6 +25,21 @@ class Sentence(str):
         words = {name: word.told(translate) if isinstance(word, Sentence) else word for name, word in self.words.items()}
         return translate(self.template).format(**words) if words else translate(self.template)
 
+    def packed(self) -> dict:
+        """Itself for a line of JSON to another process; a word that is neither number nor sentence goes as text."""
+        return {"template": self.template, "words": {name: _packed(word) for name, word in self.words.items()}}
+
+    @classmethod
+    def unpacked(cls, data: dict) -> "Sentence":
+        """The sentence of what `packed` gave."""
+        return cls(data["template"], **{name: cls.unpacked(word) if isinstance(word, dict) else word for name, word in data["words"].items()})
+
+
+def _packed(word):
+    if isinstance(word, Sentence):
+        return word.packed()
+    return word if isinstance(word, (bool, int, float)) else str(word)
+
 
 class LaminaError(ValueError):
     """Bad input or a missing means. The message names the thing, the value and the choices.

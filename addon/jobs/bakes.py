@@ -38,7 +38,7 @@ class Bake(Process):
 class _State:
     bake: Bake | None = None
     debounced: dict[str, str] = field(default_factory=dict)
-    failed: dict[str, str] = field(default_factory=dict)
+    failed: dict[str, tuple[str, Sentence]] = field(default_factory=dict)
     touched: set[str] = field(default_factory=set)  # materials that changed since the last tick
     unmeasured: set[str] = field(default_factory=set)  # and before that
 
@@ -51,10 +51,10 @@ def bake_of(material: bpy.types.Material) -> Bake | None:
     return _state.bake if _state.bake is not None and _state.debounced.get(material.name_full) == _state.bake.key else None
 
 
-def failed(material: bpy.types.Material) -> str:
-    """Why there is no bake of a material's values, if it failed or was cancelled; empty otherwise."""
-    key, _, reason = _state.failed.get(material.name_full, "").partition("\n")
-    return reason if key and key == _state.debounced.get(material.name_full) else ""
+def failed(material: bpy.types.Material) -> Sentence | None:
+    """Why there is no bake of a material's values, if it failed or was cancelled; None otherwise."""
+    key, reason = _state.failed.get(material.name_full, (None, None))
+    return reason if key is not None and key == _state.debounced.get(material.name_full) else None
 
 
 def cancel(material: bpy.types.Material) -> None:
@@ -64,7 +64,7 @@ def cancel(material: bpy.types.Material) -> None:
         return
     bake.cancel()
     _state.bake = None
-    _state.failed[material.name_full] = f"{bake.key}\ncancelled"
+    _state.failed[material.name_full] = bake.key, Sentence("cancelled")
 
 
 def retry(material: bpy.types.Material) -> None:
@@ -154,7 +154,7 @@ def _collect() -> None:
         return
     for name, key in _state.debounced.items():
         if key == bake.key:
-            _state.failed[name] = f"{key}\n{bake.error}"
+            _state.failed[name] = key, bake.error
             print(f"Lamina: {name}: computing the final look failed: {bake.error}; it stays a preview")
 
 

@@ -58,14 +58,14 @@ def _noted(file: str, result: dict) -> str:
 
 
 def _summary(file: str, result: dict, noted: str) -> str:
-    text = f"fitted to {Path(file).name}: {Stack.from_dict(result['stack']).name}, error {metric.percent(result['error'])}"
+    stack, error = Stack.from_dict(result["stack"]).name, metric.percent(result["error"])
+    parts = [rpt_("fitted to {file}: {stack}, error {error}").format(file=Path(file).name, stack=stack, error=error)]
     if not result["explains"]:
-        text += "; no stack that was tried explains it"
-    for warning in result["warnings"]:
-        text += f"; {warning}"
-    if result["not_determined"]:
-        text += f"; the data do not determine {len(result['not_determined'])} of {len(result['parameters'])} values"
-    return f"{text}; more in the text {noted}"
+        parts.append(rpt_("no stack that was tried explains it"))
+    parts += result["warnings"]
+    if unknown := result["not_determined"]:
+        parts.append(rpt_("the data do not determine {count} of {all} values").format(count=len(unknown), all=len(result["parameters"])))
+    return "; ".join([*parts, rpt_("more in the text {name}").format(name=noted)])
 
 
 # The fit that runs, and by target what the last one said.

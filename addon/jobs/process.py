@@ -20,7 +20,7 @@ def worker(module: str) -> list[str]:
 
 
 class Process:
-    """A worker that reads a request and tells its progress in lines; `result` or `error` is there once it is done.
+    """A worker that reads a request and tells its progress in lines; `result` or `error`, which can be translated, is there once it is done.
 
     It gets the next of `requests`, a line each, when it has answered one. Raises LaminaError, which names `what`, where no process
     can be started.
@@ -29,7 +29,7 @@ class Process:
     def __init__(self, what: Sentence, command: list[str], requests: Iterable[str] = ()):
         from ...reference_py.lobes.methods.bake_process import ENVIRONMENT
 
-        self.share, self.error, self.result = 0.0, "", None
+        self.share, self.error, self.result = 0.0, Sentence(""), None
         self._requests = iter(requests)
         try:
             self._process = subprocess.Popen(
@@ -61,12 +61,12 @@ class Process:
                 if word == "result":
                     self.result = json.loads(rest)
                 else:
-                    self.error = rest
+                    self.error = Sentence.unpacked(json.loads(rest))
                 with suppress(OSError):  # it has ended
                     self._send()
         code = self._process.wait()
         if self.result is None and not self.error:
-            self.error = f"its process ended with code {code}"
+            self.error = Sentence("its process ended with code {code}", code=code)
 
     @property
     def is_done(self) -> bool:

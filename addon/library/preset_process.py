@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws the picture of a preset in a Blender of its own, so that the window stays free, and puts it into the preset's asset.
 
-`command` starts it with a folder, in which the asset is; it prints lines "progress SHARE", and at last "result {}" or "error MESSAGE".
+`command` starts it with a folder, in which the asset is; it prints lines "progress SHARE", and at last "result {}" or "error
+JSON", a packed `Sentence`.
 """
 
+import json
 import os
 import re
 import sys
@@ -43,7 +45,7 @@ def main(folder: str) -> None:
         draw(Path(folder))
         print("result {}", flush=True)
     except LaminaError as error:
-        print(f"error {' '.join(str(error).split())}", flush=True)
+        print(f"error {json.dumps(error.sentence.packed())}", flush=True)
     os._exit(0)
 
 

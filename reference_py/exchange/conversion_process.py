@@ -22,6 +22,6 @@ def main() -> None:
     try:
         hand = solved(Stack.from_dict(data["stack"]), data["textured"])
     except LaminaError as error:
-        print(f"error {' '.join(str(error).split())}", flush=True)
+        print(f"error {json.dumps(error.sentence.packed())}", flush=True)
         return
     print(f"result {json.dumps(hand.packed())}", flush=True)

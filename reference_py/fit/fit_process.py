@@ -2,13 +2,13 @@
 """Makes one fit in a process of its own, so that a window stays responsive and a cancelled fit is gone at once.
 
 Reads a request as a line of JSON from stdin; prints lines "progress SHARE" and at last "result JSON" (see `outcome`) or "error
-MESSAGE". `addon.jobs.process.worker` has the command.
+JSON", a packed `Sentence`. `addon.jobs.process.worker` has the command.
 """
 
 import json
 import sys
 
-from ..errors import LaminaError
+from ..errors import LaminaError, Sentence
 
 MODULE = "fit.fit_process"
 
@@ -30,7 +30,8 @@ def main() -> None:
         selection = select(measurement, data["layers"], data["base"], data["model"], progress=_progress, cloudy=data["cloudy"])
         result = outcome(measurement, selection)
     except (LaminaError, MemoryError) as error:
-        print(f"error {' '.join(str(error).split()) or 'not enough memory'}", flush=True)
+        told = error.sentence if isinstance(error, LaminaError) else Sentence("not enough memory")
+        print(f"error {json.dumps(told.packed())}", flush=True)
         return
     print(f"result {json.dumps(result)}", flush=True)
 

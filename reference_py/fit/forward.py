@@ -38,7 +38,7 @@ def fittable() -> tuple[str, ...]:
 def require_fittable(name: str) -> None:
     """Raise LaminaError for a model that cannot be fitted."""
     if name not in fittable():
-        raise LaminaError(f"model {name!r} cannot be fitted; choose {', '.join(fittable())}")
+        raise LaminaError("model {name!r} cannot be fitted; choose {choices}", name=name, choices=", ".join(fittable()))
 
 
 def evaluate(model: str, options: dict, stack, wo, wi, channels: int) -> np.ndarray:

@@ -83,13 +83,18 @@ def require_choices(layers: int | str, base: str, model: str, samples: int, clou
     """Raise LaminaError for what `select` does not take."""
     require_fittable(model)
     if layers != AUTO and not (isinstance(layers, int) and 0 <= layers <= MOST_LAYERS):
-        raise LaminaError(f"layers {layers!r}: choose {AUTO} or 0 to {MOST_LAYERS}")
+        raise LaminaError("layers {layers!r}: choose {auto} or 0 to {most}", layers=layers, auto=AUTO, most=MOST_LAYERS)
     if base not in (AUTO, *BASES):
-        raise LaminaError(f"unknown base {base!r}; choose {AUTO}, {', '.join(BASES)}")
+        raise LaminaError("unknown base {base!r}; choose {choices}", base=base, choices=", ".join((AUTO, *BASES)))
     if cloudy and (model != CLOUDY_MODEL or layers == 0):
-        raise LaminaError(f"a cloudy layer goes with the model {CLOUDY_MODEL} and at least one layer, not with {model} and {layers} layers")
+        raise LaminaError(
+            "a cloudy layer goes with the model {wanted} and at least one layer, not with {model} and {layers} layers",
+            wanted=CLOUDY_MODEL,
+            model=model,
+            layers=layers,
+        )
     if samples < LEAST_SAMPLES:
-        raise LaminaError(f"samples {samples}: choose at least {LEAST_SAMPLES}")
+        raise LaminaError("samples {samples}: choose at least {least}", samples=samples, least=LEAST_SAMPLES)
 
 
 def select(
@@ -109,7 +114,12 @@ def select(
     """
     require_choices(layers, base, model, samples, cloudy)
     if len(measurement.f) < LEAST_SAMPLES:
-        raise LaminaError(f"{measurement.source}: {len(measurement.f)} pairs of directions are too few to fit; at least {LEAST_SAMPLES}")
+        raise LaminaError(
+            "{source}: {pairs} pairs of directions are too few to fit; at least {least}",
+            source=measurement.source,
+            pairs=len(measurement.f),
+            least=LEAST_SAMPLES,
+        )
     search = _Search(subsampled(measurement, samples, seed), model, np.random.default_rng(seed))
     say, done = report or (lambda text: None), share_of(progress, 0.0, 0.5 if cloudy else 1.0) or (lambda share: None)
     last = _AUTO_LAYERS if layers == AUTO else layers

@@ -160,7 +160,7 @@ class Parameters:
         for g in self.groups:
             p = g.parameter
             if p.name not in elements[g.where]:
-                raise LaminaError(f"fit: {g.where} has no {p.name}")
+                raise LaminaError("fit: {where} has no {parameter}", where=g.where, parameter=p.name)
             x[list(g.index)] = g.coordinate(np.atleast_1d(elements[g.where][p.name])[: len(g.index)])
         return x
 

@@ -12,11 +12,15 @@ from support.layouts import Recorder
 from support.pseudo_locale import CLOSE, OPEN, Language, Translated, left_over
 from support.stacks import on_a_plane
 
-from lamina.addon.blender.translation import CONTEXT
+from lamina.addon.blender.translation import CONTEXT, rpt_
 from lamina.addon.jobs import bakes, fitting, saving
+from lamina.addon.jobs.process import Process, worker
 from lamina.addon.material.elements import node_of
 from lamina.addon.operators import exchange_operators, mask_link_operators, mask_operators, preset_operators
 from lamina.addon.ui import panel, panel_feedback, panel_layers, preferences
+from lamina.reference_py.errors import Sentence
+from lamina.reference_py.exchange import conversion_process
+from lamina.reference_py.lobes.methods import bake_process
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 
@@ -152,6 +156,27 @@ def test_errors_are_translated(material, language, tmp_path, what):
         ERRORS[what](tmp_path)
     assert OPEN in str(error.value)
     assert left_over(str(error.value).removeprefix("Error: "), NAMES | KEYS) == ""
+
+
+WRONG = {"layers": [{"kind": "dielectric", "roughness": 7.0}], "base": {"kind": "lambert"}}
+REQUESTS = {
+    bake_process.MODULE: {"stack": WRONG, "method": "analytic", "live": [], "tolerance": 0.01, "folder": None},
+    conversion_process.MODULE: {"stack": WRONG, "textured": False},
+}
+
+
+@pytest.mark.parametrize("module", REQUESTS)
+def test_why_a_process_failed_is_translated(language, module):
+    process = Process(Sentence("a bake"), worker(module), [json.dumps(REQUESTS[module])])
+    process.wait()
+    assert "roughness is 7" in process.error
+    assert left_over(process.error.told(rpt_), KEYS) == ""
+
+
+def test_why_a_process_is_gone_is_translated(language):
+    process = Process(Sentence("a bake"), worker("no_such_module"), [])
+    process.wait()
+    assert process.error == "its process ended with code 1" and left_over(process.error.told(rpt_), set()) == ""
 
 
 def test_the_language_marks_what_it_knows_and_nothing_else(language):

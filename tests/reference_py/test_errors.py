@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """An error is an English line to a command line, and a template with words to a window."""
 
+import json
 import pickle
+from pathlib import Path
+
+import numpy as np
 
 from lamina.reference_py.errors import LaminaError, Sentence, one_of
 
@@ -33,6 +37,13 @@ def test_it_survives_a_process_and_a_second_raise():
     error = pickle.loads(pickle.dumps(LaminaError("layer {number}", number=1)))
     assert str(error) == "layer 1" and error.told(german) == "Schicht 1"
     assert LaminaError(error.sentence).told(german) == "Schicht 1"
+
+
+def test_a_line_of_json_keeps_it_with_the_sentences_in_it():
+    words = {"file": Path("a"), "count": 3, "of": np.float64(0.25), "what": Sentence("layer {number}", number=2)}
+    sent = Sentence("{file}: {count:d} of {of:.1f}: {what}", **words)
+    got = Sentence.unpacked(json.loads(json.dumps(sent.packed())))
+    assert got == sent == "a: 3 of 0.2: layer 2" and got.told(german) == "a: 3 of 0.2: Schicht 2"
 
 
 def test_one_of_gives_what_is_known():

@@ -25,10 +25,10 @@ REFERENCE = ADDON.parent / "reference_py"
 # Folders whose sources show text in Blender's window.
 _SHOWN = ("check", "exchange", "jobs", "library", "material", "operators", "ui")
 # Those whose errors come to an operator's report or the panel. Not so a command line's, and of the reference models, spectra and writers of tables;
-# readers of measurements and the fit tell a finished line from a process of their own.
+# those of readers of measurements have no templates yet.
 TELLING = {
     ADDON: (*_SHOWN, "blender", "rendering", "shader"),
-    REFERENCE: ("", "exchange", "lobes", "lobes/methods", "material", "material/presets", "material/ready_layers", "optics"),
+    REFERENCE: ("", "exchange", "fit", "lobes", "lobes/methods", "material", "material/presets", "material/ready_layers", "optics"),
 }
 # In these folders, what scripts call and no operator does.
 _NOT_TOLD = {"api", "distribution", "frame", "live_grid", "measure", "microfacet", "microsurface", "registry", "sheet", "spectral", "truth"}

@@ -2,7 +2,7 @@
 """Makes lobe sets in a process of its own, so that a window stays responsive and a cancelled bake is gone at once.
 
 Reads requests from stdin, a line of JSON each; prints for each lines "progress SHARE" and "warning TEXT" and at last "result JSON" or "error
-MESSAGE". Stacks that are alike in part share what is computed. The process is started by `command` and needs nothing but this package and numpy.
+JSON", a packed `Sentence`. Stacks that are alike in part share what is computed. The process is started by `command` and needs nothing but this package and numpy.
 """
 
 import json
@@ -58,7 +58,7 @@ def _serve(data: dict) -> None:
     try:
         result = packed(Stack.from_dict(data["stack"]), data["method"], live=live, tolerance=data["tolerance"], progress=_progress)
     except LaminaError as error:
-        print(f"error {' '.join(str(error).split())}", flush=True)
+        print(f"error {json.dumps(error.sentence.packed())}", flush=True)
         return
     print(f"result {json.dumps(result)}", flush=True)
 
