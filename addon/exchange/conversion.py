@@ -5,9 +5,9 @@ from collections.abc import Iterator
 
 import bpy
 
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.exchange.principled import PLACES, TEXTURE, from_principled, to_principled
-from ...reference_py.exchange.report import LOST, Report
+from ...reference_py.exchange.report import KEPT, LOST, Report, noted
 from ...reference_py.material.qualities import DEFAULT_METHOD
 from ...reference_py.material.stack import Stack
 from ..material import material as materials
@@ -26,7 +26,7 @@ from .sources import animated_parts, principled_of, read_principled
 _GOES = (OSL, NODES, SWITCH, TEST, MIX, EEVEE, EEVEE_OUTPUT, LAYERS_FRAME, SHADER_FRAME)
 
 
-def to_lamina(material: bpy.types.Material, tier: str = DEFAULT_METHOD, backend: str | None = None) -> tuple[Report, list[str]]:
+def to_lamina(material: bpy.types.Material, tier: str = DEFAULT_METHOD, backend: str | None = None) -> tuple[Report, list[Sentence]]:
     """Put the stack of its Principled node in its place. Returns the report and what the links became.
 
     Raises LaminaError, and leaves the material as it was, where there is no such node.
@@ -35,7 +35,7 @@ def to_lamina(material: bpy.types.Material, tier: str = DEFAULT_METHOD, backend:
     principled = principled_of(material)
     values, sources = read_principled(principled)
     converted = from_principled(values, material.name, "Base Color" in sources, frozenset(sources))
-    notes = ["lost: keyframes and drivers of the Principled node stay behind"] if animated_parts(principled) else []
+    notes = [noted(LOST, Sentence("keyframes and drivers of the Principled node stay behind"))] if animated_parts(principled) else []
     stack = _with_linked_features(converted.stack, converted.owners, sources)
     name = principled.name
     materials.apply_stack(material, stack, tier, backend)  # which removes the node where nothing is linked to it
@@ -67,7 +67,7 @@ def _with_linked_features(stack: Stack, owners: dict[str, int], sources) -> Stac
     return Stack.from_dict(data, stack.name or "conversion")
 
 
-def _link(socket: str, source, elements, converted, is_followed: bool) -> str:
+def _link(socket: str, source, elements, converted, is_followed: bool) -> Sentence:
     """Link a texture to what its socket became, and tell so; `is_followed`: whether the shader reads its values live."""
     roles, name = next(((r, n) for s, r, n in PLACES if s == socket), ((), ""))
     owners = _roles(roles, converted.owners, name)
@@ -85,13 +85,15 @@ def _link(socket: str, source, elements, converted, is_followed: bool) -> str:
             source.id_data.links.new(source, target)
         linked = True
     if not linked:
-        return f"lost: {socket} texture: a stack has no place for it"
+        return noted(LOST, Sentence("{socket} texture: a stack has no place for it", socket=socket))
     if not is_followed and name != "coverage":
-        return f"lost: {socket} texture: it stays linked, but stock nodes cannot follow it and show its mean"
-    return f"kept: {socket} texture: " + ("through nodes that keep the mean color" if socket == "Base Color" else "linked to the layer")
+        return noted(LOST, Sentence("{socket} texture: it stays linked, but stock nodes cannot follow it and show its mean", socket=socket))
+    if socket == COLOR:
+        return noted(KEPT, Sentence("{socket} texture: through nodes that keep the mean color", socket=socket))
+    return noted(KEPT, Sentence("{socket} texture: linked to the layer", socket=socket))
 
 
-def principled_copy(material: bpy.types.Material) -> tuple[bpy.types.Material, Report, list[str]]:
+def principled_copy(material: bpy.types.Material) -> tuple[bpy.types.Material, Report, list[Sentence]]:
     """A new material with a Principled node as bright as the stack, fed by the same textures. The old one stays as it is."""
     stack = measured_stack(material)
     converted = to_principled(stack, textured=has_linked_color(material))
@@ -106,7 +108,7 @@ def principled_copy(material: bpy.types.Material) -> tuple[bpy.types.Material, R
     return copy, converted.report, notes
 
 
-def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
+def _rebuild(copy: bpy.types.Material, converted) -> list[Sentence]:
     """Leave the Principled node of a copy, which is the hand-over's where there is one, in the place of its shading."""
     tree, lamina = copy.node_tree, copy.lamina
     roles = Roles(tree)
@@ -120,11 +122,12 @@ def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
     linked = sum(s.is_linked for e in (*lamina.shown_layers, lamina.base) for s in node_of(e).inputs)
     notes = show_stack(principled, copy, converted.values, converted.owners, converted.colors)
     if linked > len(notes):
-        notes.append(f"lost: {linked - len(notes)} more links of layers: Principled has no place for them")
+        notes.append(noted(LOST, Sentence("{count} more links of layers: Principled has no place for them", count=linked - len(notes))))
     for name, element, parameter, source in linked_places(copy, converted.owners):
         if is_layer(source.node):
             notes = [sentence for sentence in notes if not sentence.startswith(f"kept: {name} ")]
-            notes.append(f"lost: {element.name} {parameter.label}: it was linked to another layer")
+            told = Sentence("{element} {parameter}: it was linked to another layer", element=element.name, parameter=Sentence(parameter.label))
+            notes.append(noted(LOST, told))
     for target in targets or [output.inputs["Surface"]]:
         tree.links.new(principled.outputs["BSDF"], target)
     values = [find_node(element) for element in (*lamina.layers, lamina.base)]
@@ -137,7 +140,7 @@ def _rebuild(copy: bpy.types.Material, converted) -> list[str]:
     return notes
 
 
-def principled_copies(replacing: bool) -> Iterator[tuple[bpy.types.Material, str]]:
+def principled_copies(replacing: bool) -> Iterator[tuple[bpy.types.Material, Sentence]]:
     """A Principled copy of every Lamina material of the file; yields each copy, or the material that has none, and what became of it.
 
     With `replacing` the copies take the place and the names of the originals, which go.
@@ -147,7 +150,7 @@ def principled_copies(replacing: bool) -> Iterator[tuple[bpy.types.Material, str
             require_editable(material)
             copy, report, _ = principled_copy(material)
         except LaminaError as error:
-            yield material, f"left as it is: {error}"
+            yield material, Sentence("left as it is: {error}", error=error)
             continue
         name = material.name
         if replacing:
@@ -158,4 +161,5 @@ def principled_copies(replacing: bool) -> Iterator[tuple[bpy.types.Material, str
         else:
             copy.use_fake_user = True  # no object has it yet
         lost = ", ".join(dict.fromkeys(loss.parameter for loss in report.of(LOST)))
-        yield copy, f"error {100.0 * report.match.soft_light:.1f} %{f'; lost: {lost}' if lost else ''}"
+        error = Sentence("error {share:.1f} %", share=100.0 * report.match.soft_light)
+        yield copy, Sentence("{error}; lost: {parameters}", error=error, parameters=lost) if lost else error

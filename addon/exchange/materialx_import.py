@@ -7,11 +7,11 @@ from pathlib import Path
 
 import bpy
 
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.exchange.conversion import Converted
 from ...reference_py.exchange.materialx import AnyMaterial, load_mtlx
 from ...reference_py.exchange.materialx_graph import Image
-from ...reference_py.exchange.report import Report
+from ...reference_py.exchange.report import KEPT, LOST, Report, noted
 from ...reference_py.material.stack import Stack
 from ...reference_py.optics.colour import canonical, is_known
 from ..material import material as materials
@@ -36,10 +36,10 @@ class Imported:
 
     material: bpy.types.Material
     report: Report
-    notes: list[str]
+    notes: list[Sentence]
 
 
-def import_materials(path: str, chosen: Callable[[bpy.types.Material], tuple[str, str]]) -> tuple[list[Imported], list[str]]:
+def import_materials(path: str, chosen: Callable[[bpy.types.Material], tuple[str, str]]) -> tuple[list[Imported], list[Sentence]]:
     """A new material for every one of a file, and a sentence for each that no stack can show.
 
     Raises LaminaError, and leaves nothing behind, where the file cannot be read or none can be shown.
@@ -63,13 +63,14 @@ def import_materials(path: str, chosen: Callable[[bpy.types.Material], tuple[str
         raise
     if not made:
         raise left_out[0]
-    return made, [f"lost: {error}" for error in left_out]
+    return made, [noted(LOST, error.sentence) for error in left_out]
 
 
 def apply_material(target: bpy.types.Material, source: AnyMaterial, tier: str, backend: str) -> Imported:
     """Give a material the stack and the images of one of a file. Raises LaminaError, and leaves it as it was."""
     there = [given for given, image in source.images.items() if Path(image.file).is_file()]
-    notes = [f"lost: {given} image {image.file}: there is no such file" for given, image in source.images.items() if given not in there]
+    gone = [(given, image.file) for given, image in source.images.items() if given not in there]
+    notes = [noted(LOST, Sentence("{given} image {file}: there is no such file", given=given, file=file)) for given, file in gone]
     converted = source.to_stack(frozenset(source.images) - frozenset(there))
     places = {given: source.places(given, converted) for given in there}
     stack = _with_linked_features(converted, places)
@@ -92,10 +93,13 @@ def _with_linked_features(converted: Converted, places: dict[str, list[tuple[int
     return Stack.from_dict(data, converted.stack.name or "MaterialX")
 
 
-def _place(material: bpy.types.Material, given: str, places: list[tuple[int, str]], image: Image, outputs: dict, converted: Converted, row: int) -> list[str]:
+def _place(
+    material: bpy.types.Material, given: str, places: list[tuple[int, str]], image: Image, outputs: dict, converted: Converted, row: int
+) -> list[Sentence]:
     """Link one image to what its input became; returns sentences."""
     elements = [*material.lamina.shown_layers, material.lamina.base]
-    notes, linked = [], ""
+    notes: list[Sentence] = []
+    is_linked = is_share = is_through = False
     for index, name in places:
         element = elements[index]
         kind, parameter = kind_of(element), parameter_of(element, name)
@@ -104,21 +108,24 @@ def _place(material: bpy.types.Material, given: str, places: list[tuple[int, str
         target = node_of(element).inputs[kind.parameter(parameter).label]
         if image not in outputs:
             outputs[image] = _texture(material.node_tree, image, target.node.location_absolute, row, notes)
-        is_base_color = index < 0 and name == "color" and converted.colors is not None
-        if is_base_color:
+        is_through = index < 0 and name == "color" and converted.colors is not None
+        if is_through:
             link_through(outputs[image], target, converted.colors)
         else:
             material.node_tree.links.new(outputs[image], target)
-        linked = "coverage" if name == "coverage" else "through nodes that keep the mean color" if is_base_color else "linked to the layer"
-    file = Path(image.file).name
-    if not linked:
-        return [f"lost: {given} image {file}: the stack has no place for it"]
-    if backend_of(material) != OSL and linked != "coverage":
-        return [*notes, f"lost: {given} image {file}: it stays linked, but stock nodes cannot follow it and show the socket's own value"]
-    return [*notes, f"kept: {given} image {file}: {'linked to the layer' if linked == 'coverage' else linked}"]
+        is_linked, is_share = True, name == "coverage"
+    words = {"given": given, "file": Path(image.file).name}
+    if not is_linked:
+        return [noted(LOST, Sentence("{given} image {file}: the stack has no place for it", **words))]
+    if backend_of(material) != OSL and not is_share:
+        told = Sentence("{given} image {file}: it stays linked, but stock nodes cannot follow it and show the socket's own value", **words)
+        return [*notes, noted(LOST, told)]
+    if is_through:
+        return [*notes, noted(KEPT, Sentence("{given} image {file}: through nodes that keep the mean color", **words))]
+    return [*notes, noted(KEPT, Sentence("{given} image {file}: linked to the layer", **words))]
 
 
-def _texture(tree: bpy.types.NodeTree, image: Image, place, row: int, notes: list[str]) -> bpy.types.NodeSocket:
+def _texture(tree: bpy.types.NodeTree, image: Image, place, row: int, notes: list[Sentence]) -> bpy.types.NodeSocket:
     """Nodes that read an image; returns the output that has what is wanted of it."""
     node = tree.nodes.new("ShaderNodeTexImage")
     node.location = (place[0] - 5 * _APART, place[1] - row * _APART)
@@ -144,11 +151,12 @@ def _texture(tree: bpy.types.NodeTree, image: Image, place, row: int, notes: lis
     return node.outputs["Color"]
 
 
-def _block(image: Image, notes: list[str]) -> bpy.types.Image:
+def _block(image: Image, notes: list[Sentence]) -> bpy.types.Image:
     """The image in its color space: one that is there already, unless it is read in another space."""
     wanted = _SPACES.get(canonical(image.space)) if is_known(image.space) else None
     if wanted not in bpy.types.ColorManagedInputColorspaceSettings.bl_rna.properties["name"].enum_items:
-        notes.append(f"lost: color space {image.space} of the image {Path(image.file).name}: read as sRGB; Blender has not this one")
+        told = Sentence("color space {space} of the image {file}: read as sRGB; Blender has not this one", space=image.space, file=Path(image.file).name)
+        notes.append(noted(LOST, told))
         wanted = "sRGB"
     for block in bpy.data.images:
         if block.library is None and bpy.path.abspath(block.filepath) == image.file and block.colorspace_settings.name == wanted:
@@ -158,7 +166,7 @@ def _block(image: Image, notes: list[str]) -> bpy.types.Image:
     return block
 
 
-def lost_textures(material: bpy.types.Material) -> list[str]:
+def lost_textures(material: bpy.types.Material) -> list[Sentence]:
     """What a file of numbers loses of a material: the sockets of its layers that something feeds, whose means are written."""
     sockets = [s for e in (*material.lamina.shown_layers, material.lamina.base) for s in node_of(e).inputs]
-    return [f"lost: {s.name} texture: the mean of {mean_name(s)} is written" for s in sockets if mean_name(s)]
+    return [noted(LOST, Sentence("{socket} texture: the mean of {source} is written", socket=s.name, source=mean_name(s))) for s in sockets if mean_name(s)]

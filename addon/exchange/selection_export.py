@@ -12,7 +12,8 @@ from pathlib import Path
 import bpy
 
 from ...reference_py.atomic import output_folder, write_text
-from ...reference_py.errors import LaminaError, one_of
+from ...reference_py.errors import LaminaError, Sentence, one_of
+from ...reference_py.exchange.report import KEPT, LOST, noted
 from ...reference_py.exchange.targets import LAYERS, TARGETS, convert_to, suffix_of, text_of
 from ..blender.images import require_pictures, write_png
 from ..material.principled_node import has_linked_color, linked_places
@@ -41,7 +42,7 @@ def layered_materials(objects: Sequence[bpy.types.Object]) -> dict[bpy.types.Mat
     return found
 
 
-def export(objects: Sequence[bpy.types.Object], folder: str | os.PathLike, wish: Wish) -> Iterator[tuple[str, list[str]]]:
+def export(objects: Sequence[bpy.types.Object], folder: str | os.PathLike, wish: Wish) -> Iterator[tuple[str, list[Sentence]]]:
     """Write them; yields of each material its name and what became of it. What cannot be converted is left out, and said.
 
     Raises LaminaError where there is no such material, no such target or no such folder.
@@ -58,7 +59,7 @@ def export(objects: Sequence[bpy.types.Object], folder: str | os.PathLike, wish:
         try:
             yield material.name, _written(material, item, place, stem, wish)
         except LaminaError as error:
-            yield material.name, [f"lost: left out: {error}"]
+            yield material.name, [noted(LOST, Sentence("left out: {error}", error=error))]
 
 
 def _free(stem: str, taken: set[str]) -> str:
@@ -71,7 +72,7 @@ def _free(stem: str, taken: set[str]) -> str:
     return name
 
 
-def _written(material: bpy.types.Material, item: bpy.types.Object, folder: Path, stem: str, wish: Wish) -> list[str]:
+def _written(material: bpy.types.Material, item: bpy.types.Object, folder: Path, stem: str, wish: Wish) -> list[Sentence]:
     draws = wish.pictures and wish.target != LAYERS
     converted = convert_to(wish.target, measured_stack(material), textured=draws and has_linked_color(material))
     pictures: dict[str, Path] = {}
@@ -81,10 +82,12 @@ def _written(material: bpy.types.Material, item: bpy.types.Object, folder: Path,
         if linked:
             can_be_baked(material, item)
             pictures = _drawn(material, item, folder, stem, linked, converted, wish.size)
-        lines += [f"kept: {socket} texture: {path.name}" for socket, path in pictures.items()]
-    sockets = len(lost_textures(material))
-    if sockets > len(pictures):
-        lines += lost_textures(material) if not pictures else [f"lost: {sockets - len(pictures)} more textures: their means are written"]
+        lines += [noted(KEPT, Sentence("{socket} texture: {file}", socket=socket, file=path.name)) for socket, path in pictures.items()]
+    lost = lost_textures(material)
+    if not pictures:
+        lines += lost
+    elif len(lost) > len(pictures):
+        lines.append(noted(LOST, Sentence("{count} more textures: their means are written", count=len(lost) - len(pictures))))
     lines += converted.report.lines()
     write_text(folder / f"{stem}{suffix_of(wish.target)}", text_of(wish.target, converted, material.name, pictures))
     if wish.reports:

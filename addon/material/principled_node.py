@@ -10,8 +10,10 @@ from collections.abc import Callable, Iterator
 import bpy
 import numpy as np
 
+from ...reference_py.errors import Sentence
 from ...reference_py.exchange.matching import ColorMap
 from ...reference_py.exchange.principled import PLACES, WRITTEN
+from ...reference_py.exchange.report import KEPT, LOST, noted
 from ...reference_py.material.schema import Parameter
 from .elements import kind_of, node_of, used_features, value_of
 from .kind_groups import KIND_KEY
@@ -65,7 +67,7 @@ def is_layer(node: bpy.types.Node) -> bool:
     return node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None and KIND_KEY in node.node_tree
 
 
-def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values: dict, owners: dict[str, int], colors: ColorMap | None) -> list[str]:
+def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values: dict, owners: dict[str, int], colors: ColorMap | None) -> list[Sentence]:
     """Give a Principled node, in the tree of `material`, the values and the links of its layers; only what differs is set.
 
     Arguments as in Converted. Without `colors` a texture of the base color keeps the nodes that it goes through, if any.
@@ -79,14 +81,17 @@ def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values:
     for name, element, parameter, source in linked_places(material, owners):
         target = principled.inputs[name]
         if parameter.name == "tint" and several:
-            notes.append(f"lost: {element.name} {parameter.label} texture: the media of several layers share one tint")
+            told = Sentence(
+                "{element} {parameter} texture: the media of several layers share one tint", element=element.name, parameter=Sentence(parameter.label)
+            )
+            notes.append(noted(LOST, told))
             continue
         fed.add(name)
         if name == COLOR and (colors is not None or roles.get(_COLOR_ROLES[0])):
             own = np.asarray(value_of(element, parameter))
             source = _through_color(roles, source, target, colors, own)
             kept_roles |= set(_COLOR_ROLES)
-            notes.append(f"kept: {COLOR} texture: through nodes that keep the mean color")
+            notes.append(noted(KEPT, Sentence("{socket} texture: through nodes that keep the mean color", socket=COLOR)))
         else:
             if parameter.name == "tint":
                 gamma = roles.make(
@@ -96,7 +101,7 @@ def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values:
                 roles.link(source, gamma.inputs["Color"])
                 source = gamma.outputs["Color"]
                 kept_roles.add(_TINT_ROLE)
-            notes.append(f"kept: {name} texture: linked")
+            notes.append(noted(KEPT, Sentence("{socket} texture: linked", socket=name)))
         roles.link(source, target)
     for name in {socket for socket, *_ in PLACES} - fed:
         roles.link(None, principled.inputs[name])

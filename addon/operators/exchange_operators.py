@@ -8,7 +8,7 @@ import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ...reference_py.atomic import write_text
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.exchange import SUFFIX, materialx, openpbr
 from ...reference_py.exchange import report as reports
 from ..blender.translation import rpt_, tip_
@@ -33,23 +33,24 @@ _FORMATS = (
 
 def tell(operator: bpy.types.Operator, title: str, report: "reports.Report", notes: list[str] = ()) -> None:
     """Write a report into the text, say its summary, and show all of it where there is a window."""
-    tell_lines(operator, title, [*notes, *report.lines()], f": {report.summary}")
+    tell_lines(operator, title, [*notes, *report.lines()], f": {report.summary.told(rpt_)}")
 
 
 def tell_lines(operator: bpy.types.Operator, title: str, lines: list[str], summary: str = "") -> None:
-    """The same with any lines."""
+    """The same with any lines; sentences are told in the user's language."""
+    spoken = [line.told(rpt_) if isinstance(line, Sentence) else line for line in lines]
     text = bpy.data.texts.get(REPORT_TEXT) or bpy.data.texts.new(REPORT_TEXT)
     text.clear()
-    text.write("\n".join([title, *lines]) + "\n")
-    for line in lines:
-        if line.startswith("lost"):
-            operator.report({"WARNING"}, f"Lamina: {line}")
+    text.write("\n".join([title, *spoken]) + "\n")
+    for line, said in zip(lines, spoken):
+        if line.startswith(reports.LOST):
+            operator.report({"WARNING"}, f"Lamina: {said}")
     operator.report({"INFO"}, f"Lamina: {title}{summary}")
     if bpy.app.background:
         return
 
     def draw(popup, _context):
-        for line in (part for whole in lines for part in textwrap.wrap(whole, _POPUP_WIDTH, subsequent_indent="    ")):
+        for line in (part for whole in spoken for part in textwrap.wrap(whole, _POPUP_WIDTH, subsequent_indent="    ")):
             popup.layout.label(text=line, translate=False)
         popup.layout.label(text=rpt_("All of it is in the text {name}").format(name=REPORT_TEXT), translate=False)
 
@@ -111,8 +112,10 @@ class LAMINA_OT_principled_copies(ops.LaminaOperator, bpy.types.Operator):
         made = sum(not copy.lamina.is_layered for copy, _ in notes)
         for left, sentence in notes:
             if left.lamina.is_layered:
-                self.report({"WARNING"}, f"Lamina: {left.name}: {sentence}")
-        tell_lines(self, rpt_("{count} Principled copies").format(count=made), [f"{copy.name}: {sentence}" for copy, sentence in notes])
+                self.report({"WARNING"}, f"Lamina: {left.name}: {sentence.told(rpt_)}")
+        tell_lines(
+            self, rpt_("{count} Principled copies").format(count=made), [Sentence("{name}: {line}", name=copy.name, line=sentence) for copy, sentence in notes]
+        )
 
 
 class LAMINA_OT_export_mtlx(ops.LayeredOperator, ExportHelper, bpy.types.Operator):
@@ -170,12 +173,14 @@ class LAMINA_OT_export_materials(ops.LaminaOperator, bpy.types.Operator):
         folder = Path(bpy.path.abspath(self.directory))
         done = list(selection_export.export(context.selected_objects, folder, wish))
         tell_lines(
-            self, rpt_("{count} materials in {folder}").format(count=len(done), folder=folder), [f"{name}: {line}" for name, lines in done for line in lines]
+            self,
+            rpt_("{count} materials in {folder}").format(count=len(done), folder=folder),
+            [Sentence("{name}: {line}", name=name, line=line) for name, lines in done for line in lines],
         )
         for name, lines in done:
             for line in lines:
                 if line.startswith("lost: left out"):
-                    self.report({"WARNING"}, f"Lamina: {name}: {line}")
+                    self.report({"WARNING"}, f"Lamina: {name}: {line.told(rpt_)}")
 
 
 class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator):
@@ -203,7 +208,7 @@ class LAMINA_OT_import_mtlx(ops.LaminaOperator, ImportHelper, bpy.types.Operator
             raise
         if material is None:
             context.object.active_material = target
-        more = [f"lost: {len(others)} more materials of the file: File > Import reads them all"] if others else []
+        more = [reports.noted(reports.LOST, Sentence("{count} more materials of the file: File > Import reads them all", count=len(others)))] if others else []
         tell(self, Path(self.filepath).name, imported.report, [*filter(None, [gave_way]), *more, *imported.notes])
         for notice in materials.make_renderable(target, context.scene):
             self.report({"INFO"}, f"Lamina: {notice.told(rpt_)}")
@@ -230,7 +235,7 @@ class LAMINA_OT_import_materials(ops.LaminaOperator, ImportHelper, bpy.types.Ope
         for imported in made:
             if not imported.material.users:
                 imported.material.use_fake_user = True  # no object has it yet
-            lines += [f"{imported.material.name}: {line}" for line in (*imported.notes, *imported.report.lines())]
+            lines += [Sentence("{name}: {line}", name=imported.material.name, line=line) for line in (*imported.notes, *imported.report.lines())]
         tell_lines(self, rpt_("{count} materials of {file}").format(count=len(made), file=Path(self.filepath).name), lines)
         for notice in dict.fromkeys(n for imported in made for n in materials.make_renderable(imported.material, context.scene)):
             self.report({"INFO"}, f"Lamina: {notice.told(rpt_)}")

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..errors import Sentence
 from ..material.schema import CONDUCTOR as METAL
 from ..material.schema import DIELECTRIC as CLEAR
 from ..material.schema import LAMBERT, SCHEMA, THIN_FILM
@@ -18,7 +19,7 @@ from ..optics.colour import artist_color, artist_index
 from .bsdf_albedo import light_of, sigma_deg
 from .bsdf_tree import BURLEY, CONDUCTOR, DIELECTRIC, OREN_NAYAR, SCHLICK, SUBSURFACE, Added, Layered, Leaf, Mixed, Scaled, Tree
 from .matching import mean
-from .report import APPROXIMATED, LOST, Loss
+from .report import APPROXIMATED, LOST, Loss, film_limited
 from .slots import MOST_REFLECTANCE, edge_of_f82, ior_in_range
 
 # Above this F0 a curve of Schlick's is a metal's.
@@ -71,7 +72,7 @@ class Builder:
         self.covers: dict[str, Leaf] = {}
         """What lies where an image says, by the name of the mix."""
 
-    def _say(self, name: str, value, fate: str, how: str) -> None:
+    def _say(self, name: str, value, fate: str, how: Sentence) -> None:
         self.losses.append(Loss(name, value, fate, how))
 
     def rows(self, tree: Tree, n: float = 1.0) -> Rows:
@@ -88,7 +89,7 @@ class Builder:
 
     def _layered(self, tree: Layered, n: float) -> Rows:
         if (hiding := _lowest(tree.top)) is not None and _is_opaque(hiding):
-            self._say(f"{hiding.name} {hiding.kind}", "", LOST, "what is below it: it hides that in a stack")
+            self._say(f"{hiding.name} {hiding.kind}", "", LOST, Sentence("what is below it: it hides that in a stack"))
             return self.rows(tree.top, n)
         tops, sources = self._interfaces(tree.top, n)
         return self.rows(tree.base, tops[-1]["ior"] if tops else n).under(tops, sources)
@@ -106,9 +107,9 @@ class Builder:
             if isinstance(tree.bsdf, Leaf):  # only the highlight is scaled, as a tint does
                 tint = tuple(np.multiply(tree.bsdf.values.get("tint", (1.0,) * 3), tree.color))
                 return self._interfaces(replace(tree.bsdf, values={**tree.bsdf.values, "tint": tint}), n)
-            self._say("multiply", tree.color, LOST, "a factor of several layers together, on top of others")
+            self._say("multiply", tree.color, LOST, Sentence("a factor of several layers together, on top of others"))
             return self._interfaces(tree.bsdf, n)
-        stays = self._stronger(tree, "on top of others")
+        stays = self._stronger(tree, Sentence("on top of others"))
         return self._interfaces(stays, n)
 
     def _interface(self, leaf: Leaf, n: float) -> dict | None:
@@ -116,19 +117,24 @@ class Builder:
         if v["weight"] == 0.0:
             return None
         if leaf.kind not in (DIELECTRIC, SCHLICK):
-            self._say(f"{leaf.name} {leaf.kind}", "", LOST, f"a stack has no such layer; that is {self._share(leaf)} of white light")
+            self._say(f"{leaf.name} {leaf.kind}", "", LOST, Sentence("a stack has no such layer; that is {share} of white light", share=self._share(leaf)))
             return None
         if leaf.kind == SCHLICK:
             f0, tint = float(np.mean(v["color0"])), v["color0"]
         else:
             f0, tint = dielectric_f0(v["ior"]) * float(np.mean(v["tint"])), v["tint"]
         if np.ptp(tint) > 1e-6:
-            self._say(f"{leaf.name} {'color0' if leaf.kind == SCHLICK else 'tint'}", tint, LOST, "a dielectric's highlight has no color")
+            self._say(f"{leaf.name} {'color0' if leaf.kind == SCHLICK else 'tint'}", tint, LOST, Sentence("a dielectric's highlight has no color"))
         root = f0**0.5
         plain = leaf.kind == DIELECTRIC and min(tint) == 1.0
         eta = v["ior"] if plain else (1.0 + root) / (1.0 - root)
         if not plain:
-            self._say(f"{leaf.name} {'color0' if leaf.kind == SCHLICK else 'tint'}", tint, APPROXIMATED, f"as an index of {eta:.4g} to what is above")
+            self._say(
+                f"{leaf.name} {'color0' if leaf.kind == SCHLICK else 'tint'}",
+                tint,
+                APPROXIMATED,
+                Sentence("as an index of {eta:.4g} to what is above", eta=eta),
+            )
         row = {"kind": CLEAR.name, "name": leaf.name, "ior": ior_in_range(n * eta, f"{leaf.name} ior", self.losses), **self._facets(leaf)}
         return row | ({"coverage": v["weight"]} if v["weight"] < 1.0 else {})
 
@@ -143,13 +149,18 @@ class Builder:
             given = 1.0 - across / along
             kept = min(given, _MOST_RATIO)
             if kept < given:
-                self._say(f"{leaf.name} roughness", leaf.values["roughness"], APPROXIMATED, f"as an anisotropy of 1, a ratio of {1.0 - _MOST_RATIO:.2g}")
+                self._say(
+                    f"{leaf.name} roughness",
+                    leaf.values["roughness"],
+                    APPROXIMATED,
+                    Sentence("as an anisotropy of 1, a ratio of {ratio:.2g}", ratio=1.0 - _MOST_RATIO),
+                )
             row |= {"anisotropy": kept / _MOST_RATIO, "rotation": turn}
         if leaf.values["thinfilm_thickness"] > 0.0:
             for parameter, value in zip(THIN_FILM.parameters, (leaf.values["thinfilm_thickness"], leaf.values["thinfilm_ior"])):
                 row[parameter.name] = float(np.clip(value, parameter.minimum, parameter.maximum))
                 if row[parameter.name] != value:
-                    self._say(f"{leaf.name} {parameter.name}", value, APPROXIMATED, f"a film's is {parameter.allowed}; it is {row[parameter.name]:g}")
+                    self._say(f"{leaf.name} {parameter.name}", value, APPROXIMATED, film_limited(parameter, row[parameter.name]))
         return row
 
     def _single(self, leaf: Leaf, n: float) -> Rows:
@@ -163,24 +174,29 @@ class Builder:
         if row is None:
             return Rows([], black, n=n)
         if leaf.mode != "R" and leaf.kind == DIELECTRIC:
-            self._say(f"{leaf.name} scatter_mode", leaf.mode, LOST, "light goes through it, and a stack is opaque: it is black below")
+            self._say(f"{leaf.name} scatter_mode", leaf.mode, LOST, Sentence("light goes through it, and a stack is opaque: it is black below"))
         return Rows([row], black, sources={0: leaf} | ({} if v["weight"] else {-1: leaf}), n=row["ior"])
 
     def _diffuse(self, leaf: Leaf) -> dict:
         color = tuple(leaf.values["weight"] * c for c in leaf.values["color"])
         if leaf.kind == SUBSURFACE:
-            self._say(f"{leaf.name} color", leaf.values["color"], APPROXIMATED, "light that spreads below the surface counts as a diffuse base of this color")
+            self._say(
+                f"{leaf.name} color",
+                leaf.values["color"],
+                APPROXIMATED,
+                Sentence("light that spreads below the surface counts as a diffuse base of this color"),
+            )
         if leaf.kind == BURLEY and leaf.values["roughness"] > 0.0:
-            self._say(f"{leaf.name} roughness", leaf.values["roughness"], APPROXIMATED, "as a Lambert base of the same mean albedo")
+            self._say(f"{leaf.name} roughness", leaf.values["roughness"], APPROXIMATED, Sentence("as a Lambert base of the same mean albedo"))
         sigma = sigma_deg(leaf) if leaf.kind == OREN_NAYAR else 0.0
         return {"kind": ROUGH_BASE.name, "color": color, "sigma_deg": sigma} if sigma else {"kind": LAMBERT.name, "color": color}
 
     def _metal(self, leaf: Leaf, n: float) -> dict:
         color, edge = relative_colors(leaf)
         if leaf.kind == SCHLICK and (min(leaf.values["color90"]) < 1.0 or leaf.values["exponent"] != 5.0):
-            self._say(f"{leaf.name} color90", leaf.values["color90"], APPROXIMATED, "as the nearest metal, white at the horizon")
+            self._say(f"{leaf.name} color90", leaf.values["color90"], APPROXIMATED, Sentence("as the nearest metal, white at the horizon"))
         if leaf.values["weight"] < 1.0:
-            self._say(f"{leaf.name} weight", leaf.values["weight"], APPROXIMATED, "in the metal's color")
+            self._say(f"{leaf.name} weight", leaf.values["weight"], APPROXIMATED, Sentence("in the metal's color"))
         return metal_row(color, edge, n) | self._facets(leaf)
 
     def _mixed(self, tree: Mixed, n: float) -> Rows:
@@ -198,7 +214,7 @@ class Builder:
                         self.covers[tree.name] = found.sources[0]
                     return found
                 del self.losses[begun:]
-        return self.rows(self._stronger(tree, "a stack mixes coated and uncoated, or with one bare opaque surface"), n)
+        return self.rows(self._stronger(tree, Sentence("a stack mixes coated and uncoated, or with one bare opaque surface")), n)
 
     def _covering(self, above: Tree, below: Tree, share: float, n: float) -> Rows | None:
         """What is below, with one more layer on a share of it; None where `above` is not that."""
@@ -226,18 +242,21 @@ class Builder:
             return self.rows(merged, n)
         for top, base in ((tree.first, tree.second), (tree.second, tree.first)):
             if isinstance(top, Leaf) and top.kind in (DIELECTRIC, SCHLICK) and top.mode == "R" and not _is_opaque(top):
-                self._say("add", top.name, APPROXIMATED, "as a layer on top, which takes from what is below what it reflects")
+                self._say("add", top.name, APPROXIMATED, Sentence("as a layer on top, which takes from what is below what it reflects"))
                 return self._layered(Layered(top, base), n)
-        return self.rows(self._stronger(tree, "a stack has no such sum"), n)
+        return self.rows(self._stronger(tree, Sentence("a stack has no such sum")), n)
 
-    def _stronger(self, tree: Mixed | Added, why: str) -> Tree:
+    def _stronger(self, tree: Mixed | Added, why: Sentence) -> Tree:
         """Of two the one that sends back more light; the other one is lost."""
         share = tree.share if isinstance(tree, Mixed) else 0.5
         light = [s * float(np.sum(mean(light_of(t).back))) for s, t in ((1.0 - share, tree.first), (share, tree.second))]
         name = tree.name if isinstance(tree, Mixed) else "add"
         lost = 100.0 * min(light) / max(sum(light), 1e-9)
         self._say(
-            name, f"{share:.4g}" if isinstance(tree, Mixed) else "", LOST, f"{why}: the weaker of two, {lost:.0f} % of their light, is in the base color alone"
+            name,
+            f"{share:.4g}" if isinstance(tree, Mixed) else "",
+            LOST,
+            Sentence("{why}: the weaker of two, {lost:.0f} % of their light, is in the base color alone", why=why, lost=lost),
         )
         return tree.second if light[1] > light[0] else tree.first
 

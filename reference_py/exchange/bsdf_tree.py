@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from ..errors import LaminaError
+from ..errors import LaminaError, Sentence
 from ..material.schema import DIELECTRIC as SCHEMA_DIELECTRIC
 from ..optics.microfacet import GGX
 from .materialx_document import Document
@@ -188,7 +188,7 @@ class TreeReader:
         below = self.graph.node(inputs["base"]) if inputs["base"] is not None else None
         top = self._required(inputs["top"], node)
         if below is not None and below[0].get("type") == "VDF":
-            self._lose(f"{node.get('name')} base", below[0].tag, "a medium without a depth: only light that goes through it would show it")
+            self._lose(f"{node.get('name')} base", below[0].tag, Sentence("a medium without a depth: only light that goes through it would show it"))
             return top
         base = self.tree(inputs["base"])
         return top if base is None else Layered(top, base)
@@ -198,7 +198,7 @@ class TreeReader:
         if isinstance(found, Image):
             return _EVEN, self._placed(found)
         if isinstance(found, Unread):
-            self._lose(f"{name} mix", "linked", f"{found.why}; an even mix stands in")
+            self._lose(f"{name} mix", Sentence("linked"), Sentence("{why}; an even mix stands in", why=found.why))
             return _EVEN, None
         return float(np.clip(found[0], 0.0, 1.0)), None
 
@@ -206,13 +206,15 @@ class TreeReader:
         found = self.graph.value(given) if given is not None else np.ones(1)
         if isinstance(found, (Image, Unread)):
             self._lose(
-                f"{name} in2", f"image {found.file}" if isinstance(found, Image) else "linked", "a BSDF is scaled by a constant alone; it is left as it is"
+                f"{name} in2",
+                Sentence("image {file}", file=found.file) if isinstance(found, Image) else Sentence("linked"),
+                Sentence("a BSDF is scaled by a constant alone; it is left as it is"),
             )
             return scaled
         color = np.broadcast_to(found[:3] if len(found) > 1 else found, 3)
         kept = np.clip(color, 0.0, 1.0)
         if np.any(np.abs(kept - color) > 1e-6):
-            self.losses.append(Loss(f"{name} in2", tuple(color), APPROXIMATED, f"limited to {shown(kept)}"))
+            self.losses.append(Loss(f"{name} in2", tuple(color), APPROXIMATED, Sentence("limited to {kept}", kept=shown(kept))))
         return Scaled(scaled, tuple(map(float, kept)), self._medium(given))
 
     def _medium(self, given: Element | None) -> tuple[tuple, float] | None:
@@ -240,13 +242,17 @@ class TreeReader:
                 if isinstance(image := self.graph.value(given), Image):
                     images["normal"] = self._placed(image)
             elif parameter not in values:
-                self._lose(f"{name} {parameter}", given.get("value", "linked"), "a stack has no place for it")
+                self._lose(f"{name} {parameter}", given.get("value", Sentence("linked")), Sentence("a stack has no place for it"))
             elif any(given.get(key) for key in ("value", "nodename", "nodegraph", "interfacename", "output")):
                 found = self._roughness(given) if parameter == "roughness" and kind in (DIELECTRIC, CONDUCTOR, SCHLICK) else self.graph.value(given)
                 if isinstance(found, Image):
                     images[parameter] = self._placed(found)
                 elif isinstance(found, Unread):
-                    self._lose(f"{name} {parameter}", "linked", f"{found.why}; its default, {shown(values[parameter])}, stands in")
+                    self._lose(
+                        f"{name} {parameter}",
+                        Sentence("linked"),
+                        Sentence("{why}; its default, {value}, stands in", why=found.why, value=shown(values[parameter])),
+                    )
                 else:
                     values[parameter] = self._limited(f"{name} {parameter}", parameter, found, values[parameter])
         return Leaf(kind, name, values, mode, turn, images, self._distribution(node))
@@ -259,7 +265,7 @@ class TreeReader:
             if isinstance(image, Image):
                 return image
         value = self.graph.value(given)
-        return Unread("is an image of the square of a roughness") if isinstance(value, Image) else value
+        return Unread(Sentence("is an image of the square of a roughness")) if isinstance(value, Image) else value
 
     @staticmethod
     def _distribution(node: Element) -> str:
@@ -286,10 +292,10 @@ class TreeReader:
             )
         kept = np.clip(value, *_LIMITS.get(parameter, (0.0, 1.0)))
         if np.any(np.abs(kept - value) > 1e-6):
-            self.losses.append(Loss(where, tuple(value), APPROXIMATED, f"out of its range; limited to {shown(kept)}"))
+            self.losses.append(Loss(where, tuple(value), APPROXIMATED, Sentence("out of its range; limited to {kept}", kept=shown(kept))))
         return tuple(map(float, kept)) if isinstance(default, tuple) else float(kept[0])
 
-    def _lose(self, where: str, value, why: str) -> None:
+    def _lose(self, where: str, value, why: Sentence) -> None:
         self.losses.append(Loss(where, value, LOST, why))
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..errors import LaminaError
+from ..errors import LaminaError, Sentence
 from ..material.schema import THIN_FILM
 from ..material.stack import Stack
 from .appearance import Appearance
@@ -71,12 +71,17 @@ def with_body(slots: Slots, free_path: float, g: float, textured: bool, names: S
     """
     features = slots.gloss.features if slots.gloss else {}
     if textured or features or slots.sigma_deg:
-        why = "which follows a texture of the color" if textured else f"under {'a rough diffuse base' if not features else ' and '.join(features)}"
-        how = f"as a diffuse base of the color, {why}"
+        if textured:
+            why = Sentence("which follows a texture of the color")
+        else:
+            why = Sentence("under {features}", features=" and ".join(features)) if features else Sentence("under a rough diffuse base")
+        how = Sentence("as a diffuse base of the color, {why}", why=why)
         losses += [Loss(name, values[name], APPROXIMATED, how) for name in names]
         return slots
     body = Body.of(free_path, g)
-    told_as = f"a medium without end of the color, of density {body.density:.4g} and forwardness {body.g:.3g}; it spreads no light sideways"
+    told_as = Sentence(
+        "a medium without end of the color, of density {density:.4g} and forwardness {g:.3g}; it spreads no light sideways", density=body.density, g=body.g
+    )
     losses += [Loss(name, values[name], APPROXIMATED, told_as) for name in names]
     return replace(slots, body=body)
 
@@ -106,7 +111,7 @@ def matched(
 
         tint, found = solve(lambda tint: exact(lightened(tint))(color), wanted, np.array(given), 1.0, tolerance)
         stack = lightened(tint)
-        how = f"lighter, {shown(tint)}, as light crosses a layer aslant and more than once, and no base below is bright enough"
+        how = Sentence("lighter, {tint}, as light crosses a layer aslant and more than once, and no base below is bright enough", tint=shown(tint))
         losses = [*losses, Loss("tint", given, APPROXIMATED, how)]
     losses = [*losses, *unmatched("base color", color, mean(found) - wanted)]
     return stack, color, Report(tuple(losses), compared(look.seen, found, has_film, look.all_lost))
@@ -121,7 +126,11 @@ def unmatched(parameter: str, color: np.ndarray, off: np.ndarray) -> list[Loss]:
     """What to say of a mean albedo that is off by (3,); nothing where it was reached."""
     if np.max(np.abs(off)) <= _REACHED:
         return []
-    return [Loss(parameter, color, APPROXIMATED, f"no color in range is as bright or dark as it should be; the mean albedo is off by {shown(off)}")]
+    return [
+        Loss(
+            parameter, color, APPROXIMATED, Sentence("no color in range is as bright or dark as it should be; the mean albedo is off by {off}", off=shown(off))
+        )
+    ]
 
 
 def told(losses: list[Loss], values: dict, defaults: dict) -> list[Loss]:
@@ -134,7 +143,7 @@ def is_default(parameter: str, values: dict, defaults: dict) -> bool:
     return bool(np.all(np.abs(np.asarray(values[parameter], float) - np.asarray(defaults[parameter], float)) <= 1e-6))
 
 
-def lost_if(losses: list[Loss], parameter: str, value, default, how: str) -> None:
+def lost_if(losses: list[Loss], parameter: str, value, default, how: Sentence) -> None:
     """Add a loss where a value is not its default."""
     if np.any(np.abs(np.asarray(value, float) - np.asarray(default, float)) > 1e-6):
         losses.append(Loss(parameter, value, LOST, how))

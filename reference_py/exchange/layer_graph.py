@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from ..errors import LaminaError
+from ..errors import LaminaError, Sentence
 from ..material.stack import Stack
 from ..optics.colour import known_spaces
 from .appearance import Appearance
@@ -79,12 +79,13 @@ class LayeredMaterial:
         losses = [*self.losses, *builder.losses]
         losses += [image_loss(i, self.images[i], _value_of(self.tree, i), i in self.means) for i in sorted(without)]
         if rows.media:
-            losses.append(Loss("multiply", np.prod([np.power(t, 2.0 * d) for t, d in rows.media], axis=0), APPROXIMATED, "in the base color"))
+            losses.append(Loss("multiply", np.prod([np.power(t, 2.0 * d) for t, d in rows.media], axis=0), APPROXIMATED, Sentence("in the base color")))
         data = {"name": self.name, "source": f"Converted from {NAME}", "layers": rows.layers, "base": rows.base}
         stack = Stack.from_dict(data, self.name or NAME)
         look = self._look(tree)
         losses += [
-            Loss(leaf, "", LOST, f"light that no stack sends back; that is {_share(light, look):.1f} % of its light") for leaf, light in look.lost.items()
+            Loss(leaf, "", LOST, Sentence("light that no stack sends back; that is {share:.1f} % of its light", share=_share(light, look)))
+            for leaf, light in look.lost.items()
         ]
         base = rows.sources.get(-1)
         is_metal = base is not None and "reflectance" in stack.base
@@ -131,9 +132,9 @@ def read_layered(document: Document, name: str, node: Element, folder: Path | No
         if isinstance(value, np.ndarray):
             opacity = float(np.clip(value[0], 0.0, 1.0))
         else:
-            losses.append(Loss("opacity", "linked", LOST, "a stack is opaque"))
+            losses.append(Loss("opacity", Sentence("linked"), LOST, Sentence("a stack is opaque")))
     losses += [
-        Loss("color space", space[:40], APPROXIMATED, f"unknown: read as linear Rec.709; known are {', '.join(known_spaces())}")
+        Loss("color space", space[:40], APPROXIMATED, Sentence("unknown: read as linear Rec.709; known are {known}", known=", ".join(known_spaces())))
         for space in sorted(reader.graph.unknown)
     ]
     return LayeredMaterial(name, tree, emission, opacity, tuple(losses))

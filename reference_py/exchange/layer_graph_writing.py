@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import Sentence
 from ..material.schema import ANISOTROPY, COVERAGE, NORMAL, SCATTERING
 from ..material.stack import Base, Layer, Stack
 from ..optics.bases import ConductorBase, DiffuseBase
@@ -60,7 +61,10 @@ def to_layers(stack: Stack) -> LayerGraph:
     color, found = solve(lambda c: light_of(tree(c)).back, mean(wanted), start, 1.0 if edge is None else MOST_REFLECTANCE, FINE)
     has_film = any(film_of(e) for e in (*stack.layers, stack.base))
     losses = [loss for i, e in enumerate([*stack.layers, stack.base]) for loss in _losses(f"layer {i}" if i < len(stack.layers) else "base", e)]
-    losses += [Loss("base color", color, APPROXIMATED, "solved such that the mean albedo stays"), *unmatched("base color", color, mean(found) - mean(wanted))]
+    losses += [
+        Loss("base color", color, APPROXIMATED, Sentence("solved such that the mean albedo stays")),
+        *unmatched("base color", color, mean(found) - mean(wanted)),
+    ]
     return LayerGraph(tree(color), Report(tuple(losses), compared(wanted, found, has_film)))
 
 
@@ -109,13 +113,13 @@ def _turn(element: Layer | Base) -> float:
 def _losses(where: str, element: Layer | Base) -> list[Loss]:
     losses = []
     if "distribution" in element and element["distribution"] != GGX:
-        how = "MaterialX's renderers show GGX, whose highlights have longer tails; it is an attribute of the node, which Lamina reads"
+        how = Sentence("MaterialX's renderers show GGX, whose highlights have longer tails; it is an attribute of the node, which Lamina reads")
         losses.append(Loss(f"{where} distribution", element["distribution"], APPROXIMATED, how))
     if element.has(NORMAL):
-        losses.append(Loss(f"{where} normal", "", LOST, "textures are not written"))
+        losses.append(Loss(f"{where} normal", "", LOST, Sentence("textures are not written")))
     if element.has(SCATTERING):
         given = (p.name for p in SCATTERING.parameters if p.name in element)
-        losses += [Loss(f"{where} {key}", element[key], APPROXIMATED, "in the base color alone, such that the mean albedo stays") for key in given]
+        losses += [Loss(f"{where} {key}", element[key], APPROXIMATED, Sentence("in the base color alone, such that the mean albedo stays")) for key in given]
     return losses
 
 

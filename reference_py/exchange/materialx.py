@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ..errors import LaminaError
+from ..errors import LaminaError, Sentence
 from ..material.json_input import read_text
 from ..optics.colour import known_spaces
 from .bsdf_tree import SURFACE, Mixed, Tree
@@ -205,7 +205,7 @@ def _read(document: Document, name: str, node: ElementTree.Element, folder: Path
     if isinstance(found, Image):
         image = found if folder is None else replace(found, file=str(folder / found.file))
     elif isinstance(found, Unread):
-        losses.append(Loss("mix", "linked", LOST, f"{found.why}; an even mix stands in"))
+        losses.append(Loss("mix", Sentence("linked"), LOST, Sentence("{why}; an even mix stands in", why=found.why)))
     else:
         share = float(np.clip(found[0], 0.0, 1.0))
     first, second = parts
@@ -213,7 +213,7 @@ def _read(document: Document, name: str, node: ElementTree.Element, folder: Path
         tree = Mixed(first.tree, second.tree, share, image, node.get("name", "mix"))
         return replace(first, name=name, tree=tree, losses=(*losses, *first.losses, *second.losses))
     if image is not None:
-        losses.append(Loss("mix", "linked", LOST, "an image says where: an even mix stands in"))
+        losses.append(Loss("mix", Sentence("linked"), LOST, Sentence("an image says where: an even mix stands in")))
     return MixedSurfaces(name, first, second, share, tuple(losses))
 
 
@@ -268,7 +268,7 @@ def _material(document: Document, name: str, node: ElementTree.Element, folder: 
         parameter = given.get("name", "")
         default = surface.defaults.get(parameter)
         if parameter not in _FRAMES and default is None:
-            losses.append(Loss(parameter, given.get("value", "linked"), LOST, "a stack has no place for it"))
+            losses.append(Loss(parameter, given.get("value", Sentence("linked")), LOST, Sentence("a stack has no place for it")))
             continue
         if not any(given.get(key) for key in ("value", "nodename", "nodegraph", "interfacename", "output")):
             continue
@@ -276,12 +276,12 @@ def _material(document: Document, name: str, node: ElementTree.Element, folder: 
         if isinstance(found, Image):
             images[parameter] = found if folder is None else replace(found, file=str(folder / found.file))
         elif isinstance(found, Unread):
-            stands_in = "left out" if default is None else f"its default, {shown(default)}, stands in"
-            losses.append(Loss(parameter, "linked", LOST, f"{found.why}; {stands_in}"))
+            stands_in = Sentence("left out") if default is None else Sentence("its default, {value}, stands in", value=shown(default))
+            losses.append(Loss(parameter, Sentence("linked"), LOST, Sentence("{why}; {stands_in}", why=found.why, stands_in=stands_in)))
         elif default is not None:
             values[parameter] = _limited(surface, parameter, found, document.where, losses)
     losses += [
-        Loss("color space", space[:40], APPROXIMATED, f"unknown: read as linear Rec.709; known are {', '.join(known_spaces())}")
+        Loss("color space", space[:40], APPROXIMATED, Sentence("unknown: read as linear Rec.709; known are {known}", known=", ".join(known_spaces())))
         for space in sorted(graph.unknown)
     ]
     return Material(name, surface, surface.defaults | values, images, tuple(losses))
@@ -302,6 +302,13 @@ def _limited(surface: Surface, parameter: str, found: np.ndarray, where: str, lo
         )
     kept = np.clip(value, 0.0, most)
     if np.any(np.abs(kept - value) > 1e-6):
-        outside = "outside Rec.709" if is_color and np.any(value < -1e-6) else "out of its range"
-        losses.append(Loss(parameter, tuple(value) if is_color else float(value[0]), APPROXIMATED, f"{outside}, 0 to {most:g}; limited to {shown(kept)}"))
+        outside = Sentence("outside Rec.709") if is_color and np.any(value < -1e-6) else Sentence("out of its range")
+        losses.append(
+            Loss(
+                parameter,
+                tuple(value) if is_color else float(value[0]),
+                APPROXIMATED,
+                Sentence("{outside}, 0 to {most:g}; limited to {kept}", outside=outside, most=most, kept=shown(kept)),
+            )
+        )
     return tuple(float(c) for c in kept) if is_color else float(kept[0])

@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from ..errors import LaminaError
+from ..errors import LaminaError, Sentence
 from ..optics.colour import artist_index, is_known, to_linear_rec709
 from .materialx_document import Document
 
@@ -41,7 +41,7 @@ class Image:
 class Unread:
     """An input that is neither, and why."""
 
-    why: str
+    why: Sentence
 
 
 def _mix(inputs) -> np.ndarray:
@@ -110,7 +110,9 @@ _OUTPUTS = {"artistic_ior": ("ior", "extinction")}
 
 
 class _Neither(Exception):
-    pass
+    def __init__(self, why: Sentence):
+        super().__init__(why)
+        self.why = why
 
 
 class Graph:
@@ -126,8 +128,8 @@ class Graph:
         self._steps = 0
         try:
             return self._followed(element)
-        except _Neither as reason:
-            return Unread(str(reason))
+        except _Neither as neither:
+            return Unread(neither.why)
 
     def node(self, element: Element) -> tuple[Element, str] | None:
         """The node that an input is linked to, through outputs of graphs, and the name of the node's output; None without one."""
@@ -156,7 +158,7 @@ class Graph:
     def _followed(self, element: Element) -> np.ndarray | Image:
         self._steps += 1
         if self._steps > _MOST_STEPS:
-            raise _Neither("its graph is too large, or runs in a circle")
+            raise _Neither(Sentence("its graph is too large, or runs in a circle"))
         if element.get("interfacename"):
             scope = self._document.parent(self._document.parent(element))
             given = next((i for i in scope if i.tag == "input" and i.get("name") == element.get("interfacename")), None)
@@ -165,7 +167,8 @@ class Graph:
         if any(element.get(key) for key in (*_LINKS, "output")):
             found = self.node(element)
             if found is None:
-                raise _Neither(f"is linked to {next(element.get(k) for k in (*_LINKS, 'output') if element.get(k))[:60]}, which is not in the file")
+                name = next(element.get(k) for k in (*_LINKS, "output") if element.get(k))[:60]
+                raise _Neither(Sentence("is linked to {name}, which is not in the file", name=name))
             return self._of_node(*found)
         return self.own_value(element)
 
@@ -175,7 +178,7 @@ class Graph:
         where = f"{self._document.where}: {element.get('name', '')}"
         count = _COUNTS.get(kind)
         if count is None:
-            raise _Neither(f"has the type {kind or 'none'}")
+            raise _Neither(Sentence("has the type {kind}", kind=kind or "none"))
         if kind == "boolean":
             return np.full(1, float(text.strip().lower() == "true"))
         try:
@@ -204,11 +207,11 @@ class Graph:
             image = self._image(node, "") if _NORMALS[kind] == "file" else self._followed(given) if given is not None else None
             if isinstance(image, Image):
                 return Image(image.file, "", True, image.tiling)
-            raise _Neither(f"is a {kind} without an image")
+            raise _Neither(Sentence("is a {kind} without an image", kind=kind))
         if kind in _PASSED:
             given = input_of(node, _PASSED[kind])
             if given is None:
-                raise _Neither(f"is a {kind} without a value")
+                raise _Neither(Sentence("is a {kind} without a value", kind=kind))
             result = self._followed(given)
             return result if isinstance(result, Image) else _as_type(result, node.get("type", ""))
         if kind.startswith("separate"):
@@ -217,7 +220,7 @@ class Graph:
             index = self._optional(node, "index")
             return self._channel(input_of(node, "in"), int(index[0]) if isinstance(index, np.ndarray) else 0)
         if kind not in FUNCTIONS:
-            raise _Neither(f"is computed by {kind}")
+            raise _Neither(Sentence("is computed by {kind}", kind=kind))
 
         def inputs(name: str, default: np.ndarray) -> np.ndarray:
             given = input_of(node, name)
@@ -225,7 +228,7 @@ class Graph:
                 return default
             found = self._followed(given)
             if isinstance(found, Image):
-                raise _Neither(f"is computed from the image {found.file}")
+                raise _Neither(Sentence("is computed from the image {file}", file=found.file))
             return found
 
         result = np.atleast_1d(FUNCTIONS[kind](inputs))
@@ -240,7 +243,7 @@ class Graph:
 
     def _channel(self, given: Element | None, index: int) -> np.ndarray | Image:
         if given is None:
-            raise _Neither("is a channel of nothing")
+            raise _Neither(Sentence("is a channel of nothing"))
         found = self._followed(given)
         if isinstance(found, Image):
             return Image(found.file, found.space, False, found.tiling, index)
@@ -253,7 +256,7 @@ class Graph:
                 scope = self._document.parent(node)
                 file = next((i for i in scope if i.tag == "input" and i.get("name") == file.get("interfacename")), None)
             if file is None or not file.get("value"):
-                raise _Neither("is an image without a file")
+                raise _Neither(Sentence("is an image without a file"))
         is_color = node.get("type", "").startswith("color") or node.tag == "UsdUVTexture" and output in ("", "rgb", "rgba")
         tiling = self._optional(node, "uvtiling")
         pair = tuple(float(t) for t in tiling) if isinstance(tiling, np.ndarray) and len(tiling) == 2 else (1.0, 1.0)

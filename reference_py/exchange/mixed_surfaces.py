@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from ..errors import LaminaError
+from ..errors import LaminaError, Sentence
 from ..material.stack import Stack
 from .conversion import Converted
 from .report import LOST, Loss, Report
@@ -53,7 +53,9 @@ class MixedSurfaces:
         stack = Stack.from_dict(data | {"name": self.name, "source": "Converted from a mix of surfaces"}, self.name or "mix")
         told = [replace(loss, parameter=f"{where} {loss.parameter}") for where, part in zip(("bg", "fg"), parts) for loss in part.report.losses]
         images = [
-            Loss(f"{where} images", ", ".join(sorted(part.images))[:60], LOST, "of surfaces that are mixed") for where, part in self._parts if part.images
+            Loss(f"{where} images", ", ".join(sorted(part.images))[:60], LOST, Sentence("of surfaces that are mixed"))
+            for where, part in self._parts
+            if part.images
         ]
         worse = max((part.report.match for part in parts), key=lambda match: match.soft_light)
         return Converted(stack, {}, None, {}, Report((*self.losses, *images, *told), worse))

@@ -7,7 +7,7 @@ color is what two perpendicular crossings leave. Films are in micrometres.
 
 import numpy as np
 
-from ..errors import LaminaError
+from ..errors import LaminaError, Sentence
 from ..material.schema import THIN_FILM
 from ..material.stack import Stack
 from ..models.baselines.parts import metal_colors
@@ -16,7 +16,7 @@ from ..optics.optical_stack import OpticalStack
 from .appearance import Appearance, appearance, body_color, specular_index
 from .conversion import Converted, is_default, require_finite, slots_to_stack, stack_to_slots, told, with_body
 from .matching import mean
-from .report import APPROXIMATED, KEPT, LOST, Loss, Report
+from .report import APPROXIMATED, KEPT, LOST, Loss, Report, film_limited, metal_or_not
 from .slots import BASE, COAT, GLOSS, SUBSURFACE, Slots, edge_of_f82, sigma_of_fujii
 from .slots import Surface as Interface
 from .surfaces import OPENPBR, SURFACES, Surface, geometric_roughness, open_roughness
@@ -25,8 +25,9 @@ NAME = "OpenPBR"
 DEFAULTS = OPENPBR
 _OPEN = SURFACES["open_pbr_surface"]
 _NO_PLACE = {
-    "transmission_weight": "light goes through it, and a stack is opaque: what is below the surface is black there",
-    "fuzz_weight": "a stack has no sheen", "emission_luminance": "a stack does not emit", "geometry_opacity": "a stack is opaque",
+    "transmission_weight": Sentence("light goes through it, and a stack is opaque: what is below the surface is black there"),
+    "fuzz_weight": Sentence("a stack has no sheen"), "emission_luminance": Sentence("a stack does not emit"),
+    "geometry_opacity": Sentence("a stack is opaque"),
 }  # fmt: skip
 # Beginnings of inputs that have no place in a stack, and the one that each says more about: nothing is to say where that is 0.
 _OF = {
@@ -107,7 +108,7 @@ def _rough(part: str, roughness: float, features: dict, losses: list[Loss]) -> d
     if not features.get("anisotropy"):
         return {f"{part}_roughness": roughness}
     if features["rotation"]:
-        losses.append(Loss(f"{part} rotation", features["rotation"], LOST, f"{NAME} turns the tangent of the geometry instead"))
+        losses.append(Loss(f"{part} rotation", features["rotation"], LOST, Sentence("{name} turns the tangent of the geometry instead", name=NAME)))
     ratio = 1.0 - _BLENDER_RATIO * features["anisotropy"]
     return {f"{part}_roughness": min(open_roughness(roughness, ratio), 1.0), f"{part}_roughness_anisotropy": 1.0 - ratio}
 
@@ -145,21 +146,23 @@ def _to_gltf(slots: Slots, losses: list[Loss]) -> dict:
     if slots.coat:
         values |= {"clearcoat": slots.coat_weight, "clearcoat_roughness": slots.coat.roughness}
         if min(slots.coat_tint) < 1.0:
-            losses.append(Loss("coat tint", slots.coat_tint, APPROXIMATED, "a clearcoat has none: it is in the base color, the same at all angles"))
+            losses.append(Loss("coat tint", slots.coat_tint, APPROXIMATED, Sentence("a clearcoat has none: it is in the base color, the same at all angles")))
         if slots.coat.eta != _CLEARCOAT_IOR:
-            losses.append(Loss("coat IOR", slots.coat.eta, APPROXIMATED, f"a clearcoat has {_CLEARCOAT_IOR:g}; the base color makes up for it"))
+            losses.append(
+                Loss("coat IOR", slots.coat.eta, APPROXIMATED, Sentence("a clearcoat has {ior:g}; the base color makes up for it", ior=_CLEARCOAT_IOR))
+            )
         if slots.coat.features.get("anisotropy"):
-            losses.append(Loss("coat anisotropy", slots.coat.features["anisotropy"], LOST, "a clearcoat has none"))
+            losses.append(Loss("coat anisotropy", slots.coat.features["anisotropy"], LOST, Sentence("a clearcoat has none")))
     features = slots.gloss.features if slots.gloss else slots.features
     roughness = slots.roughness if slots.is_metal else slots.gloss.roughness if slots.gloss else 1.0
     if slots.is_metal:
-        losses.append(Loss("edge color", slots.edge, LOST, "a metal's reflectance rises as Schlick has it"))
+        losses.append(Loss("edge color", slots.edge, LOST, Sentence("a metal's reflectance rises as Schlick has it")))
     elif slots.gloss:
         values["ior"] = slots.gloss.eta
     else:
         values["specular"] = 0.0
     if slots.sigma_deg:
-        losses.append(Loss("base sigma_deg", slots.sigma_deg, LOST, "a diffuse base is Lambert's"))
+        losses.append(Loss("base sigma_deg", slots.sigma_deg, LOST, Sentence("a diffuse base is Lambert's")))
     if features.get("anisotropy"):
         ratio = 1.0 - _BLENDER_RATIO * features["anisotropy"]
         across = min(roughness**2 * ratio**0.5, 0.999)
@@ -216,7 +219,7 @@ class _Reader:
         self._has_body = bool(v["subsurface_weight"]) and not v["geometry_thin_walled"] and not self._is_metal
         self.losses: list[Loss] = []
 
-    def _say(self, name: str, fate: str, how: str) -> None:
+    def _say(self, name: str, fate: str, how: Sentence) -> None:
         own = self._surface.own(name)
         if own in self._own:
             self.losses.append(Loss(own, self._own[own], fate, how))
@@ -225,45 +228,46 @@ class _Reader:
         """An index below 1 is no medium's: it counts as 1 from the start, for the file's albedo too."""
         if self.v["specular_ior"] < 1.0:
             if self.v["specular_weight"] > 0.0 and not self._is_metal:
-                self._say("specular_ior", APPROXIMATED, "no medium has it; choose 1 to 4; it counts as 1")
+                self._say("specular_ior", APPROXIMATED, Sentence("no medium has it; choose 1 to 4; it counts as 1"))
             self.v["specular_ior"] = 1.0
 
     def say_lost(self, look: Appearance) -> None:
         """What no stack has, with its share of the light, and inputs that mean nothing to a stack."""
         whole = float(np.sum(mean(look.seen + look.all_lost)))
         for name, light in look.lost.items():
-            how = _NO_PLACE.get(name, "light goes through the thin wall")
-            self._say(name, LOST, f"{how}; that is {100.0 * float(np.sum(mean(light))) / max(whole, 1e-9):.1f} % of its light")
+            how = _NO_PLACE.get(name, Sentence("light goes through the thin wall"))
+            share = 100.0 * float(np.sum(mean(light))) / max(whole, 1e-9)
+            self._say(name, LOST, Sentence("{how}; that is {share:.1f} % of its light", how=how, share=share))
         for name, value in self._own.items():
             if self._has_body and name.startswith("subsurface"):
                 continue
             main = next((self.v.get(m, 1.0) for part, m in _OF.items() if name.startswith(part)), 0.0)
             if main and name not in (*_READ, *self._surface.names.values()) and not is_default(name, self._own, self._surface.defaults):
-                self.losses.append(Loss(name, value, LOST, "a stack has no place for it"))
+                self.losses.append(Loss(name, value, LOST, Sentence("a stack has no place for it")))
 
     def slots(self) -> Slots:
         """The slots, with the color of an opaque base that is all that is seen of the body."""
         v, rules = self.v, self._surface.rules
         if 0.0 < v["base_metalness"] < 1.0:
-            self._say("base_metalness", LOST, f"a base is metal or not; it is {'metal' if self._is_metal else 'diffuse'}")
+            self._say("base_metalness", LOST, metal_or_not(self._is_metal))
         coat = self._coat()
         roughness, features = self._rough("specular")
         features |= self._film()
-        self._say("base_color", APPROXIMATED, "solved such that the mean albedo stays")
-        self._say("specular_roughness", KEPT, "as roughness")
+        self._say("base_color", APPROXIMATED, Sentence("solved such that the mean albedo stays"))
+        self._say("specular_roughness", KEPT, Sentence("as roughness"))
         if self._is_metal:
             return self._metal(roughness, features, coat)
         if np.ptp(v["specular_color"]) > 1e-6 or v["specular_color"][0] != 1.0:
-            self._say("specular_color", LOST, "a dielectric's highlight has no color")
+            self._say("specular_color", LOST, Sentence("a dielectric's highlight has no color"))
         eta = specular_index(v, rules)
         if rules.scales_lobe and v["specular_weight"] < 1.0:
             root = (v["specular_weight"] ** 0.5) * abs(eta - 1.0) / (eta + 1.0)
             eta = (1.0 + root) / (1.0 - root)
         if not any(loss.parameter == self._surface.own("specular_ior") for loss in self.losses):
-            self._say("specular_ior", KEPT if v["specular_weight"] == 1.0 else APPROXIMATED, f"as an index of {eta:.4g} to what is above")
-        self._say("specular_weight", APPROXIMATED, f"as an index of {eta:.4g} to what is above")
+            self._say("specular_ior", KEPT if v["specular_weight"] == 1.0 else APPROXIMATED, Sentence("as an index of {eta:.4g} to what is above", eta=eta))
+        self._say("specular_weight", APPROXIMATED, Sentence("as an index of {eta:.4g} to what is above", eta=eta))
         sigma = sigma_of_fujii(v["base_diffuse_roughness"])
-        self._say("base_diffuse_roughness", APPROXIMATED if sigma == 90.0 else KEPT, f"as a slope deviation of {sigma:.4g} degrees")
+        self._say("base_diffuse_roughness", APPROXIMATED if sigma == 90.0 else KEPT, Sentence("as a slope deviation of {sigma:.4g} degrees", sigma=sigma))
         color = np.clip((1.0 - v["transmission_weight"]) * body_color(v), 0.0, 1.0)
         gloss = None if abs(eta - 1.0) < 1e-9 and not features.get("film_thickness") else Interface(eta, roughness, features)
         slots = Slots(tuple(color), sigma_deg=sigma, gloss=gloss, **coat)
@@ -278,9 +282,9 @@ class _Reader:
         color = np.clip(v["base_weight"] * np.asarray(v["base_color"]), 0.0, 1.0)
         tint = np.clip(v["specular_color"], 0.0, 1.0)
         if self._surface.rules.gives_edge:
-            self._say("specular_color", KEPT, "as the edge color")
+            self._say("specular_color", KEPT, Sentence("as the edge color"))
             return Slots(tuple(color), edge=tuple(tint * v["specular_weight"]), roughness=roughness, features=features, **coat)
-        self._say("specular_color", APPROXIMATED, "as the edge color of the nearest metal")
+        self._say("specular_color", APPROXIMATED, Sentence("as the edge color of the nearest metal"))
         return Slots(tuple(color * min(v["specular_weight"], 1.0)), edge=tuple(edge_of_f82(color, tint)), roughness=roughness, features=features, **coat)
 
     def _rough(self, part: str) -> tuple[float, dict]:
@@ -289,7 +293,9 @@ class _Reader:
         if not given:
             return roughness, {}
         kept = min(given, _BLENDER_RATIO)
-        self._say(f"{part}_roughness_anisotropy", KEPT if kept == given else APPROXIMATED, f"as an anisotropy of {kept / _BLENDER_RATIO:.4g}")
+        self._say(
+            f"{part}_roughness_anisotropy", KEPT if kept == given else APPROXIMATED, Sentence("as an anisotropy of {value:.4g}", value=kept / _BLENDER_RATIO)
+        )
         return geometric_roughness(roughness, 1.0 - kept), {"anisotropy": kept / _BLENDER_RATIO, "rotation": self.v[f"{part}_rotation"] % 1.0}
 
     def _film(self) -> dict:
@@ -297,14 +303,14 @@ class _Reader:
         if not weight:
             return {}
         if weight < 1.0:
-            self._say("thin_film_weight", LOST, "a film is on all of the surface")
+            self._say("thin_film_weight", LOST, Sentence("a film is on all of the surface"))
         limits = {p.name: p for p in THIN_FILM.parameters}
         kept = {}
         for name, value in (("thickness", _NM_PER_UM * thickness), ("ior", ior)):
             limit = limits[f"film_{name}"]
             kept[limit.name] = float(np.clip(value, limit.minimum, limit.maximum))
             whole = abs(kept[limit.name] - value) < 1e-9
-            how = "as the film's" if whole else f"a film's is {limit.minimum:g} to {limit.maximum:g} {limit.unit}".rstrip() + f"; it is {kept[limit.name]:g}"
+            how = Sentence("as the film's") if whole else film_limited(limit, kept[limit.name])
             self._say(f"thin_film_{name}", KEPT if whole else APPROXIMATED, how)
         return kept
 
@@ -313,12 +319,16 @@ class _Reader:
         weight = v["coat_weight"]
         if not weight:
             return {}
-        self._say("coat_weight", KEPT, "a layer on the whole surface" if weight == 1.0 else "as the layer's coverage")
-        self._say("coat_roughness", KEPT, "as the layer's")
-        self._say("coat_color", KEPT, "a medium whose round trip leaves it")
-        self._say("coat_ior", KEPT if v["coat_ior"] >= 1.0 else APPROXIMATED, "as the layer's" if v["coat_ior"] >= 1.0 else "below 1 it counts as 1")
+        self._say("coat_weight", KEPT, Sentence("a layer on the whole surface") if weight == 1.0 else Sentence("as the layer's coverage"))
+        self._say("coat_roughness", KEPT, Sentence("as the layer's"))
+        self._say("coat_color", KEPT, Sentence("a medium whose round trip leaves it"))
+        self._say(
+            "coat_ior",
+            KEPT if v["coat_ior"] >= 1.0 else APPROXIMATED,
+            Sentence("as the layer's") if v["coat_ior"] >= 1.0 else Sentence("below 1 it counts as 1"),
+        )
         if self._surface.rules.physical_coat and v["coat_darkening"] != 1.0:
-            self._say("coat_darkening", APPROXIMATED, "a stack always has the light that the coat holds back; the base color makes up for it")
+            self._say("coat_darkening", APPROXIMATED, Sentence("a stack always has the light that the coat holds back; the base color makes up for it"))
         roughness, features = self._rough("coat")
         tint = tuple(float(c) for c in np.clip(v["coat_color"], 0.0, 1.0))
         return {"coat": Interface(max(v["coat_ior"], 1.0), roughness, features), "coat_tint": tint, "coat_weight": weight}

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..errors import Sentence
 from ..material.stack import Stack
 from ..models.baselines import PrincipledCoat
 from ..models.baselines.parts import metal_colors
@@ -13,7 +14,7 @@ from ..optics.optical_stack import OpticalStack
 from .appearance import Appearance, Rules, appearance
 from .conversion import Converted, lost_if, require_finite, slots_to_stack, stack_to_slots, told, with_body
 from .matching import rendered_by
-from .report import APPROXIMATED, KEPT, LOST, Loss, Report
+from .report import APPROXIMATED, KEPT, LOST, Loss, Report, metal_or_not
 from .slots import BASE, COAT, GLOSS, SUBSURFACE, Slots, Surface, edge_of_f82, effective_ior, sigma_of_fujii
 from .surfaces import OPENPBR
 
@@ -25,15 +26,16 @@ DEFAULTS = {
     "Coat Tint": (1.0, 1.0, 1.0), "Sheen Weight": 0.0, "Emission Strength": 0.0, "Thin Film Thickness": 0.0, "Thin Film IOR": 1.33,
 }  # fmt: skip
 _NO_PLACE = {
-    "Transmission Weight": "light goes through it, and a stack is opaque: its base is black there",
-    "Sheen Weight": "a stack has no sheen", "Emission Strength": "a stack does not emit; add an Emission node", "Alpha": "a stack is opaque; mix with a Transparent node",
+    "Transmission Weight": Sentence("light goes through it, and a stack is opaque: its base is black there"),
+    "Sheen Weight": Sentence("a stack has no sheen"), "Emission Strength": Sentence("a stack does not emit; add an Emission node"),
+    "Alpha": Sentence("a stack is opaque; mix with a Transparent node"),
 }  # fmt: skip
 _OPEN_NAMES = {
     "transmission_weight": "Transmission Weight", "fuzz_weight": "Sheen Weight", "emission_luminance": "Emission Strength", "geometry_opacity": "Alpha",
 }  # fmt: skip
-_TEXTURED = {"Subsurface Weight": "light spreads below the whole surface or not at all", **_NO_PLACE}
+_TEXTURED = {"Subsurface Weight": Sentence("light spreads below the whole surface or not at all"), **_NO_PLACE}
 # The value that a report has of a socket with one.
-TEXTURE = "texture"
+TEXTURE = Sentence("texture")
 _BODY_NAMES = ("Subsurface Weight", "Subsurface Radius", "Subsurface Scale", "Subsurface Anisotropy")
 # What a stack says something about; the rest of the node is its user's.
 WRITTEN = {socket: default for socket, default in DEFAULTS.items() if socket not in _NO_PLACE}
@@ -51,7 +53,7 @@ def to_principled(stack: Stack, textured: bool = False) -> Converted:
     """Socket values as bright as the stack. `textured`: with a map for textures of the base color, which takes seconds."""
     slots, owners, report, colors = stack_to_slots(stack, NAME, lambda slots: rendered_by(PrincipledCoat.name, slots), frozenset({SUBSURFACE}), textured)
     if slots.body and slots.body.g < 0.0:
-        backward = Loss("scatter_g", slots.body.g, LOST, "light below the surface of Principled is not scattered backward; its anisotropy is 0")
+        backward = Loss("scatter_g", slots.body.g, LOST, Sentence("light below the surface of Principled is not scattered backward; its anisotropy is 0"))
         report = replace(report, losses=(*report.losses, backward))
     return Converted(stack, values_of(slots), slots, owners, report, colors)
 
@@ -90,11 +92,11 @@ def from_principled(values: dict, name: str = "", textured: bool = False, used: 
     losses += [Loss(socket, TEXTURE, LOST, why) for socket, why in _TEXTURED.items() if socket in used]
     is_metal = values["Metallic"] >= 0.5
     if 0.0 < values["Metallic"] < 1.0:
-        losses.append(Loss("Metallic", values["Metallic"], LOST, f"a base is metal or not; it is {'metal' if is_metal else 'diffuse'}"))
+        losses.append(Loss("Metallic", values["Metallic"], LOST, metal_or_not(is_metal)))
     elif values["Metallic"]:
-        losses.append(Loss("Metallic", values["Metallic"], KEPT, "a conductor"))
+        losses.append(Loss("Metallic", values["Metallic"], KEPT, Sentence("a conductor")))
     if "Metallic" in used:
-        losses.append(Loss("Metallic", TEXTURE, LOST, "a base is metal or not; the socket's own value decides"))
+        losses.append(Loss("Metallic", TEXTURE, LOST, Sentence("a base is metal or not; the socket's own value decides")))
     slots = _slots(values, is_metal, used, losses)
     if values["Subsurface Weight"] and not is_metal:
         slots = with_body(slots, _free_path(values), values["Subsurface Anisotropy"], "Base Color" in used, _BODY_NAMES, values, losses)
@@ -129,32 +131,36 @@ def _by_openpbr(values: dict) -> dict:
 
 def _slots(values: dict, is_metal: bool, used: frozenset[str], losses: list[Loss]) -> Slots:
     color = tuple(float(c) for c in np.clip(values["Base Color"], 0.0, 1.0))
-    losses.append(Loss("Base Color", color, APPROXIMATED, "solved such that the mean albedo stays"))
-    losses.append(Loss("Roughness", values["Roughness"], KEPT, "as roughness"))
+    losses.append(Loss("Base Color", color, APPROXIMATED, Sentence("solved such that the mean albedo stays")))
+    losses.append(Loss("Roughness", values["Roughness"], KEPT, Sentence("as roughness")))
     features = _features(values, used)
     losses += [
-        Loss(socket, values[socket], KEPT, "as it is") for socket, _, p in PLACES if p in features and socket in values and not socket.startswith("Coat")
+        Loss(socket, values[socket], KEPT, Sentence("as it is"))
+        for socket, _, p in PLACES
+        if p in features and socket in values and not socket.startswith("Coat")
     ]
     if values["Thin Film Thickness"] > features.get("film_thickness", 0.0):
-        losses.append(Loss("Thin Film Thickness", values["Thin Film Thickness"], APPROXIMATED, "a film is at most 2000 nm"))
+        losses.append(Loss("Thin Film Thickness", values["Thin Film Thickness"], APPROXIMATED, Sentence("a film is at most 2000 nm")))
     coat = _coat(values, used, losses)
     if is_metal:
         edge = edge_of_f82(np.array(color), np.clip(values["Specular Tint"], 0.0, 1.0))
-        losses.append(Loss("Specular Tint", values["Specular Tint"], APPROXIMATED, "as the edge color of the nearest metal"))
+        losses.append(Loss("Specular Tint", values["Specular Tint"], APPROXIMATED, Sentence("as the edge color of the nearest metal")))
         return Slots(color, edge=tuple(edge), roughness=values["Roughness"], features=features, **coat)
     eta = effective_ior(values["IOR"], values["Specular IOR Level"])
-    losses.append(Loss("IOR", values["IOR"], KEPT if values["IOR"] == eta else APPROXIMATED, f"with the Specular IOR Level an index of {eta:.4g}"))
-    lost_if(losses, "Specular Tint", values["Specular Tint"], (1.0, 1.0, 1.0), "a dielectric's highlight has no color")
+    losses.append(
+        Loss("IOR", values["IOR"], KEPT if values["IOR"] == eta else APPROXIMATED, Sentence("with the Specular IOR Level an index of {eta:.4g}", eta=eta))
+    )
+    lost_if(losses, "Specular Tint", values["Specular Tint"], (1.0, 1.0, 1.0), Sentence("a dielectric's highlight has no color"))
     if coat.get("coat_weight", 1.0) < 1.0 and eta != 1.0:
-        losses.append(Loss("IOR", values["IOR"], APPROXIMATED, "below the coat as Principled has it; beside it the gloss is stronger"))
+        losses.append(Loss("IOR", values["IOR"], APPROXIMATED, Sentence("below the coat as Principled has it; beside it the gloss is stronger")))
     sigma = sigma_of_fujii(values["Diffuse Roughness"])
     if sigma == 90.0:
-        losses.append(Loss("Diffuse Roughness", values["Diffuse Roughness"], APPROXIMATED, "as the roughest Oren-Nayar base, 90 degrees"))
+        losses.append(Loss("Diffuse Roughness", values["Diffuse Roughness"], APPROXIMATED, Sentence("as the roughest Oren-Nayar base, 90 degrees")))
     elif sigma:
-        losses.append(Loss("Diffuse Roughness", values["Diffuse Roughness"], KEPT, f"as a slope deviation of {sigma:.4g} degrees"))
+        losses.append(Loss("Diffuse Roughness", values["Diffuse Roughness"], KEPT, Sentence("as a slope deviation of {sigma:.4g} degrees", sigma=sigma)))
     gloss = None if eta == 1.0 else Surface(eta, values["Roughness"], features)
     if gloss is None:
-        losses += [Loss(s, values[s], LOST, "there is no specular reflection") for s in ("Anisotropic", "Thin Film Thickness") if values[s]]
+        losses += [Loss(s, values[s], LOST, Sentence("there is no specular reflection")) for s in ("Anisotropic", "Thin Film Thickness") if values[s]]
     return Slots(color, sigma_deg=sigma, gloss=gloss, **coat)
 
 
@@ -170,16 +176,16 @@ def _features(values: dict, used: frozenset[str]) -> dict:
 
 def coat_ior_loss(parameter: str, ior: float) -> Loss:
     """What becomes of a coat's index."""
-    return Loss(parameter, ior, KEPT, "as the layer's") if ior >= 1.0 else Loss(parameter, ior, APPROXIMATED, "below 1 it counts as 1")
+    return Loss(parameter, ior, KEPT, Sentence("as the layer's")) if ior >= 1.0 else Loss(parameter, ior, APPROXIMATED, Sentence("below 1 it counts as 1"))
 
 
 def _coat(values: dict, used: frozenset[str], losses: list[Loss]) -> dict:
     weight = values["Coat Weight"]
     if not weight and "Coat Weight" not in used:
         return {}
-    losses.append(Loss("Coat Weight", weight, KEPT, "a layer on the whole surface" if weight == 1.0 else "as the layer's coverage"))
-    losses += [Loss("Coat Roughness", values["Coat Roughness"], KEPT, "as the layer's"), coat_ior_loss("Coat IOR", values["Coat IOR"])]
-    losses.append(Loss("Coat Tint", values["Coat Tint"], KEPT, "a medium whose round trip leaves it: half a crossing of this tint each way"))
+    losses.append(Loss("Coat Weight", weight, KEPT, Sentence("a layer on the whole surface") if weight == 1.0 else Sentence("as the layer's coverage")))
+    losses += [Loss("Coat Roughness", values["Coat Roughness"], KEPT, Sentence("as the layer's")), coat_ior_loss("Coat IOR", values["Coat IOR"])]
+    losses.append(Loss("Coat Tint", values["Coat Tint"], KEPT, Sentence("a medium whose round trip leaves it: half a crossing of this tint each way")))
     tint = tuple(float(c) for c in np.clip(values["Coat Tint"], 0.0, 1.0))
     # where a texture says where the coat is, the socket's own value says nothing
     weight = weight if "Coat Weight" not in used else 1.0

@@ -5,9 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import Sentence
+from ..material.schema import Parameter
 from .materialx_graph import Image
 
-KEPT, APPROXIMATED, LOST = "kept", "approximated", "lost"
+KEPT, APPROXIMATED, LOST = Sentence("kept"), Sentence("approximated"), Sentence("lost")
 FATES = (KEPT, APPROXIMATED, LOST)
 
 
@@ -22,22 +24,44 @@ def shown(value) -> str:
 
 @dataclass(frozen=True)
 class Loss:
-    """What became of one parameter: `fate` is one of FATES, `how` says the rest in words."""
+    """What became of one parameter: `fate` is one of FATES, `how` says the rest in words that a window can translate; the parameter is named as its file or node names it."""
 
     parameter: str
     value: object
-    fate: str
-    how: str
+    fate: Sentence
+    how: Sentence
+
+    @property
+    def sentence(self) -> Sentence:
+        """All of it in words."""
+        return Sentence("{fate}: {parameter} {value}: {how}", fate=self.fate, parameter=self.parameter, value=shown(self.value), how=self.how)
 
     def __str__(self) -> str:
-        return f"{self.fate}: {self.parameter} {shown(self.value)}: {self.how}"
+        return self.sentence
+
+
+def noted(fate: Sentence, note: Sentence) -> Sentence:
+    """A line of a report on what is no parameter, such as a link or an image."""
+    return Sentence("{fate}: {note}", fate=fate, note=note)
 
 
 def image_loss(given: str, image: Image, value, is_mean: bool) -> Loss:
     """What becomes of an image that is not linked, by the value that stands in, or None."""
+    file = Sentence("image {file}", file=image.file)
     if is_mean:
-        return Loss(given, f"image {image.file}", APPROXIMATED, f"its mean, {shown(value)}, stands in; a material in Blender gets the image")
-    return Loss(given, f"image {image.file}", LOST, "left out" if value is None else f"{shown(value)} stands in")
+        return Loss(given, file, APPROXIMATED, Sentence("its mean, {value}, stands in; a material in Blender gets the image", value=shown(value)))
+    return Loss(given, file, LOST, Sentence("left out") if value is None else Sentence("{value} stands in", value=shown(value)))
+
+
+def film_limited(parameter: Parameter, value: float) -> Sentence:
+    """That a film's parameter is not as it was given, but in its range."""
+    unit = f" {parameter.unit}" if parameter.unit else ""
+    return Sentence("a film's is {least:g} to {most:g}{unit}; it is {value:g}", least=parameter.minimum, most=parameter.maximum, unit=unit, value=value)
+
+
+def metal_or_not(is_metal: bool) -> Sentence:
+    """What becomes of a base that is metal in part."""
+    return Sentence("a base is metal or not; it is metal") if is_metal else Sentence("a base is metal or not; it is diffuse")
 
 
 @dataclass(frozen=True)
@@ -60,15 +84,25 @@ class Match:
     without_film: bool = False
     """Whether these are figures of both materials without their thin film."""
 
-    def __str__(self) -> str:
-        off = np.max(np.abs(self.mean_error))
-        bare = "without the thin film: " if self.without_film else ""
-        return (
-            f"{bare}mean albedo {shown(self.mean)}, off by {off:.1e} at most; worst albedo error {self.worst:.3f}, seen at "
-            f"{self.worst_theta_deg:.0f} degrees; difference in soft light {100.0 * self.soft_light:.1f} %"
-            + (f", {100.0 * self.lost_light:.1f} % of it light that is lost" if self.lost_light > 0.0 else "")
-            + f"; color off by CIEDE2000 {self.color_difference:.2f}"
+    @property
+    def sentence(self) -> Sentence:
+        """All of it in words."""
+        lost = Sentence(", {share:.1f} % of it light that is lost", share=100.0 * self.lost_light) if self.lost_light > 0.0 else ""
+        told = Sentence(
+            "mean albedo {mean}, off by {off:.1e} at most; worst albedo error {worst:.3f}, seen at {angle:.0f} degrees; "
+            "difference in soft light {difference:.1f} %{lost}; color off by CIEDE2000 {color:.2f}",
+            mean=shown(self.mean),
+            off=np.max(np.abs(self.mean_error)),
+            worst=self.worst,
+            angle=self.worst_theta_deg,
+            difference=100.0 * self.soft_light,
+            lost=lost,
+            color=self.color_difference,
         )
+        return Sentence("without the thin film: {match}", match=told) if self.without_film else told
+
+    def __str__(self) -> str:
+        return self.sentence
 
 
 @dataclass(frozen=True)
@@ -83,11 +117,13 @@ class Report:
         return tuple(loss for loss in self.losses if loss.fate == fate)
 
     @property
-    def summary(self) -> str:
+    def summary(self) -> Sentence:
         """One line: how many parameters met which fate, and the error."""
-        counts = ", ".join(f"{len(self.of(fate))} {fate}" for fate in FATES)
-        return f"{counts}; {self.match}"
+        kept, approximated, lost = (len(self.of(fate)) for fate in FATES)
+        return Sentence(
+            "{kept} kept, {approximated} approximated, {lost} lost; {match}", kept=kept, approximated=approximated, lost=lost, match=self.match.sentence
+        )
 
-    def lines(self) -> list[str]:
+    def lines(self) -> list[Sentence]:
         """Lost ones first, then the approximated and the kept, then the error."""
-        return [*(str(loss) for fate in reversed(FATES) for loss in self.of(fate)), str(self.match)]
+        return [*(loss.sentence for fate in reversed(FATES) for loss in self.of(fate)), self.match.sentence]

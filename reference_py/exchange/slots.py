@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..errors import Sentence
 from ..material.schema import ANISOTROPY, CONDUCTOR, COVERAGE, DIELECTRIC, NORMAL, SCATTERING, THIN_FILM
 from ..material.stack import Base, Layer, Stack
 from ..models.baselines.parts import COS_82, conductor, dielectric_f0
@@ -16,6 +17,7 @@ from ..optics.optical_stack import OpticalStack
 from .report import APPROXIMATED, KEPT, LOST, Loss, shown
 
 BASE, COAT, GLOSS = "base", "coat", "gloss"
+_AS_ITS = {COAT: Sentence("as the coat's"), GLOSS: Sentence("as the gloss's")}
 # At 1 a metal has no finite index.
 MOST_REFLECTANCE = CONDUCTOR.parameter("reflectance").maximum
 # A layer that covers less and is no coat is left out.
@@ -209,8 +211,10 @@ def _above_base(stack: Stack, losses: list[Loss], name: str) -> tuple[list[tuple
             continue
         if layer.is_opaque:
             for hidden in range(index + 1, len(stack.layers)):
-                losses.append(Loss(f"layer {hidden} kind", stack.layers[hidden].kind, LOST, f"it is below layer {index}, which is opaque"))
-            losses.append(Loss("base kind", stack.base.kind, LOST, f"it is below layer {index}, which is opaque"))
+                losses.append(
+                    Loss(f"layer {hidden} kind", stack.layers[hidden].kind, LOST, Sentence("it is below layer {index}, which is opaque", index=index))
+                )
+            losses.append(Loss("base kind", stack.base.kind, LOST, Sentence("it is below layer {index}, which is opaque", index=index)))
             return layers, index, Stack((), layer.as_base())
         layers.append((index, layer))
     return layers, -1, Stack((), stack.base)
@@ -225,8 +229,15 @@ def _is_there(index: int, layer: Layer, losses: list[Loss], name: str, is_coat: 
     if is_coat or not layer.has(COVERAGE) or layer["coverage"] == 1.0:
         return True
     there = layer["coverage"] >= _HALF
-    becomes = "counts as whole" if there else "is left out"
-    losses.append(Loss(f"layer {index} coverage", layer["coverage"], LOST, f"only the coat of {name} has a weight; the layer {becomes}"))
+    becomes = Sentence("counts as whole") if there else Sentence("is left out")
+    losses.append(
+        Loss(
+            f"layer {index} coverage",
+            layer["coverage"],
+            LOST,
+            Sentence("only the coat of {name} has a weight; the layer {becomes}", name=name, becomes=becomes),
+        )
+    )
     return there
 
 
@@ -241,26 +252,26 @@ def _features(element: Layer | Base) -> dict:
 def _base_slots(stack: Stack, n: float, losses: list[Loss], name: str) -> Slots:
     base = stack.base
     if base.has(NORMAL):
-        losses.append(Loss("base normal", "", KEPT, "as the normal"))
+        losses.append(Loss("base normal", "", KEPT, Sentence("as the normal")))
     optics = OpticalStack.of(stack).base
     if isinstance(optics, DiffuseBase):
-        losses.append(Loss("base color", base["color"], APPROXIMATED, "solved such that the mean albedo stays"))
+        losses.append(Loss("base color", base["color"], APPROXIMATED, Sentence("solved such that the mean albedo stays")))
         if optics.sigma_deg:
-            losses.append(Loss("base sigma_deg", optics.sigma_deg, KEPT, "as diffuse roughness"))
+            losses.append(Loss("base sigma_deg", optics.sigma_deg, KEPT, Sentence("as diffuse roughness")))
         return Slots(tuple(base["color"]), sigma_deg=optics.sigma_deg)
     f0, edge = artist_color(optics.eta / n, optics.k / n)
     given = next(v for v in ("metal", "eta", "reflectance") if v in base)
-    losses.append(Loss(f"base {given}", base[given], APPROXIMATED, "as reflectance at 0 and 82 degrees, solved such that the mean albedo stays"))
-    losses.append(Loss("base roughness", base["roughness"], KEPT, "as roughness"))
+    losses.append(Loss(f"base {given}", base[given], APPROXIMATED, Sentence("as reflectance at 0 and 82 degrees, solved such that the mean albedo stays")))
+    losses.append(Loss("base roughness", base["roughness"], KEPT, Sentence("as roughness")))
     losses += _distribution_loss("base", base, name)
-    losses += [Loss(f"base {key}", value, KEPT, "as it is") for key, value in _features(base).items()]
+    losses += [Loss(f"base {key}", value, KEPT, Sentence("as it is")) for key, value in _features(base).items()]
     return Slots(tuple(np.minimum(f0, MOST_REFLECTANCE)), edge=tuple(edge), roughness=base["roughness"], features=_features(base))
 
 
 def _distribution_loss(where: str, element: Layer | Base, name: str) -> list[Loss]:
     if element["distribution"] == "ggx":
         return []
-    return [Loss(f"{where} distribution", element["distribution"], LOST, f"{name} has GGX, whose highlights have longer tails")]
+    return [Loss(f"{where} distribution", element["distribution"], LOST, Sentence("{name} has GGX, whose highlights have longer tails", name=name))]
 
 
 def _layer_losses(where: str, layer: Layer, role: str | None, in_color: bool, name: str, room, works: bool, is_body: bool) -> list[Loss]:
@@ -268,33 +279,41 @@ def _layer_losses(where: str, layer: Layer, role: str | None, in_color: bool, na
     losses = []
     white = np.max(optical_depth(layer["tint"], layer["thickness"])) <= _WHITE
     if role:
-        losses += [Loss(f"{where} ior", layer["ior"], KEPT, f"as the {role}'s"), Loss(f"{where} roughness", layer["roughness"], KEPT, f"as the {role}'s")]
+        losses += [Loss(f"{where} ior", layer["ior"], KEPT, _AS_ITS[role]), Loss(f"{where} roughness", layer["roughness"], KEPT, _AS_ITS[role])]
         losses += _distribution_loss(where, layer, name)
     elif works:
-        losses.append(Loss(f"{where} ior", layer["ior"], LOST, f"{name} has no third interface and none between coat and metal"))
-        losses.append(Loss(f"{where} roughness", layer["roughness"], LOST, "goes with its interface"))
+        losses.append(Loss(f"{where} ior", layer["ior"], LOST, Sentence("{name} has no third interface and none between coat and metal", name=name)))
+        losses.append(Loss(f"{where} roughness", layer["roughness"], LOST, Sentence("goes with its interface")))
     if white:
-        losses.append(Loss(f"{where} tint", layer["tint"], KEPT, "it is clear"))
+        losses.append(Loss(f"{where} tint", layer["tint"], KEPT, Sentence("it is clear")))
     elif in_color:
-        losses.append(Loss(f"{where} tint", layer["tint"], APPROXIMATED, "in the base color, the same at all angles"))
+        losses.append(Loss(f"{where} tint", layer["tint"], APPROXIMATED, Sentence("in the base color, the same at all angles")))
     else:
-        how = "its round trip is the coat's tint" if role == COAT else "merged into the coat's tint"
+        how = Sentence("its round trip is the coat's tint") if role == COAT else Sentence("merged into the coat's tint")
         losses.append(Loss(f"{where} tint", layer["tint"], KEPT if role == COAT else APPROXIMATED, how))
     if role == COAT and layer.has(COVERAGE):
-        losses.append(Loss(f"{where} coverage", layer["coverage"], KEPT, "as the coat's weight"))
+        losses.append(Loss(f"{where} coverage", layer["coverage"], KEPT, Sentence("as the coat's weight")))
     for feature in (ANISOTROPY, THIN_FILM):
         if layer.has(feature):
             kept = role == GLOSS or (role == COAT and feature.name in room)
             losses += [
-                Loss(f"{where} {p.name}", layer[p.name], KEPT if kept else LOST, "as it is" if kept else f"{name} has no place for it here")
+                Loss(
+                    f"{where} {p.name}",
+                    layer[p.name],
+                    KEPT if kept else LOST,
+                    Sentence("as it is") if kept else Sentence("{name} has no place for it here", name=name),
+                )
                 for p in feature.parameters
             ]
     if layer.has(SCATTERING):
         given = (p.name for p in SCATTERING.parameters if p.name in layer)
-        how = "as light below the surface, which spreads there and not here" if is_body else "in the base color alone, such that the mean albedo stays"
+        if is_body:
+            how = Sentence("as light below the surface, which spreads there and not here")
+        else:
+            how = Sentence("in the base color alone, such that the mean albedo stays")
         losses += [Loss(f"{where} {key}", layer[key], APPROXIMATED, how) for key in given]
     if layer.has(NORMAL):
-        losses.append(Loss(f"{where} normal", "", KEPT if role else LOST, f"as the {role}'s" if role else "goes with its interface"))
+        losses.append(Loss(f"{where} normal", "", KEPT if role else LOST, _AS_ITS[role] if role else Sentence("goes with its interface")))
     return losses
 
 
@@ -355,5 +374,12 @@ def ior_in_range(ior: float, parameter: str, losses: list[Loss]) -> float:
     limits = DIELECTRIC.parameter("ior")
     clamped = float(np.clip(ior, limits.minimum, limits.maximum))
     if abs(clamped - ior) > 1e-9:
-        losses.append(Loss(parameter, ior, APPROXIMATED, f"a layer's index is {shown(limits.minimum)} to {shown(limits.maximum)}; it is {shown(clamped)}"))
+        losses.append(
+            Loss(
+                parameter,
+                ior,
+                APPROXIMATED,
+                Sentence("a layer's index is {least} to {most}; it is {kept}", least=shown(limits.minimum), most=shown(limits.maximum), kept=shown(clamped)),
+            )
+        )
     return clamped

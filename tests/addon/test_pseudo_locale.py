@@ -158,6 +158,34 @@ def test_errors_are_translated(material, language, tmp_path, what):
     assert left_over(str(error.value).removeprefix("Error: "), NAMES | KEYS) == ""
 
 
+CONVERSIONS = {
+    "to Principled": lambda _: bpy.ops.lamina.principled_copy(),
+    "copies": lambda _: bpy.ops.lamina.principled_copies(),
+    "export": lambda folder: bpy.ops.lamina.export_mtlx(filepath=str(folder / "out.mtlx")),
+    "import": lambda folder: bpy.ops.lamina.import_mtlx(filepath=str(folder / "in.mtlx")),
+    "import of all": lambda folder: bpy.ops.lamina.import_materials(filepath=str(folder / "in.mtlx")),
+}
+SURFACE = """<materialx version="1.39"><standard_surface name="qqsurface" type="surfaceshader">
+<input name="base_color" type="color3" value="-0.2, 0.5, 1.4"/><input name="sheen" type="float" value="0.5"/><input name="metalness" type="float" value="0.3"/>
+<input name="coat" type="float" value="0.5"/><input name="emission" type="float" value="0.1"/><input name="specular_color" type="color3" value="0.5, 0.6, 0.7"/>
+<input name="diffuse_roughness" type="float" nodename="qqgone"/><input name="subsurface" type="float" value="0.3"/>
+</standard_surface></materialx>"""
+
+
+# What a report's lines are about has the name that its file or stack gives it.
+PARAMETERS = {"layer", "kind", "ior", "tint", "coverage", "base color", "sigma_deg", "conductor", "qqsurface", "base"}
+PARAMETERS |= {"base_color", "specular_color", "diffuse_roughness", "metalness", "coat", "sheen", "emission", "subsurface"}
+
+
+@pytest.mark.parametrize("what", CONVERSIONS)
+def test_the_report_of_a_conversion_is_translated(material, language, tmp_path, what):
+    (tmp_path / "in.mtlx").write_text(SURFACE)
+    CONVERSIONS[what](tmp_path)
+    title, *lines = bpy.data.texts[exchange_operators.REPORT_TEXT].as_string().splitlines()
+    assert lines
+    assert sorted({word for line in lines for word in left_over(line, NAMES | KEYS | PARAMETERS).split()}) == []
+
+
 WRONG = {"layers": [{"kind": "dielectric", "roughness": 7.0}], "base": {"kind": "lambert"}}
 REQUESTS = {
     bake_process.MODULE: {"stack": WRONG, "method": "analytic", "live": [], "tolerance": 0.01, "folder": None},

@@ -50,6 +50,22 @@ def test_errors_keep_their_template():
     assert not found, "write LaminaError('... {name} ...', name=name)"
 
 
+def test_lines_of_a_report_are_sentences(blender):
+    """A text that is no sentence has no translation; how many there are is printed."""
+    lines = list(translatable.reported())
+    bare = (ast.JoinedStr, ast.BinOp, ast.Constant)
+    found = [where for said, where in lines if any(isinstance(part, bare) for part in _ways(said))]
+    assert not found, "write Loss(..., Sentence('... {name} ...', name=name))"
+    templates = {n.args[0].value for said, _ in lines for n in _ways(said) if isinstance(n, ast.Call) and isinstance(n.args[0], ast.Constant)}
+    for locale in translation.locales():
+        print(f"{locale}: {len(templates & set(translation.load(locale)))} of {len(templates)} lines of a conversion's report")
+    assert len(templates) > 80
+
+
+def _ways(said: ast.expr) -> list[ast.expr]:
+    return [*_ways(said.body), *_ways(said.orelse)] if isinstance(said, ast.IfExp) else [said]
+
+
 def test_the_collector_sees_all_sources(blender):
     """One string of each sort: schema, choice, operator, its property, its choice, panel, check, ready layer."""
     found = translatable.strings()

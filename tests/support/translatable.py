@@ -33,6 +33,8 @@ TELLING = {
 # In these folders, what scripts call and no operator does.
 _NOT_TOLD = {"api", "distribution", "frame", "live_grid", "measure", "microfacet", "microsurface", "registry", "sheet", "spectral", "truth"}
 _SENTENCES = {"LaminaError", "Sentence"}
+# What makes a line of a conversion's report, or of why one is made.
+_REPORTING = {"Loss", "_say", "_lose", "lost_if", "noted", "_Neither", "Unread", "_stronger"}
 _TRANSLATING = {"iface_", "rpt_", "tip_", "data_", "translated"}
 
 
@@ -69,6 +71,14 @@ def told(path: Path) -> Iterator[tuple[str | None, ast.Call]]:
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") in _SENTENCES and node.args:
             given = node.args[0]
             yield (given.value if isinstance(given, ast.Constant) else None), node
+
+
+def reported() -> Iterator[tuple[ast.expr, str]]:
+    """What a conversion's report is told with, and where that is: the last argument of all that makes a line of it."""
+    for path in sorted([*(REFERENCE / "exchange").glob("*.py"), *(ADDON / "exchange").glob("*.py"), ADDON / "material" / "principled_node.py"]):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", getattr(node.func, "attr", "")) in _REPORTING and node.args:
+                yield node.args[-1], f"{path.name}:{node.lineno}"
 
 
 def _of_schema() -> Iterator[str]:
