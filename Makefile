@@ -42,7 +42,7 @@ help:
 	@echo "make viewport  measure how EEVEE shows presets (half an hour without a graphics card; LAMINA_BLENDER names a Blender that has it)"
 	@echo "make calibration  find the constants of the tier analytic and of the cost estimate again, and compare (an hour; writes tables alone)"
 	@echo "make fit       measure how well stacks are found from measurements (an hour; goes on where it was stopped)"
-	@echo "make fit-table measure how long the fit of a whole MERL table takes (three minutes)"
+	@echo "make fit-table measure how long the fit of a whole MERL table takes, beside a former commit (three minutes)"
 	@echo "make tilted-lobes  measure what bakes reflect of a white world beside their formula (ten minutes)"
 	@echo "make scale     measure time and memory as work grows, and draw them (ten minutes on a quiet machine)"
 	@echo "make killed-batch  kill a batch of 200 pictures five times at random and compare it with an undisturbed one"
@@ -174,7 +174,7 @@ fit: $(READY)
 	$(VENV)/bin/lamina chart fit -o figures
 
 fit-table: $(READY)
-	$(RUN) tests/benchmarks/fit_table.py
+	$(RUN) tests/benchmarks/fit_table.py figures/fit_table.csv
 
 tilted-lobes: $(READY)
 	$(RUN) tests/benchmarks/tilted_lobes.py

@@ -341,6 +341,8 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "start stock nodes": lambda: plain(1000.0 * per_material("materials, one stack as stock nodes", "render_s", "1000"), 0) + " ms",
     "make one more": making_one_more,
     "bake seconds": lambda: span(column(rows("bakes"), "now_s"), 1) + " s",
+    "table fits": lambda: ", ".join(f"{float(row['now_s']):.0f} s" for row in rows("fit_table")),
+    "table fits before": lambda: ", ".join(f"{float(row['former_s']):.0f} s" for row in rows("fit_table")),
     "bake ratio": lambda: span(column(rows("bakes"), "ratio"), 0),
     "base color energy": lambda: percent(max(column(rows("base_color"), "albedo_worst")), 1),
     "base color shape": lambda: plain(np.median(shape_over_own()), 1),

@@ -1,11 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Processor seconds of one fit of a whole MERL table, 90 x 90 x 180, from the file to the error on all of its data.
 
-Run by `make fit-table` on one core; nothing is asserted. The tables are made here: a blue paint that is none of our stacks
-(model `lafortune`), and a varnished metal of the paper's model with 5 % of noise, both fitted by `adding`.
+    fit_table.py [TABLE.csv [COMMIT]]
+
+Without a table it prints; with one a former commit's is run in turn with it, and both are written. On one core; nothing is asserted. The tables are made
+here: a blue paint that is none of our stacks (model `lafortune`), and a varnished metal of the paper's model with 5 % of noise, both
+fitted by `adding`.
 """
 
+import os
+import re
 import struct
+import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -20,6 +27,8 @@ from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.registry import make_model
 
+FORMER = "324623f"
+COLUMNS = ("table", "former_s", "now_s", "ratio", "former_error_percent", "now_error_percent")
 SIZES = (90, 90, 180)
 VARNISH = Stack.from_dict(
     {
@@ -40,7 +49,37 @@ def write(path: Path, model: str, stack: Stack, noise: float) -> None:
     path.write_bytes(struct.pack("<3i", *SIZES) + values.astype("<f8").tobytes())
 
 
+def compare(table: Path, former: str) -> None:
+    """Write what this tree and a former commit print, processor seconds and errors."""
+    from lamina.study.stamp import ROOT
+    from lamina.study.tables import write_table
+
+    with tempfile.TemporaryDirectory() as folder:
+        tree = Path(folder) / "lamina"
+        subprocess.run(["git", "clone", "--quiet", "--no-checkout", ROOT, tree], check=True)
+        subprocess.run(["git", "-C", tree, "checkout", "--quiet", former], check=True)
+        told = [printed(tree, {"PYTHONPATH": folder}), printed(ROOT, {})]
+    rows = [
+        [name, *(f"{told[i][name][0]:.1f}" for i in (0, 1)), f"{told[0][name][0] / told[1][name][0]:.1f}", *(f"{told[i][name][1]:.2f}" for i in (0, 1))]
+        for name in TABLES
+    ]
+    write_table(table, ("make fit-table", f"beside {former}", "one core, processor seconds of a whole fit"), COLUMNS, rows, print)
+
+
+def printed(tree: Path, more: dict[str, str]) -> dict[str, tuple[float, float]]:
+    """By table, seconds and per cent of error that the script of a tree prints."""
+    environment = os.environ | more | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    text = subprocess.run([sys.executable, str(tree / "tests/benchmarks/fit_table.py")], env=environment, check=True, capture_output=True, text=True).stdout
+    print(text, end="", flush=True)
+    return {
+        name.strip(): (float(seconds), float(error)) for name, seconds, error in re.findall(r"^  (.+?) +([\d.]+) s: .* error ([\d.]+) %$", text, re.MULTILINE)
+    }
+
+
 def main() -> None:
+    if sys.argv[1:]:
+        compare(Path(sys.argv[1]), (*sys.argv[2:], FORMER)[0])
+        return
     print(f"one fit of a {' x '.join(map(str, SIZES))} table by adding, auto layers and base, processor seconds")
     for name, (model, stack, noise) in TABLES.items():
         with tempfile.TemporaryDirectory() as folder:
