@@ -7,7 +7,7 @@ from types import MappingProxyType
 from ...material.place import Place, in_words, places
 from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM, Feature
 from ...material.stack import Stack
-from ...optics.optical_stack import OpticalStack
+from ...optics.interface import Microfacets, film_of
 from ..analytic.brushed import isotropic
 from ..baked import is_brushed
 from ..own_normals import has_own_normals
@@ -27,13 +27,9 @@ def _lost(stack: Stack, i: int | None) -> list[Feature]:
     """Of the features of a layer, or of the base for None, those that tables cannot hold."""
     element = stack.base if i is None else stack.layers[i]
     lost = [ANISOTROPY] if element.has(ANISOTROPY) and not is_brushed(stack) else []
-    return [*lost, THIN_FILM] if i == 0 and has_own_normals(stack) and _is_rough_film(stack) else lost
-
-
-def _is_rough_film(stack: Stack) -> bool:
-    """Whether the first layer is rough and has a film: closures with a dielectric's curve alone are told apart."""
-    top = OpticalStack.of(stack).interfaces[0]
-    return top.film is not None and not top.facets.is_specular
+    # of rough tops those with a dielectric's curve alone have a closure apart, with a normal of its own
+    is_rough_film = i == 0 and film_of(element) is not None and not Microfacets.of(element).is_specular
+    return [*lost, THIN_FILM] if is_rough_film and has_own_normals(stack) else lost
 
 
 def scatters(stack: Stack) -> bool:
