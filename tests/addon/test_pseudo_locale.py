@@ -20,6 +20,7 @@ from lamina.addon.operators import exchange_operators, mask_link_operators, mask
 from lamina.addon.ui import panel, panel_feedback, panel_layers, preferences
 from lamina.reference_py.errors import Sentence
 from lamina.reference_py.exchange import conversion_process
+from lamina.reference_py.fit import fit_process
 from lamina.reference_py.lobes.methods import bake_process
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
@@ -199,6 +200,14 @@ def test_why_a_process_failed_is_translated(language, module):
     process.wait()
     assert "roughness is 7" in process.error
     assert left_over(process.error.told(rpt_), KEYS) == ""
+
+
+def test_why_a_measurement_cannot_be_fitted_is_translated(language, tmp_path):
+    (tmp_path / "wrong.csv").write_text("theta_i,r,g\n1,2,3\n")
+    process = Process(Sentence("a fit"), worker(fit_process.MODULE), [fit_process.request(str(tmp_path / "wrong.csv"), "auto", "auto", "adding")])
+    process.wait()
+    assert "missing column" in process.error
+    assert left_over(process.error.told(rpt_), {"theta_i", "theta_o"}) == ""
 
 
 def test_why_a_process_is_gone_is_translated(language):

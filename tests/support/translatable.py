@@ -24,11 +24,10 @@ ADDON = Path(lamina.__file__).parent / "addon"
 REFERENCE = ADDON.parent / "reference_py"
 # Folders whose sources show text in Blender's window.
 _SHOWN = ("check", "exchange", "jobs", "library", "material", "operators", "ui")
-# Those whose errors come to an operator's report or the panel. Not so a command line's, and of the reference models, spectra and writers of tables;
-# those of readers of measurements have no templates yet.
+# Those whose errors come to an operator's report or the panel. Not so a command line's, and of the reference models, spectra and writers of tables.
 TELLING = {
     ADDON: (*_SHOWN, "blender", "rendering", "shader"),
-    REFERENCE: ("", "exchange", "fit", "lobes", "lobes/methods", "material", "material/presets", "material/ready_layers", "optics"),
+    REFERENCE: ("", "exchange", "fit", "fit/readers", "lobes", "lobes/methods", "material", "material/presets", "material/ready_layers", "optics"),
 }
 # In these folders, what scripts call and no operator does.
 _NOT_TOLD = {"api", "distribution", "frame", "live_grid", "measure", "microfacet", "microsurface", "registry", "sheet", "spectral", "truth"}

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import LaminaError
+from ...errors import LaminaError, Sentence
 from . import SUFFIXES, keyed, merl, rgl, speos, text_table, zemax
 from .measurement import Measurement, without_shadows
 from .tensor_file import MAGIC
 
 _CHOICES = ".binary (MERL), .bsdf (RGL, Zemax), .brdf (Speos), .astm (ASTM E1392), .dat (ALTA), .csv or .txt (a text_table)"
 # Formats whose makers publish no description.
-_CLOSED = {".axf": "X-Rite's AxF has no public description", ".sdf": "it has no public description"}
+_CLOSED = {".axf": Sentence("X-Rite's AxF has no public description"), ".sdf": Sentence("it has no public description")}
 Reader = Callable[[Path, float | None, float | None], Measurement]
 
 
@@ -25,7 +25,9 @@ def _bsdf(path: Path, wavelength_nm: float | None, steepest_deg: float | None) -
     if zemax.looks_like(head):
         return zemax.read(path, wavelength_nm, steepest_deg)
     if not head.startswith(MAGIC):
-        raise LaminaError(f"{path}: neither a tensor file of the RGL database, which starts with 'tensor_file', nor a Zemax or Radiant table, with 'Source'")
+        raise LaminaError(
+            "{path}: neither a tensor file of the RGL database, which starts with 'tensor_file', nor a Zemax or Radiant table, with 'Source'", path=path
+        )
     return rgl.read(path, wavelength_nm, steepest_deg)
 
 
@@ -42,11 +44,14 @@ def read(path: str | os.PathLike, wavelength_nm: float | None = None, steepest_d
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in _BY_SUFFIX:
-        why = f"cannot be read, as {_CLOSED[suffix]}; export a table" if suffix in _CLOSED else f"unknown kind of measurement {path.suffix!r}"
-        raise LaminaError(f"{path}: {why}; choose {_CHOICES}")
+        if suffix in _CLOSED:
+            why = Sentence("cannot be read, as {reason}; export a table", reason=_CLOSED[suffix])
+        else:
+            why = Sentence("unknown kind of measurement {suffix!r}", suffix=path.suffix)
+        raise LaminaError("{path}: {why}; choose {choices}", path=path, why=why, choices=_CHOICES)
     try:
         # a broken file holds any numbers; `checked` counts those that are none
         with np.errstate(all="ignore"):
             return without_shadows(_BY_SUFFIX[suffix](path, wavelength_nm, steepest_deg))
     except OSError as error:
-        raise LaminaError(f"{path}: cannot read the measurement: {error.strerror or error}") from None
+        raise LaminaError("{path}: cannot read the measurement: {reason}", path=path, reason=error.strerror or error) from None

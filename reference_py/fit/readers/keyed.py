@@ -31,14 +31,14 @@ def read_astm(path: Path, wavelength_nm: float | None = None, steepest_deg: floa
     lines = _lines(path)
     at = next((i for i, line in enumerate(lines) if line.split(None, 1)[0].upper() == "VARS"), None)
     if at is None:
-        raise LaminaError(f"{path}: no ASTM E1392 table: it has no line VARS with the names of its columns")
+        raise LaminaError("{path}: no ASTM E1392 table: it has no line VARS with the names of its columns", path=path)
     names = [name.strip() for name in lines[at].split(None, 1)[-1].split(",")]
     if len(names) < 5:
-        raise LaminaError(f"{path}: VARS has {len(names)} columns; choose theta_i,phi_i,theta_s,phi_s, then values")
+        raise LaminaError("{path}: VARS has {columns} columns; choose theta_i,phi_i,theta_s,phi_s, then values", path=path, columns=len(names))
     numbers = _numbers(path, lines[at + 1 :], len(names), ",")
     announced = next((line.split()[-1] for line in lines[:at] if line.upper().startswith("NUM_POINTS")), None)
     if announced is not None and announced.isdigit() and int(announced) != len(numbers):
-        raise LaminaError(f"{path}: NUM_POINTS announces {announced} rows, and {len(numbers)} follow; truncated?")
+        raise LaminaError("{path}: NUM_POINTS announces {announced} rows, and {rows} follow; truncated?", path=path, announced=announced, rows=len(numbers))
     theta_i, phi_i, theta_o, phi_o = numbers[:, :4].T
     f, nm, notes = numbers[:, 4:], None, ()
     matches = [_WAVELENGTH.search(name) for name in names[4:]]
@@ -47,7 +47,7 @@ def read_astm(path: Path, wavelength_nm: float | None = None, steepest_deg: floa
     elif [name[0].upper() for name in names[4:]] == ["X", "Y", "Z"]:
         f, notes = xyz_to_rgb(f), ("XYZ made linear RGB",)
     elif f.shape[1] not in (1, 3):
-        raise LaminaError(f"{path}: VARS names {', '.join(names[4:])[:80]}; choose one value, RGB, XYZ, or names that end in nm")
+        raise LaminaError("{path}: VARS names {names}; choose one value, RGB, XYZ, or names that end in nm", path=path, names=", ".join(names[4:])[:80])
     found = (f"ASTM E1392 table of {len(numbers)} rows, angles in radians: {', '.join(names[4:])[:80]}", *notes)
     return checked(spherical(theta_i, phi_i), spherical(theta_o, phi_o), f, str(path), found, nm, wavelength_nm, steepest_deg)
 
@@ -57,23 +57,33 @@ def read_alta(path: Path, wavelength_nm: float | None = None, steepest_deg: floa
     lines = _lines(path)
     keys = {words[0][1:].upper(): words[1:] for line in lines if re.match(r"#[A-Za-z]", line) and (words := line.split())}
     if "DIM" not in keys or len(keys["DIM"]) != 2 or not all(word.isdigit() for word in keys["DIM"]):
-        raise LaminaError(f"{path}: no data file of ALTA: it has no line #DIM with the counts of inputs and outputs")
+        raise LaminaError("{path}: no data file of ALTA: it has no line #DIM with the counts of inputs and outputs", path=path)
     if "FORMAT" in keys and "binary" in keys["FORMAT"]:
-        raise LaminaError(f"{path}: is ALTA's binary format; write it as text")
+        raise LaminaError("{path}: is ALTA's binary format; write it as text", path=path)
     inputs, outputs = map(int, keys["DIM"])
     given, kind = (keys.get(key, ["UNKNOWN"])[0].upper() for key in ("PARAM_IN", "PARAM_OUT"))
     columns = _RUSINKIEWICZ.get(given) or _PLAIN.get(given)
     if columns is None or len(columns) != inputs:
-        raise LaminaError(f"{path}: PARAM_IN is {given} of {inputs} inputs; choose {', '.join([*_RUSINKIEWICZ, *_PLAIN])}")
+        raise LaminaError(
+            "{path}: PARAM_IN is {given} of {inputs} inputs; choose {choices}",
+            path=path,
+            given=given,
+            inputs=inputs,
+            choices=", ".join([*_RUSINKIEWICZ, *_PLAIN]),
+        )
     has_cosine = "COS" in kind
     if not has_cosine and kind not in _RADIANCE:
-        raise LaminaError(f"{path}: PARAM_OUT is {kind}; choose {', '.join(_RADIANCE)}, or one with COS for f times the cosine")
+        raise LaminaError(
+            "{path}: PARAM_OUT is {kind}; choose {choices}, or one with COS for f times the cosine", path=path, kind=kind, choices=", ".join(_RADIANCE)
+        )
     if outputs not in (1, 3):
-        raise LaminaError(f"{path}: {outputs} outputs; choose 1 or 3, RGB")
+        raise LaminaError("{path}: {outputs} outputs; choose 1 or 3, RGB", path=path, outputs=outputs)
     rows = [line for line in lines if not line.startswith("#")]
     numbers = _numbers(path, rows, len(rows[0].split()) if rows else 0, None)
     if numbers.shape[1] < inputs + outputs:
-        raise LaminaError(f"{path}: rows have {numbers.shape[1]} numbers where {inputs} + {outputs} are announced")
+        raise LaminaError(
+            "{path}: rows have {count} numbers where {inputs} + {outputs} are announced", path=path, count=numbers.shape[1], inputs=inputs, outputs=outputs
+        )
     values, zero = dict(zip(columns, numbers.T)), np.zeros(len(numbers))
     if given in _RUSINKIEWICZ:
         wi, wo = directions_of(values["th"], values["td"], values["pd"])
@@ -90,21 +100,27 @@ def read_alta(path: Path, wavelength_nm: float | None = None, steepest_deg: floa
 
 def _lines(path: Path) -> list[str]:
     if path.stat().st_size > _MOST_BYTES:
-        raise LaminaError(f"{path}: {path.stat().st_size} bytes are too large for a table; at most {_MOST_BYTES}")
+        raise LaminaError("{path}: {size} bytes are too large for a table; at most {most}", path=path, size=path.stat().st_size, most=_MOST_BYTES)
     return [line.strip() for line in path.read_text(encoding="latin-1").splitlines() if line.strip()]
 
 
 def _numbers(path: Path, lines: list[str], count: int, delimiter: str | None) -> np.ndarray:
     if not lines:
-        raise LaminaError(f"{path}: has no rows below its header; truncated?")
+        raise LaminaError("{path}: has no rows below its header; truncated?", path=path)
     rows = [line.split(delimiter) for line in lines]
     for row in rows:
         if len(row) != count:
-            raise LaminaError(f"{path}: the row {' '.join(row)[:40]!r} has {len(row)} numbers where {count} are named; truncated?")
+            raise LaminaError(
+                "{path}: the row {text!r} has {given} numbers where {count} are named; truncated?",
+                path=path,
+                text=" ".join(row)[:40],
+                given=len(row),
+                count=count,
+            )
     try:
         return np.array(rows, float)
     except ValueError:
-        raise LaminaError(f"{path}: a row holds what is not a number") from None
+        raise LaminaError("{path}: a row holds what is not a number", path=path) from None
 
 
 def _turned(w: np.ndarray, angle: np.ndarray) -> np.ndarray:

@@ -59,7 +59,7 @@ def checked(
     notes = list(found)
     above = (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
     if not above.any():
-        raise LaminaError(f"{where}: all {len(f)} directions are below the horizon; angles are from the normal, in degrees below 90")
+        raise LaminaError("{where}: all {pairs} directions are below the horizon; angles are from the normal, in degrees below 90", where=where, pairs=len(f))
     finite = np.isfinite(f).all(axis=1)
     total = np.where(finite[:, None], f, 0.0)
     positive = (total.sum(axis=1) > 0.0) | (total.min(axis=1) >= 0.0)
@@ -70,8 +70,10 @@ def checked(
             notes.append(f"{int(bad.sum())} of {count} values above the horizon are {what} and left out: {_by_angle(wi, wo, bad)}")
     if good.sum() <= 0.5 * count:
         raise LaminaError(
-            f"{where}: {count - int(good.sum())} of {count} values above the horizon are negative or not finite; "
-            "choose a file with mostly valid data (are its axes in order, and its numbers of the right byte order?)"
+            "{where}: {bad} of {count} values above the horizon are negative or not finite; choose a file with mostly valid data (are its axes in order, and its numbers of the right byte order?)",
+            where=where,
+            bad=count - int(good.sum()),
+            count=count,
         )
     if (~above).any():
         notes.append(f"below the horizon and left out: {int((~above).sum())}")
@@ -79,11 +81,13 @@ def checked(
         notes.append(f"{int(limited.sum())} of {count} values have a channel below 0, outside Rec.709 or noise: it counts as 0: {_by_angle(wi, wo, limited)}")
     f, wi, wo = np.maximum(f[good], 0.0), wi[good], wo[good]
     if np.max(f) <= 0.0:
-        raise LaminaError(f"{where}: all {len(f)} values are 0: a black measurement tells nothing")
+        raise LaminaError("{where}: all {pairs} values are 0: a black measurement tells nothing", where=where, pairs=len(f))
     f, color_notes = _as_color(f, wavelength_nm, only_nm, where)
     steep = np.minimum(wi[:, 2], wo[:, 2]) < np.cos(np.radians(steepest_deg))
     if steep.all():
-        raise LaminaError(f"{where}: all directions are steeper than {steepest_deg:g} degrees, where no measurement is reliable")
+        raise LaminaError(
+            "{where}: all directions are steeper than {steepest_deg:g} degrees, where no measurement is reliable", where=where, steepest_deg=steepest_deg
+        )
     if steep.any():
         notes.append(f"steeper than {steepest_deg:g} degrees and left out: {int(steep.sum())}")
     kept = ~steep
@@ -140,14 +144,22 @@ def _as_color(f, wavelength_nm, only_nm, where) -> tuple[np.ndarray, tuple[str, 
     if wavelength_nm is None:
         low, high = _GREEN_NM
         if not VISIBLE_NM[0] <= only_nm <= VISIBLE_NM[1]:
-            raise LaminaError(f"{where}: wavelength {only_nm:g} nm of RGB data; choose {VISIBLE_NM[0]:g} to {VISIBLE_NM[1]:g}")
+            raise LaminaError(
+                "{where}: wavelength {only_nm:g} nm of RGB data; choose {least:g} to {most:g}",
+                where=where,
+                only_nm=only_nm,
+                least=VISIBLE_NM[0],
+                most=VISIBLE_NM[1],
+            )
         channel = 2 if only_nm < low else 1 if only_nm <= high else 0
         return f[:, channel : channel + 1], (f"the {('red', 'green', 'blue')[channel]} channel stands for {only_nm:g} nm",)
     nm = np.asarray(wavelength_nm, float)
     if only_nm is None and len(nm) == 1:
         return f, (f"one wavelength, {nm[0]:g} nm: fitted as grey",)
     if only_nm is None and (nm[-1] < VISIBLE_NM[0] or nm[0] > VISIBLE_NM[1]):
-        raise LaminaError(f"{where}: wavelengths {nm[0]:g} to {nm[-1]:g} nm have no color; choose one of them with --wavelength")
+        raise LaminaError(
+            "{where}: wavelengths {first:g} to {last:g} nm have no color; choose one of them with --wavelength", where=where, first=nm[0], last=nm[-1]
+        )
     if only_nm is None:
         rgb = reflectance_to_rgb(f, nm)
         lost = np.mean(rgb.min(axis=1) < 0.0)
@@ -156,7 +168,9 @@ def _as_color(f, wavelength_nm, only_nm, where) -> tuple[np.ndarray, tuple[str, 
             notes += (f"{100 * lost:.1f} % of the colors are outside Rec.709 and were limited",)
         return np.maximum(rgb, 0.0), notes
     if not nm[0] <= only_nm <= nm[-1]:
-        raise LaminaError(f"{where}: wavelength {only_nm:g} nm is not in the data; choose {nm[0]:g} to {nm[-1]:g}")
+        raise LaminaError(
+            "{where}: wavelength {only_nm:g} nm is not in the data; choose {first:g} to {last:g}", where=where, only_nm=only_nm, first=nm[0], last=nm[-1]
+        )
     upper = min(int(np.searchsorted(nm, only_nm)), len(nm) - 1)
     lower = max(upper - 1, 0)
     share = 0.0 if upper == lower else (only_nm - nm[lower]) / (nm[upper] - nm[lower])

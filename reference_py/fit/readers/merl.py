@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import LaminaError
+from ...errors import LaminaError, Sentence
 from .measurement import Measurement, checked, directions_of
 
 SCALES = np.array([1.0, 1.15, 1.66]) / 1500.0
@@ -24,18 +24,22 @@ def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | N
     with open(path, "rb") as file:
         head = file.read(12)
         if len(head) < 12:
-            raise LaminaError(f"{path}: {len(head)} bytes are no MERL file, which starts with three int32 sizes")
+            raise LaminaError("{path}: {count} bytes are no MERL file, which starts with three int32 sizes", path=path, count=len(head))
         sizes = _sizes(path, head)
         data = np.fromfile(file, dtype="<f8")
     expected = 3 * int(np.prod(sizes))
     if len(data) != expected:
         raise LaminaError(
-            f"{path}: {'truncated' if len(data) < expected else 'too long'}, {len(data)} values where "
-            f"{' x '.join(map(str, sizes))} directions of three colors need {expected}"
+            "{path}: {what}, {count} values where {sizes} directions of three colors need {expected}",
+            path=path,
+            what=Sentence("truncated") if len(data) < expected else Sentence("too long"),
+            count=len(data),
+            sizes=" x ".join(map(str, sizes)),
+            expected=expected,
         )
     table = data.reshape(3, -1)
     if np.all(np.abs(table[np.isfinite(table)]) < 1e-30) and np.isfinite(table).any():
-        raise LaminaError(f"{path}: all {expected} values are 0: a black measurement tells nothing")
+        raise LaminaError("{path}: all {expected} values are 0: a black measurement tells nothing", path=path, expected=expected)
     _require_plausible(path, table)
     wi, wo = cell_directions(sizes)
     above = (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
@@ -61,10 +65,10 @@ def _sizes(path: Path, head: bytes) -> tuple[int, int, int]:
     if fits(little):
         return tuple(little)
     if fits(big):
-        raise LaminaError(f"{path}: written with the other byte order (big-endian sizes {big}); MERL files are little-endian")
+        raise LaminaError("{path}: written with the other byte order (big-endian sizes {big}); MERL files are little-endian", path=path, big=big)
     if any(fits(list(order)) for order in permutations(little)):
-        raise LaminaError(f"{path}: axes are swapped, sizes {little}; choose the order theta_h, theta_d, phi_d, such as 90, 90, 180")
-    raise LaminaError(f"{path}: sizes {little} are no MERL table's; choose n, n, 2 n, such as 90, 90, 180")
+        raise LaminaError("{path}: axes are swapped, sizes {little}; choose the order theta_h, theta_d, phi_d, such as 90, 90, 180", path=path, little=little)
+    raise LaminaError("{path}: sizes {little} are no MERL table's; choose n, n, 2 n, such as 90, 90, 180", path=path, little=little)
 
 
 def _require_plausible(path: Path, table: np.ndarray) -> None:
@@ -73,7 +77,9 @@ def _require_plausible(path: Path, table: np.ndarray) -> None:
     magnitude = np.abs(sample[np.isfinite(sample) & (sample != 0.0)])
     if len(magnitude) and np.mean((magnitude < 1e-30) | (magnitude > 1e30)) > 0.2:
         raise LaminaError(
-            f"{path}: values are not plausible (such as {magnitude[0]:.3g}): written with the other byte order? MERL files hold little-endian doubles"
+            "{path}: values are not plausible (such as {value:.3g}): written with the other byte order? MERL files hold little-endian doubles",
+            path=path,
+            value=magnitude[0],
         )
 
 
@@ -89,7 +95,9 @@ def _require_order(path: Path, sizes, table: np.ndarray, above: np.ndarray) -> N
     best = max(agree, key=agree.get)
     if agree[0, 1, 2] < _ALIKE and agree[best] > agree[0, 1, 2] + _CLEARLY:
         raise LaminaError(
-            f"{path}: axes are swapped: its invalid cells lie below the horizon only if the file's order is {_named(best)}; MERL's is theta_h, theta_d, phi_d"
+            "{path}: axes are swapped: its invalid cells lie below the horizon only if the file's order is {order}; MERL's is theta_h, theta_d, phi_d",
+            path=path,
+            order=_named(best),
         )
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import LaminaError
+from ...errors import LaminaError, Sentence
 from ...optics.frame import rotate_z
 from .measurement import Measurement, checked, spread_pairs
 from .tensor_file import read_tensors
@@ -54,35 +54,45 @@ class Material:
         fields = read_tensors(path)
         for name, dimensions in _NEEDED.items():
             if name not in fields or fields[name].ndim != dimensions:
-                have = f"{fields[name].ndim} dimensions" if name in fields else "none"
+                have = Sentence("{count} dimensions", count=fields[name].ndim) if name in fields else Sentence("none")
                 raise LaminaError(
-                    f"{path}: field {name!r} must have {dimensions} dimension{'s' * (dimensions > 1)}, it has {have}; "
-                    f"the file holds {', '.join(fields) or 'nothing'}"
+                    "{path}: field {name!r} must have {wanted}, it has {have}; the file holds {fields}",
+                    path=path,
+                    name=name,
+                    wanted=_dimensions(dimensions),
+                    have=have,
+                    fields=", ".join(fields) or Sentence("nothing"),
                 )
         for name in _NEEDED:
             if not np.isfinite(np.asarray(fields[name], float)).all():
-                raise LaminaError(f"{path}: field {name!r} holds values that are not finite")
+                raise LaminaError("{path}: field {name!r} holds values that are not finite", path=path, name=name)
         name = "rgb" if "rgb" in fields else "spectra"
         wavelength = fields.get("wavelengths") if name == "spectra" else None
         channels = 3 if name == "rgb" else 0 if wavelength is None else len(wavelength)
         if name not in fields or not channels:
-            raise LaminaError(f"{path}: neither 'rgb' nor 'spectra' with 'wavelengths'; the file holds {', '.join(fields)}")
+            raise LaminaError("{path}: neither 'rgb' nor 'spectra' with 'wavelengths'; the file holds {fields}", path=path, fields=", ".join(fields))
         phi_i, theta_i, values, vndf = fields["phi_i"], fields["theta_i"], fields[name], fields["vndf"]
         grid = (len(phi_i), len(theta_i))
         if values.ndim != 5 or values.shape[:3] != (*grid, channels) or vndf.shape[:2] != grid:
             raise LaminaError(
-                f"{path}: axes do not match: {name} {values.shape} and vndf {vndf.shape} must begin with "
-                f"{len(phi_i)} azimuths and {len(theta_i)} angles, {name} then with {channels} channels"
+                "{path}: axes do not match: {name} {shape} and vndf {vndf_shape} must begin with {azimuths} azimuths and {angles} angles, {name} then with {channels} channels",
+                path=path,
+                name=name,
+                shape=values.shape,
+                vndf_shape=vndf.shape,
+                azimuths=len(phi_i),
+                angles=len(theta_i),
+                channels=channels,
             )
         for axis in ("phi_i", "theta_i"):
             if np.any(np.diff(fields[axis]) <= 0.0):
-                raise LaminaError(f"{path}: {axis} does not increase")
+                raise LaminaError("{path}: {axis} does not increase", path=path, axis=axis)
         if theta_i[-1] > 0.5 * np.pi + 1e-3 or theta_i[0] < 0.0:
-            raise LaminaError(f"{path}: theta_i goes from {theta_i[0]:g} to {theta_i[-1]:g}; choose radians from 0 to pi / 2")
+            raise LaminaError("{path}: theta_i goes from {first:g} to {last:g}; choose radians from 0 to pi / 2", path=path, first=theta_i[0], last=theta_i[-1])
         if np.any(np.asarray(vndf) < 0.0):
-            raise LaminaError(f"{path}: vndf, which is a density, has negative values")
+            raise LaminaError("{path}: vndf, which is a density, has negative values", path=path)
         if min(vndf.shape[2:], default=0) < 2 or np.any(np.asarray(vndf).max(axis=(2, 3)) <= 0.0):
-            raise LaminaError(f"{path}: vndf {vndf.shape} is empty or black for some angle of incidence")
+            raise LaminaError("{path}: vndf {vndf_shape} is empty or black for some angle of incidence", path=path, vndf_shape=vndf.shape)
         as_float = {key: np.asarray(fields[key], float) for key in ("phi_i", "theta_i", "ndf", "sigma", "vndf")}
         return cls(
             **as_float,
@@ -195,3 +205,7 @@ def bilinear(table: np.ndarray, u: np.ndarray, v: np.ndarray, a=0, b=0) -> np.nd
     top = table[a, b, :, j, i] * (1.0 - x) + table[a, b, :, j, i1] * x
     bottom = table[a, b, :, j1, i] * (1.0 - x) + table[a, b, :, j1, i1] * x
     return top * (1.0 - y) + bottom * y
+
+
+def _dimensions(count: int) -> Sentence:
+    return Sentence("1 dimension") if count == 1 else Sentence("{count} dimensions", count=count)

@@ -17,7 +17,7 @@ def sample_model(model: str, stack: Stack, only_nm: float | None = None, pairs: 
     Raises LaminaError for a model that does not know the stack.
     """
     if pairs < 1:
-        raise LaminaError(f"{pairs} pairs of directions; choose at least 1")
+        raise LaminaError("{pairs} pairs of directions; choose at least 1", pairs=pairs)
     rng = np.random.default_rng(seed)
     wi, wo = spread_pairs(pairs, rng)
     f = make_model(model, stack).f(wo, wi)

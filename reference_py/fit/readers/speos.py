@@ -22,17 +22,17 @@ _MOST_BYTES, _MOST_VALUES = 500_000_000, 50_000_000
 def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | None = None) -> Measurement:
     """The measurement of a file. Raises LaminaError on another kind of file, a truncated one, or data of transmission."""
     if path.stat().st_size > _MOST_BYTES:
-        raise LaminaError(f"{path}: {path.stat().st_size} bytes are too large for a table; at most {_MOST_BYTES}")
+        raise LaminaError("{path}: {size} bytes are too large for a table; at most {most}", path=path, size=path.stat().st_size, most=_MOST_BYTES)
     text = path.read_text(encoding="latin-1")
     lines = text.splitlines()
     if not lines or not lines[0].strip().lower().startswith(MAGIC):
-        raise LaminaError(f"{path}: no BRDF file of Speos: it does not start with 'OPTIS - brdf surface file'")
+        raise LaminaError("{path}: no BRDF file of Speos: it does not start with 'OPTIS - brdf surface file'", path=path)
     if len(lines) < 5 or lines[1].strip() != "0":
-        raise LaminaError(f"{path}: is binary, or truncated; export it from Speos as text")
+        raise LaminaError("{path}: is binary, or truncated; export it from Speos as text", path=path)
     numbers = _Numbers(path, _after_description(path, lines))
     reflects, _transmits = numbers.counts(2)
     if not reflects:
-        raise LaminaError(f"{path}: has transmission alone; only light that comes back can be fitted")
+        raise LaminaError("{path}: has transmission alone; only light that comes back can be fitted", path=path)
     (follows_f,) = numbers.counts(1)
     incidences, wavelengths = numbers.counts(2)
     theta_i, nm = numbers.take(incidences), numbers.take(wavelengths)
@@ -47,7 +47,7 @@ def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | N
             f = values if follows_f else values / np.maximum(np.cos(np.radians(theta)), 1e-6)[:, None]
             channels.append(_scaled(path, f, theta, phi, 0.01 * reflectance))
             if axes and channels[0].shape != channels[-1].shape:
-                raise LaminaError(f"{path}: the tables of wavelengths differ in their angles")
+                raise LaminaError("{path}: the tables of wavelengths differ in their angles", path=path)
         axes.append((angle, theta, phi))
         f = np.stack(channels, axis=-1)
         mirror = _mirror_phi(f.sum(axis=-1), theta, phi, angle)
@@ -68,7 +68,7 @@ def _after_description(path: Path, lines: list[str]) -> list[str]:
     try:
         left = int(lines[3])
     except ValueError:
-        raise LaminaError(f"{path}: line 4 is {lines[3][:40]!r}; choose the length of the description") from None
+        raise LaminaError("{path}: line 4 is {text!r}; choose the length of the description", path=path, text=lines[3][:40]) from None
     at = 4
     while left > 0 and at < len(lines):
         left -= len(lines[at]) + 1
@@ -85,12 +85,14 @@ class _Numbers:
             self._values = np.array(words, float)
         except ValueError:
             bad = next(word for word in words if not word.replace(".", "").replace("-", "").replace("+", "").replace("e", "").replace("E", "").isdigit())
-            raise LaminaError(f"{path}: {bad[:40]!r} is not a number") from None
+            raise LaminaError("{path}: {text!r} is not a number", path=path, text=bad[:40]) from None
 
     def take(self, count: int) -> np.ndarray:
         """The next `count` numbers."""
         if count > _MOST_VALUES or self._at + count > len(self._values):
-            raise LaminaError(f"{self._path}: truncated: {count} numbers are announced, {len(self._values) - self._at} follow")
+            raise LaminaError(
+                "{path}: truncated: {count} numbers are announced, {left} follow", path=self._path, count=count, left=len(self._values) - self._at
+            )
         self._at += count
         return self._values[self._at - count : self._at]
 
@@ -98,20 +100,20 @@ class _Numbers:
         """The next numbers, which are whole and not negative."""
         found = self.take(count)
         if np.any(found < 0.0) or np.any(found != np.rint(found)):
-            raise LaminaError(f"{self._path}: {found.tolist()} are no counts")
+            raise LaminaError("{path}: {found} are no counts", path=self._path, found=found.tolist())
         return [int(v) for v in found]
 
 
 def _scaled(path: Path, f: np.ndarray, theta_deg: np.ndarray, phi_deg: np.ndarray, reflectance: float) -> np.ndarray:
     """f (theta, phi) with `reflectance` as its integral with the cosine over the hemisphere."""
     if len(theta_deg) < 2 or len(phi_deg) < 2:
-        raise LaminaError(f"{path}: a table has {len(theta_deg)} theta and {len(phi_deg)} phi; choose at least 2 of each")
+        raise LaminaError("{path}: a table has {thetas} theta and {phis} phi; choose at least 2 of each", path=path, thetas=len(theta_deg), phis=len(phi_deg))
     theta, phi = np.radians(theta_deg), np.radians(phi_deg)
     weighted = f * (np.sin(theta) * np.maximum(np.cos(theta), 0.0))[:, None]
     along = np.sum(0.5 * (weighted[:, 1:] + weighted[:, :-1]) * np.diff(phi), axis=1)
     whole = np.sum(0.5 * (along[1:] + along[:-1]) * np.diff(theta)) * 2.0 * np.pi / (phi[-1] - phi[0])
     if not whole > 0.0:
-        raise LaminaError(f"{path}: a table is black")
+        raise LaminaError("{path}: a table is black", path=path)
     return f * (reflectance / whole)
 
 

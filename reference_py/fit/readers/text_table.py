@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import LaminaError
+from ...errors import LaminaError, Sentence
 from ...optics.frame import spherical
 from .measurement import Measurement, checked
 
@@ -29,9 +29,9 @@ ALIASES = {alias: name for name, aliases in _ALIASES.items() for alias in aliase
 VALUES = ("f", "fr", "brdf", "bsdf", "value")
 """Names of the one value of a grey table."""
 _HINTS = {
-    "brf": "f times pi; divide by pi", "reflectance_factor": "f times pi; divide by pi", "r_factor": "f times pi; divide by pi",
-    "f_cos": "f times the cosine of theta_o; divide by it", "brdf_cos": "f times the cosine of theta_o; divide by it",
-    "ccbrdf": "f times the cosine of theta_o; divide by it", "ccbsdf": "f times the cosine of theta_o; divide by it",
+    "brf": Sentence("f times pi; divide by pi"), "reflectance_factor": Sentence("f times pi; divide by pi"), "r_factor": Sentence("f times pi; divide by pi"),
+    "f_cos": Sentence("f times the cosine of theta_o; divide by it"), "brdf_cos": Sentence("f times the cosine of theta_o; divide by it"),
+    "ccbrdf": Sentence("f times the cosine of theta_o; divide by it"), "ccbsdf": Sentence("f times the cosine of theta_o; divide by it"),
 }  # fmt: skip
 _RGB = ("r", "g", "b")
 # Looked for in this order: beside the first two a comma is a decimal one.
@@ -40,16 +40,21 @@ _MOST_BYTES = 500_000_000
 _WAVELENGTH = re.compile(r"(\d+(?:\.\d+)?)\s*(?:nm)?")
 
 
+def _missing(names: list[str]) -> Sentence:
+    words = ", ".join(names)
+    return Sentence("missing columns {names}", names=words) if len(names) > 1 else Sentence("missing column {names}", names=words)
+
+
 def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | None = None) -> Measurement:
     """The measurement of a file. Raises LaminaError on missing columns, duplicate or out-of-range angles, or text."""
     if path.stat().st_size > _MOST_BYTES:
-        raise LaminaError(f"{path}: {path.stat().st_size} bytes are too large for a table; at most {_MOST_BYTES}")
+        raise LaminaError("{path}: {size} bytes are too large for a table; at most {most}", path=path, size=path.stat().st_size, most=_MOST_BYTES)
     try:
         lines = [(i, line) for i, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")]
     except UnicodeDecodeError as error:
-        raise LaminaError(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from None
+        raise LaminaError("{path}: not UTF-8 text: {reason} at byte {start}", path=path, reason=error.reason, start=error.start) from None
     if len(lines) < 2:
-        raise LaminaError(f"{path}: no rows; a table has a line of column names ({', '.join(ANGLES)}, r, g, b) and numbers below it")
+        raise LaminaError("{path}: no rows; a table has a line of column names ({angles}, r, g, b) and numbers below it", path=path, angles=", ".join(ANGLES))
     delimiter = next((d for d in _DELIMITERS if d in lines[0][1]), None)
     given = [name.strip().lower() for name in _cells(lines[0][1], delimiter)]
     names = [ALIASES.get(name, name) for name in given]
@@ -94,16 +99,19 @@ def _columns(path: Path, names: list[str]) -> tuple[list[int], np.ndarray | None
     missing = [name for name in needed if name not in names]
     if missing:
         raise LaminaError(
-            f"{path}: missing column{'s' * (len(missing) > 1)} {', '.join(missing)}; it has {', '.join(names)}; "
-            f"choose {', '.join(ANGLES)}, then r, g, b or wavelengths in nm"
+            "{path}: {missing}; it has {names}; choose {angles}, then r, g, b or wavelengths in nm",
+            path=path,
+            missing=_missing(missing),
+            names=", ".join(names),
+            angles=", ".join(ANGLES),
         )
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
-        raise LaminaError(f"{path}: column {twice[0]} is there twice")
+        raise LaminaError("{path}: column {column} is there twice", path=path, column=twice[0])
     others = [name for name in names if name not in ANGLES]
     for name in others:
         if name in _HINTS:
-            raise LaminaError(f"{path}: column {name!r} holds {_HINTS[name]}, and name the column f")
+            raise LaminaError("{path}: column {name!r} holds {hint}, and name the column f", path=path, name=name, hint=_HINTS[name])
     if set(others) == set(_RGB):
         return [names.index(name) for name in _RGB], None
     if len(others) == 1 and others[0] in VALUES:
@@ -112,17 +120,22 @@ def _columns(path: Path, names: list[str]) -> tuple[list[int], np.ndarray | None
     strange = [name for name, match in matches if match is None and name not in _RGB]
     if strange:
         raise LaminaError(
-            f"{path}: column {strange[0]!r} is neither r, g, b nor a wavelength in nm, nor alone and one of {', '.join(VALUES)}; rename or remove it"
+            "{path}: column {column!r} is neither r, g, b nor a wavelength in nm, nor alone and one of {values}; rename or remove it",
+            path=path,
+            column=strange[0],
+            values=", ".join(VALUES),
         )
     if any(match is None for _, match in matches) and any(match is not None for _, match in matches):
-        raise LaminaError(f"{path}: it has both {', '.join(n for n, match in matches if match is None)} and wavelengths; choose one of them")
+        raise LaminaError(
+            "{path}: it has both {names} and wavelengths; choose one of them", path=path, names=", ".join((n for n, match in matches if match is None))
+        )
     if not others or any(match is None for _, match in matches):
         missing = [name for name in _RGB if name not in others]
-        raise LaminaError(f"{path}: missing column{'s' * (len(missing) > 1)} {', '.join(missing)}; choose r, g, b or wavelengths in nm")
+        raise LaminaError("{path}: {missing}; choose r, g, b or wavelengths in nm", path=path, missing=_missing(missing))
     pairs = sorted((float(match[1]), names.index(name)) for name, match in matches)
     nm = np.array([p[0] for p in pairs])
     if nm[0] < 200.0 or nm[-1] > 2500.0 or np.any(np.diff(nm) <= 0.0):
-        raise LaminaError(f"{path}: wavelengths {nm[0]:g} to {nm[-1]:g}; choose nm that differ, from 200 to 2500")
+        raise LaminaError("{path}: wavelengths {first:g} to {last:g}; choose nm that differ, from 200 to 2500", path=path, first=nm[0], last=nm[-1])
     return [p[1] for p in pairs], nm
 
 
@@ -132,13 +145,20 @@ def _numbers(path: Path, lines, names: list[str], delimiter: str | None) -> np.n
         cells = _cells(line if delimiter in (",", None) else line.replace(",", "."), delimiter)
         if len(cells) != len(names):
             raise LaminaError(
-                f"{path}: line {number} has {len(cells)} cells where {len(names)} are named" + ("; truncated?" if len(cells) < len(names) else "")
+                "{path}: line {number} has {cells} cells where {columns} are named{hint}",
+                path=path,
+                number=number,
+                cells=len(cells),
+                columns=len(names),
+                hint=Sentence("; truncated?") if len(cells) < len(names) else "",
             )
         try:
             rows.append([float(cell) for cell in cells])
         except ValueError:
             name, bad = next(pair for pair in zip(names, cells) if not _is_number(pair[1]))
-            raise LaminaError(f"{path}: line {number}: {name} is {bad.strip()!r}, which is not a number") from None
+            raise LaminaError(
+                "{path}: line {number}: {name} is {text!r}, which is not a number", path=path, number=number, name=name, text=bad.strip()
+            ) from None
     return np.array(rows)
 
 
@@ -156,9 +176,17 @@ def _check_angles(path: Path, angles: np.ndarray, line_numbers: list[int]) -> No
         bad = ~((values >= max(low, 0) if name.startswith("theta") else values >= low) & (values <= high))
         if bad.any():
             at = int(np.argmax(bad))
-            raise LaminaError(f"{path}: line {line_numbers[at]}: {name} is {values[at]:g}; choose {low} to {high} degrees")
+            raise LaminaError(
+                "{path}: line {line}: {name} is {value:g}; choose {low} to {high} degrees",
+                path=path,
+                line=line_numbers[at],
+                name=name,
+                value=values[at],
+                low=low,
+                high=high,
+            )
     if angles[:, [0, 2]].max() <= 0.5 * np.pi + 1e-9 and angles[:, [0, 2]].max() > 0.1:
-        raise LaminaError(f"{path}: no angle from the normal exceeds {angles[:, [0, 2]].max():.3g}: these are radians; give degrees")
+        raise LaminaError("{path}: no angle from the normal exceeds {most:.3g}: these are radians; give degrees", path=path, most=angles[:, [0, 2]].max())
     rounded = np.round(angles, 4)
     rounded[:, [1, 3]] %= 360.0
     order = np.lexsort(rounded.T)
@@ -166,4 +194,10 @@ def _check_angles(path: Path, angles: np.ndarray, line_numbers: list[int]) -> No
     if same.any():
         at = int(np.argmax(same))
         first, second = sorted(line_numbers[k] for k in (order[at], order[at + 1]))
-        raise LaminaError(f"{path}: lines {first} and {second} have the same angles; give each pair of directions once ({int(same.sum())} such)")
+        raise LaminaError(
+            "{path}: lines {first} and {second} have the same angles; give each pair of directions once ({count} such)",
+            path=path,
+            first=first,
+            second=second,
+            count=int(same.sum()),
+        )

@@ -31,15 +31,15 @@ def looks_like(head: bytes) -> bool:
 def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | None = None) -> Measurement:
     """The measurement of a file. Raises LaminaError on what is missing, or data of transmission."""
     if path.stat().st_size > _MOST_BYTES:
-        raise LaminaError(f"{path}: {path.stat().st_size} bytes are too large for a table; at most {_MOST_BYTES}")
+        raise LaminaError("{path}: {size} bytes are too large for a table; at most {most}", path=path, size=path.stat().st_size, most=_MOST_BYTES)
     lines = [line.strip() for line in path.read_text(encoding="latin-1").splitlines()]
     lines = [line for line in lines if line and not line.startswith("#")]
     header, axes, at = _header(path, lines)
     if header.get("scattertype", "brdf").lower() != "brdf":
-        raise LaminaError(f"{path}: ScatterType is {header['scattertype'][:40]}; only BRDF, light that comes back, can be fitted")
+        raise LaminaError("{path}: ScatterType is {kind}; only BRDF, light that comes back, can be fitted", path=path, kind=header["scattertype"][:40])
     content = header.get("spectralcontent", "monochrome").lower()
     if content not in _BLOCKS:
-        raise LaminaError(f"{path}: SpectralContent is {content[:40]!r}; choose Monochrome or XYZ")
+        raise LaminaError("{path}: SpectralContent is {content!r}; choose Monochrome or XYZ", path=path, content=content[:40])
     shape = tuple(len(axes[name]) for name in _AXES)
     f = np.stack([_block(path, lines, at, name, shape) for name in _BLOCKS[content]], axis=-1)
     notes = []
@@ -67,12 +67,12 @@ def _header(path: Path, lines: list[str]) -> tuple[dict, dict, int]:
         except ValueError:
             values, count = np.zeros(0), -1
         if len(values) != count or count < 1:
-            raise LaminaError(f"{path}: {axis} announces {rest[:20]!r} angles, and {len(values)} follow")
+            raise LaminaError("{path}: {axis} announces {text!r} angles, and {values} follow", path=path, axis=axis, text=rest[:20], values=len(values))
         axes[axis], at = values, at + 1
     if missing := [name for name in _AXES if name not in axes]:
-        raise LaminaError(f"{path}: missing {', '.join(missing)}; a Zemax or Radiant table has {', '.join(_AXES)}")
+        raise LaminaError("{path}: missing {missing}; a Zemax or Radiant table has {axes}", path=path, missing=", ".join(missing), axes=", ".join(_AXES))
     if np.prod([float(len(a)) for a in axes.values()]) > _MOST_VALUES:
-        raise LaminaError(f"{path}: more than {_MOST_VALUES} values")
+        raise LaminaError("{path}: more than {most} values", path=path, most=_MOST_VALUES)
     return words, axes, at
 
 
@@ -80,7 +80,7 @@ def _block(path: Path, lines: list[str], at: int, name: str, shape) -> np.ndarra
     """Values of one channel, of shape (rotations, incidences, azimuths, radii)."""
     start = next((i for i in range(at, len(lines)) if lines[i].lower() == name.lower()), None)
     if start is None:
-        raise LaminaError(f"{path}: missing the data {name}")
+        raise LaminaError("{path}: missing the data {name}", path=path, name=name)
     rows = []
     for line in lines[start + 1 :]:
         if line.lower().startswith("dataend"):
@@ -89,11 +89,18 @@ def _block(path: Path, lines: list[str], at: int, name: str, shape) -> np.ndarra
             rows.append(line.split())
     wanted = int(np.prod(shape[:3]))
     if len(rows) != wanted or any(len(row) != shape[3] for row in rows):
-        raise LaminaError(f"{path}: {name} has {len(rows)} rows where {wanted} of {shape[3]} values are announced; truncated?")
+        raise LaminaError(
+            "{path}: {name} has {rows} rows where {wanted} of {count} values are announced; truncated?",
+            path=path,
+            name=name,
+            rows=len(rows),
+            wanted=wanted,
+            count=shape[3],
+        )
     try:
         return np.array(rows, float).reshape(shape)
     except ValueError:
-        raise LaminaError(f"{path}: {name} holds what is not a number") from None
+        raise LaminaError("{path}: {name} holds what is not a number", path=path, name=name) from None
 
 
 def _directions(rotation, incidence, azimuth, radial) -> tuple[np.ndarray, np.ndarray]:
