@@ -75,39 +75,57 @@ def unit_glossy(distribution: str, alpha_x, alpha_y, tilt, wo: np.ndarray, wi: n
     return np.where((oz > 0.0) & (iz > 0.0), value, 0.0), 0.5 * length
 
 
-def glossy_rates(distribution: str, alpha_x, alpha_y, tilt, wo: tuple, wi: tuple) -> np.ndarray:
-    """(4, ...): f as `unit_glossy` has it, and its derivatives by log alpha_x, log alpha_y and the tilt.
+def glossy_rates(distribution: str, alpha_x, alpha_y, tilt, wo: tuple, wi: tuple) -> tuple[np.ndarray, ...]:
+    """f (...) as `unit_glossy` has it, and its derivatives by log alpha_x, log alpha_y and the tilt.
 
-    `wo` is (x, z) in the plane of incidence, `wi` (x, y, z), each (...).
+    `wo` is (x, z) in the plane of incidence, `wi` (x, y, z), each (...). Most steps overwrite what they read: fits spend much of their time here.
     """
     law, cos_t, sin_t = distribution_of(distribution), np.cos(tilt), np.sin(tilt)
     x, iy, z = wi
-    ix, iz = cos_t * x - sin_t * z, cos_t * z + sin_t * x
+    ix, iz = cos_t * x, cos_t * z
+    ix -= sin_t * z
+    iz += sin_t * x
     ox, oz = cos_t * wo[0] - sin_t * wo[1], cos_t * wo[1] + sin_t * wo[0]
     seen = (oz > 0.0) & (iz > 0.0)
     iz, oz = np.where(seen, iz, 1.0), np.where(oz > 0.0, oz, 1.0)
     inverse_z = 1.0 / (iz + oz)
-    lean, across = (ix + ox) * inverse_z, iy * inverse_z
+    lean, across = ix + ox, iy * inverse_z
+    lean *= inverse_z
     lean2, across2 = lean * lean, across * across
     along_x, along_y = 1.0 / np.square(alpha_x), 1.0 / np.square(alpha_y)
     x2, y2 = lean2 * along_x, across2 * along_y
     slope2 = x2 + y2
-    by_slope2 = -2.0 * law.log_slope_density_rate(slope2)
-    inverse_z = 1.0 / iz
-    into = _masking_rates(law, alpha_x, alpha_y, ix * inverse_z, iy * inverse_z)
+    by_slope2 = law.log_slope_density_rate(slope2)
+    by_slope2 *= -2.0
+    inverse_z = np.divide(1.0, iz, out=inverse_z)
+    ix *= inverse_z
+    inverse_z *= iy
+    into = _masking_rates(law, alpha_x, alpha_y, ix, inverse_z)
     out = _masking_rates(law, alpha_x, alpha_y, ox / oz, 0.0)
-    g2 = 1.0 / (1.0 + into[0] + out[0])
-    value = 1.0 + lean2 + across2
+    g2 = into[0] + out[0]
+    g2 += 1.0
+    np.divide(1.0, g2, out=g2)
+    value = lean2
+    value += across2
+    value += 1.0
     value *= value
     value *= law.slope_density(slope2)
     value *= g2
-    value *= np.where(seen, 0.25 / (np.pi * alpha_x * alpha_y * oz), 0.0) / np.maximum(z, 1e-20)
-    result = np.empty((4, *value.shape), value.dtype)
-    result[0] = value
-    result[1] = value * (by_slope2 * x2 - 1.0 - g2 * (into[1] + out[1]))
-    result[2] = value * (by_slope2 * y2 - 1.0 - g2 * (into[2] + out[2]))
-    result[3] = value * (lean * (by_slope2 * (along_x + slope2) - 4.0) - ox / oz - g2 * (into[3] + out[3]))
-    return result
+    value *= np.where(seen, 0.25 / (np.pi * alpha_x * alpha_y * oz), 0.0)
+    value /= np.maximum(z, 1e-20)
+    slope2 += along_x
+    slope2 *= by_slope2
+    slope2 -= 4.0
+    lean *= slope2
+    x2 *= by_slope2
+    y2 *= by_slope2
+    for rate, less, masked_in, masked_out in zip((x2, y2, lean), (1.0, 1.0, ox / oz), into[1:], out[1:]):
+        masked_in += masked_out
+        masked_in *= g2
+        rate -= less
+        rate -= masked_in
+        rate *= value
+    return value, x2, y2, lean
 
 
 def _masking_rates(law, alpha_x, alpha_y, lean, across) -> tuple:
@@ -117,7 +135,12 @@ def _masking_rates(law, alpha_x, alpha_y, lean, across) -> tuple:
     total = x2 + y2
     value, rate = law.smith_lambda_and_rate(total)
     rate = 2.0 * rate
-    return value, rate * x2, rate * y2, -rate * lean * (along + total)
+    x2 *= rate
+    y2 = y2 * rate
+    total += along
+    total *= lean
+    total *= -rate
+    return value, x2, y2, total
 
 
 def _in_lobe_frame(tilt, wo, wi):
