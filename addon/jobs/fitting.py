@@ -33,6 +33,7 @@ class Fit(Process):
             if self.is_object:
                 raise LaminaError("{file} is fitted, but the object that it was for is gone", file=Path(self.file).name)
             raise LaminaError("{file} is fitted, but the material that it was for is gone", file=Path(self.file).name)
+        result = self.result | {"warnings": [Sentence.unpacked(warning).told(rpt_) for warning in self.result["warnings"]]}
         stack = Stack.from_dict(self.result["stack"], Path(self.file).name)
         material = bpy.data.materials.new(Path(self.file).stem) if self.is_object else owner
         try:
@@ -43,7 +44,7 @@ class Fit(Process):
             raise
         if self.is_object:
             owner.active_material = material
-        return [_summary(self.file, self.result, _noted(self.file, self.result)), *materials.make_renderable(material, scene)]
+        return [_summary(self.file, result, _noted(self.file, result)), *materials.make_renderable(material, scene)]
 
 
 def _with_uid(collection, uid: int) -> bpy.types.ID | None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes one fit in a process of its own, so that a window stays responsive and a cancelled fit is gone at once.
 
-Reads a request as a line of JSON from stdin; prints lines "progress SHARE" and at last "result JSON" (see `outcome`) or "error
+Reads a request as a line of JSON from stdin; prints lines "progress SHARE" and at last "result JSON" (see `outcome`; its warnings are packed) or "error
 JSON", a packed `Sentence`. `addon.jobs.process.worker` has the command.
 """
 
@@ -33,7 +33,7 @@ def main() -> None:
         told = error.sentence if isinstance(error, LaminaError) else Sentence("not enough memory")
         print(f"error {json.dumps(told.packed())}", flush=True)
         return
-    print(f"result {json.dumps(result)}", flush=True)
+    print(f"result {json.dumps(result | {'warnings': [warning.packed() for warning in result['warnings']]})}", flush=True)
 
 
 def _progress(share: float) -> None:

@@ -5,6 +5,7 @@ from dataclasses import asdict, replace
 
 import numpy as np
 
+from ..errors import Sentence
 from ..material.stack import Stack
 from .certainty import OF_VALUE, certainty, noise_and_misfit
 from .dense import evaluate_all
@@ -49,13 +50,17 @@ def outcome(measurement: Measurement, selection: Selection) -> dict:
     }
 
 
-def _warnings(metric: Metric, f: np.ndarray) -> list[str]:
+def _warnings(metric: Metric, f: np.ndarray) -> list[Sentence]:
     share, factor = metric.hidden(f)
     if share <= _HIDDEN_SHARE:
         return []
     return [
-        f"{100.0 * share:.0f} % of the values are off by more than a factor of two ({factor:.2g} in the median) "
-        "but hardly count, as they are dim beside the highlight"
+        Sentence(
+            "{share:.0f} % of the values are off by more than a factor of two ({factor:.2g} in the median) "
+            "but hardly count, as they are dim beside the highlight",
+            share=100.0 * share,
+            factor=factor,
+        )
     ]
 
 

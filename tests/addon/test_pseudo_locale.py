@@ -210,6 +210,21 @@ def test_why_a_measurement_cannot_be_fitted_is_translated(language, tmp_path):
     assert left_over(process.error.told(rpt_), {"theta_i", "theta_o"}) == ""
 
 
+def test_what_a_fit_found_is_translated(material, language, monkeypatch):
+    hidden = Sentence(
+        "{share:.0f} % of the values are off by more than a factor of two ({factor:.2g} in the median) but hardly count, as they are dim beside the highlight",
+        share=9.0,
+        factor=3.0,
+    )
+    fit = object.__new__(fitting.Fit)
+    fit.target, fit.file, fit.is_object, fit.error = material.session_uid, "qqown.csv", False, ""
+    fit.result = {"stack": STACK.to_dict(), "error": 0.1, "explains": False, "warnings": [hidden.packed()], "not_determined": ["a"]}
+    fit.result |= {"parameters": ["a"], "found": []}
+    monkeypatch.setattr(fitting, "_noted", lambda *_: "Qqown")
+    said = fit.apply(bpy.context.scene)[0]
+    assert "9 % of the values" in said and "do not determine" in said and left_over(said, NAMES | {"csv"}) == ""
+
+
 def test_why_a_process_is_gone_is_translated(language):
     process = Process(Sentence("a bake"), worker("no_such_module"), [])
     process.wait()
