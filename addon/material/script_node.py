@@ -84,19 +84,19 @@ class _Compiled:
     sockets: tuple[tuple, ...]
 
 
-# By shader name, which is a hash of its text: materials that share a shader compile it once. The latest ones only.
+# By their texts: materials that share a shader compile it once. The latest ones only.
 _MOST_COMPILED = 32
 _compiled: dict[str, _Compiled] = {}
 
 
 def compile_shader(shader: Shader) -> _Compiled:
     """A shader as Blender's compiler makes it, at once where it did so before. Raises LaminaError when sockets are missing."""
-    if shader.name not in _compiled:
+    if shader.text not in _compiled:
         made = _compile(shader)
         if len(_compiled) >= _MOST_COMPILED:
             _compiled.pop(next(iter(_compiled)))
-        _compiled[shader.name] = made
-    return _compiled[shader.name]
+        _compiled[shader.text] = made
+    return _compiled[shader.text]
 
 
 def _compile(shader: Shader) -> _Compiled:

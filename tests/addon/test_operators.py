@@ -300,7 +300,7 @@ class Layout:
     def operator_enum(self, name, prop):
         self.operator(name)
 
-    def operator_menu_enum(self, name, prop, text=""):
+    def operator_menu_enum(self, name, prop, text="", **_options):
         self.operator(name)
 
     def menu(self, name, **_options):

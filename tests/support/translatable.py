@@ -72,6 +72,12 @@ def told(path: Path) -> Iterator[tuple[str | None, ast.Call]]:
             yield (given.value if isinstance(given, ast.Constant) else None), node
 
 
+def of_reports() -> set[str]:
+    """What conversions report."""
+    sources = [path for root in (REFERENCE, ADDON) for path in (root / "exchange").glob("*.py")]
+    return {template for path in sources for template, _ in told(path) if template is not None}
+
+
 def reported() -> Iterator[tuple[ast.expr, str]]:
     """What a conversion's report is told with, and where that is: the last argument of all that makes a line of it."""
     for path in sorted([*(REFERENCE / "exchange").glob("*.py"), *(ADDON / "exchange").glob("*.py"), ADDON / "material" / "principled_node.py"]):
