@@ -95,7 +95,7 @@ def tick() -> float | None:
                 left |= _follow(material)
                 left |= conversions.follow(material)
             except LaminaError as error:
-                _fail(material, str(error))
+                _fail(material, error)
     _redraw()
     return TICK if left or _state.bake is not None else None
 
@@ -158,10 +158,10 @@ def _collect() -> None:
             print(f"Lamina: {name}: computing the final look failed: {bake.error}; it stays a preview")
 
 
-def _fail(material, reason: str) -> None:
-    if material.lamina.problem != reason:
-        material.lamina.problem = reason
-        print(f"Lamina: {material.name}: {reason}")
+def _fail(material, error: LaminaError) -> None:
+    if material.lamina.problem != str(error):
+        material.lamina.keep_problem(error)
+        print(f"Lamina: {material.name}: {error}")
 
 
 def _redraw() -> None:
@@ -205,7 +205,7 @@ def mend_after_undo(*_) -> None:
             try:
                 materials.refresh(material)
             except LaminaError as error:
-                _fail(material, str(error))
+                _fail(material, error)
     wake()
 
 

@@ -87,7 +87,7 @@ def regenerate(material: bpy.types.Material) -> None:
     """Make the shader anew, for instance after somebody deleted its node."""
     require_layered(material)
     with changing(material):
-        material.lamina.problem = ""
+        material.lamina.keep_problem(None)
 
 
 def make_renderable(material: bpy.types.Material, scene: bpy.types.Scene) -> list[Sentence]:
@@ -110,7 +110,7 @@ def structure_changed(group: bpy.types.PropertyGroup, name: str) -> None:
     try:
         require_editable(material)
     except LaminaError as error:
-        lamina.problem = "" if take_structure(material) else str(error)  # older files have nothing to put it back from
+        lamina.keep_problem(None if take_structure(material) else error)  # older files have nothing to put it back from
         print(f"Lamina: {error}")
         return
     if name in ("name", "stack_name"):
@@ -123,7 +123,7 @@ def structure_changed(group: bpy.types.PropertyGroup, name: str) -> None:
             carry_metal(group, CONDUCTOR)
         regenerate(material)
     except LaminaError as error:
-        lamina.problem = str(error)
+        lamina.keep_problem(error)
         print(f"Lamina: {error}")
 
 
@@ -136,7 +136,7 @@ def changing(material: bpy.types.Material) -> Iterator[bpy.types.NodeTree]:
     try:
         with quietly():
             yield tree
-            lamina.problem = ""
+            lamina.keep_problem(None)
             refresh(material)
     except Exception:
         remove_with_masks(tree, _value_nodes(lamina) - nodes_before)

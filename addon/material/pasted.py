@@ -24,11 +24,11 @@ def adopt_pasted(material: bpy.types.Material) -> None:
         if not any(find_node(element) for element in (*lamina.layers, lamina.base)):
             material.property_unset("lamina")
         return
-    lamina.problem = ""
+    lamina.keep_problem(None)
     try:
         _bring_back_groups(material)
     except LaminaError as error:
-        lamina.problem = str(error)
+        lamina.keep_problem(error)
         print(f"Lamina: {error}")
 
 

@@ -5,12 +5,14 @@ No property here can be animated: an f-curve moves a property without calling it
 would not follow.
 """
 
+import json
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty, StringProperty
 
+from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.material.qualities import DEFAULT_METHOD, DEFAULT_TOLERANCE, QUALITIES
 from ...reference_py.material.schema import SCHEMA, SCHEMA_VERSION, Feature, Kind, Schema
 from .backend import AUTO, BACKENDS, DEFAULT_BACKEND, NODES, OSL
@@ -156,7 +158,8 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     viewport: FloatVectorProperty(size=5, description="Viewport color, metallic and roughness as they were set last")
     cost: FloatProperty(description="Estimated render time, over that of a plain glossy node; 0 before the first shader")
     lobe_count: IntProperty(description="Lobes of the generated shader")
-    problem: StringProperty(description="Why the shader does not follow the structure", options={"SKIP_SAVE"})
+    problem: StringProperty(description="Why the shader does not follow the structure, in English", options={"SKIP_SAVE"})
+    packed_problem: StringProperty(description="JSON of that sentence with its words apart; older versions write none", options={"SKIP_SAVE"})
 
     @property
     def active_layer(self) -> int:
@@ -166,6 +169,20 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     @active_layer.setter
     def active_layer(self, index: int) -> None:
         select_layer(self.id_data, index)
+
+    @property
+    def problem_sentence(self) -> Sentence:
+        """Why the shader does not follow the structure, to be told in any language; empty if it does. What has no words apart is told as it is."""
+        with suppress(ValueError, KeyError, TypeError, AttributeError):
+            sentence = Sentence.unpacked(json.loads(self.packed_problem))
+            if sentence == self.problem:  # an older version changes that alone
+                return sentence
+        return Sentence(self.problem)
+
+    def keep_problem(self, error: LaminaError | None) -> None:
+        """Keep why the shader does not follow the structure; None where it does."""
+        self.problem = str(error) if error else ""
+        self.packed_problem = json.dumps(error.sentence.packed()) if error else ""
 
     @property
     def is_layered(self) -> bool:

@@ -45,7 +45,7 @@ def keep_structure(material: bpy.types.Material) -> None:
 
 
 def _write(material, elements: dict) -> None:
-    structure = {name: value for name, value in snapshot(material.lamina).items() if name != "stamp"}
+    structure = {name: value for name, value in snapshot(material.lamina).items() if name not in ("stamp", "packed_problem")}
     text = json.dumps({"structure": structure, "elements": elements})
     stamp = hashlib.sha256(text.encode()).hexdigest()[:16]
     for name, value in ((KEY, text), (STAMP, stamp)):

@@ -93,8 +93,8 @@ def _findings(context, material) -> list["check.Finding"]:
 
 def _unfound_problem(material, findings) -> str:
     """Why the shader does not follow the structure, unless a finding says that."""
-    problem = material.lamina.problem
-    return "" if problem in [finding.text() for finding in findings] else problem
+    problem = material.lamina.problem_sentence
+    return "" if not problem or problem in [finding.text() for finding in findings] else problem.told(iface_)
 
 
 def _fit_summary(context, material) -> str:

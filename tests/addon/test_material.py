@@ -324,7 +324,7 @@ def test_a_choice_that_fails_is_kept_with_the_reason(layered, monkeypatch, capfd
     assert "did not compile" in layered.lamina.problem
     assert script(layered).script.name == text
     material.regenerate(layered)
-    assert layered.lamina.problem == "" and script(layered).script.name != text
+    assert layered.lamina.problem == layered.lamina.packed_problem == "" and script(layered).script.name != text
 
 
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)

@@ -75,7 +75,7 @@ def facts(owner) -> list:
     tree = owner.node_tree
     code = [getattr(node, name, None) for node in tree.nodes for name in ("node_tree", "script")]
     return [
-        {name: value for name, value in snapshot(owner.lamina).items() if name != "problem"},
+        {name: value for name, value in snapshot(owner.lamina).items() if name not in ("problem", "packed_problem")},
         dict(tree.items()),
         [(n.name, n.label, n.mute, tuple(n.location), getattr(n, "bytecode_hash", ""), dict(n.items())) for n in tree.nodes],
         [(n.name, s.identifier, plain(getattr(s, "default_value", None))) for n in tree.nodes for s in n.inputs],

@@ -15,6 +15,7 @@ from support.stacks import on_a_plane
 from lamina.addon.blender.translation import CONTEXT, rpt_
 from lamina.addon.jobs import bakes, fitting, saving
 from lamina.addon.jobs.process import Process, worker
+from lamina.addon.material import material as materials
 from lamina.addon.material.elements import node_of
 from lamina.addon.operators import exchange_operators, mask_link_operators, mask_operators, preset_operators
 from lamina.addon.ui import panel, panel_feedback, panel_layers, preferences
@@ -118,6 +119,42 @@ def test_menus_and_dialogs_show_nothing_that_is_not_translated(material, languag
     preferences.draw_preferences(layout, SimpleNamespace(bl_rna=preferences.LaminaPreferences.bl_rna))
     panel_feedback.draw_unlayered_status(layout, window(), None)
     assert unmarked(layout) == ""
+
+
+@pytest.fixture
+def refused(material, tmp_path):
+    """A material whose shader does not follow its layers, from a file that was opened again."""
+    covered, clear = ({"kind": "dielectric", "name": "Qqcoat"} | more for more in ({"coverage": 0.5}, {}))
+    materials.apply_stack(material, Stack.from_dict({"layers": [covered] * 3 + [clear], "base": {"kind": "lambert", "name": "Qqbase"}}), "weidlich_wilkie")
+    material.lamina.layers[3].use_coverage = True
+    name = material.name
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "refused.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "refused.blend"))
+    return bpy.data.materials[name]
+
+
+def test_why_a_shader_does_not_follow_is_translated(refused, language):
+    layout = Translated(language)
+    panel_feedback.draw_findings(layout, window(), refused)
+    assert f"{OPEN}clear layers{CLOSE} have a coverage" in " ".join(layout.texts())
+    assert left_over(" ".join(layout.texts()), NAMES) == ""
+
+
+OLDER = {
+    "of an older version": lambda lamina: setattr(lamina, "packed_problem", ""),
+    "that an older version changed": lambda lamina: setattr(lamina, "problem", "Qq {braces} 4 clear layers"),
+    "of a file that somebody edited": lambda lamina: setattr(lamina, "packed_problem", '{"template": 3}'),
+    "with a word that is missing": lambda lamina: setattr(lamina, "packed_problem", '{"template": "{count}", "words": {"other": 3}}'),
+}
+
+
+@pytest.mark.parametrize("what", OLDER)
+def test_a_problem_without_its_words_is_shown_as_it_is(refused, language, what):
+    OLDER[what](refused.lamina)
+    layout = Translated(language)
+    panel_feedback.draw_findings(layout, window(), refused)
+    shown = " ".join(layout.texts())
+    assert all(word in shown for word in refused.lamina.problem.split()) and "clear layers" in left_over(shown, NAMES)
 
 
 REPORTS = {
