@@ -53,7 +53,6 @@ MODULES = (
     "reference_py/fit/fit_process",
     "reference_py/fit/forward",
     "reference_py/fit/metric",
-    "reference_py/fit/outcome",
     "reference_py/lobes/methods",
     "reference_py/optics/colour",
     "reference_py/optics/microfacet",

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The one exception that a user sees: its text is complete on one line, and keeps what a window needs to tell it in another language."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 
 class Sentence(str):
@@ -33,6 +33,12 @@ class Sentence(str):
     def unpacked(cls, data: dict) -> "Sentence":
         """The sentence of what `packed` gave."""
         return cls(data["template"], **{name: cls.unpacked(word) if isinstance(word, dict) else word for name, word in data["words"].items()})
+
+
+def joined(parts: Iterable[str], between: str = ", ") -> Sentence:
+    """Texts in one, each of which keeps its words."""
+    words = {f"part{number}": part for number, part in enumerate(parts)}
+    return Sentence(between.join(f"{{{name}}}" for name in words), **words)
 
 
 def _packed(word):

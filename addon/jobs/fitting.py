@@ -6,9 +6,9 @@ from pathlib import Path
 import bpy
 
 from ...reference_py.errors import LaminaError, Sentence
-from ...reference_py.fit import fit_process, forward, metric, outcome
+from ...reference_py.fit import fit_process, forward, metric
 from ...reference_py.material.stack import Stack
-from ..blender.translation import rpt_
+from ..blender.translation import data_, rpt_
 from ..material import chosen
 from ..material import material as materials
 from .process import Process, worker
@@ -33,7 +33,8 @@ class Fit(Process):
             if self.is_object:
                 raise LaminaError("{file} is fitted, but the object that it was for is gone", file=Path(self.file).name)
             raise LaminaError("{file} is fitted, but the material that it was for is gone", file=Path(self.file).name)
-        result = self.result | {"warnings": [Sentence.unpacked(warning).told(rpt_) for warning in self.result["warnings"]]}
+        told = {name: [Sentence.unpacked(sentence).told(rpt_) for sentence in self.result[name]] for name in fit_process.SENTENCES}
+        result = self.result | told
         stack = Stack.from_dict(self.result["stack"], Path(self.file).name)
         material = bpy.data.materials.new(Path(self.file).stem) if self.is_object else owner
         try:
@@ -53,13 +54,13 @@ def _with_uid(collection, uid: int) -> bpy.types.ID | None:
 
 def _noted(file: str, result: dict) -> str:
     """The name of a text in which all is said of the fit."""
-    text = bpy.data.texts.new(f"Fit of {Path(file).name}")
-    text.write("\n".join([file, *result["found"], *result["warnings"], "", *outcome.lines(result)]) + "\n")
+    text = bpy.data.texts.new(data_("Fit of {file}").format(file=Path(file).name))
+    text.write("\n".join([file, *result["found"], *result["warnings"], "", *result["lines"]]) + "\n")
     return text.name
 
 
 def _summary(file: str, result: dict, noted: str) -> str:
-    stack, error = Stack.from_dict(result["stack"]).name, metric.percent(result["error"])
+    stack, error = Stack.from_dict(result["stack"]).name, metric.percent(result["error"]).told(rpt_)
     parts = [rpt_("fitted to {file}: {stack}, error {error}").format(file=Path(file).name, stack=stack, error=error)]
     if not result["explains"]:
         parts.append(rpt_("no stack that was tried explains it"))

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..errors import LaminaError
+from ..errors import LaminaError, Sentence
 from ..material.schema import CONDUCTOR, DIELECTRIC
 from . import AUTO
 from .certainty import independent_pairs, noise_and_misfit
@@ -51,7 +51,7 @@ class Selection:
 
     best: Fit
     tried: tuple[Fit, ...]
-    reason: str
+    reason: Sentence
 
 
 def criterion(fit: Fit, against: Fit | None = None) -> float:
@@ -216,11 +216,16 @@ class _Search:
                 progress((number + 1) / len(bases))
         clouds = min(found, key=lambda fit: fit.error)
         tried = (*plain.tried, *found)
-        brings = f"brings the error from {percent(best.error)} to {percent(clouds.error)}"
-        if not supported(clouds, best):
-            reason = f"{plain.reason}; a cloudy layer cannot be told from a plain one by these data: {clouds.structure.name} {brings}"
-            return Selection(best, tried, reason)
-        return Selection(clouds, tried, f"a medium that scatters above the base {brings}")
+        errors = {"before": percent(best.error), "after": percent(clouds.error)}
+        if supported(clouds, best):
+            return Selection(clouds, tried, Sentence("a medium that scatters above the base brings the error from {before} to {after}", **errors))
+        reason = Sentence(
+            "{reason}; a cloudy layer cannot be told from a plain one by these data: {structure} brings the error from {before} to {after}",
+            reason=plain.reason,
+            structure=clouds.structure.name,
+            **errors,
+        )
+        return Selection(best, tried, reason)
 
     def closer(self, fit: Fit) -> Fit:
         """A quick fit continued; more layers begin from it."""
@@ -267,16 +272,18 @@ def _other(kind: str) -> str:
     return next(k for k in DISTRIBUTIONS if k != kind)
 
 
-def _reason(best: Fit, tried: list[Fit], layers) -> str:
+def _reason(best: Fit, tried: list[Fit], layers) -> Sentence:
     if layers != AUTO:
-        return "as many layers as asked for"
+        return Sentence("as many layers as asked for")
     more = next((f for f in tried if f.structure.layers == best.structure.layers + 1), None)
     if more is None:
-        return f"the most layers that auto tries; choose --layers {best.structure.layers + 1} for more"
+        return Sentence("the most layers that auto tries; choose --layers {layers} for more", layers=best.structure.layers + 1)
     if more.residual is best.residual:
-        return f"one more layer gains nothing: it stays at {percent(best.error)}"
-    change = criterion(more) - criterion(best, more)
-    return (
-        f"one more layer would bring the error from {percent(best.error)} to {percent(more.error)} with "
-        f"{more.count - best.count:+d} parameters: the criterion rises by {change:.0f}"
+        return Sentence("one more layer gains nothing: it stays at {error}", error=percent(best.error))
+    return Sentence(
+        "one more layer would bring the error from {before} to {after} with {parameters:+d} parameters: the criterion rises by {change:.0f}",
+        before=percent(best.error),
+        after=percent(more.error),
+        parameters=more.count - best.count,
+        change=criterion(more) - criterion(best, more),
     )

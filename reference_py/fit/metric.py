@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..errors import Sentence
 from ..optics.error_measure import worst_share
 from .readers.measurement import STEEPEST_DEG, Measurement
 
@@ -62,15 +63,18 @@ class Metric:
         """RMS residual."""
         return rms(self.residual(f))
 
-    def bands(self, f: np.ndarray) -> dict[str, float]:
+    def bands(self, f: np.ndarray) -> dict[Sentence, float]:
         """RMS residual per band of the larger of view and light angle, in its highlight, and towards the light."""
         m, residual = self.measurement, self.residual(f)
         steepest = np.degrees(np.arccos(np.clip(np.minimum(m.wi[:, 2], m.wo[:, 2]), 0.0, 1.0)))
-        masks = {f"{a:g}-{b:g} deg": (steepest >= a) & (steepest < b + 1e-6 * (b == STEEPEST_DEG)) for a, b in zip(BANDS_DEG, BANDS_DEG[1:])}
+        masks = {
+            Sentence("{low:g}-{high:g} deg", low=low, high=high): (steepest >= low) & (steepest < high + 1e-6 * (high == STEEPEST_DEG))
+            for low, high in zip(BANDS_DEG, BANDS_DEG[1:])
+        }
         wh = m.wi + m.wo
         cos_h = wh[:, 2] / np.linalg.norm(wh, axis=1)
-        masks["near the mirror direction"] = cos_h > np.cos(np.radians(10.0))
-        masks["towards the light"] = np.sum(m.wi * m.wo, axis=1) > np.cos(np.radians(20.0))
+        masks[Sentence("near the mirror direction")] = cos_h > np.cos(np.radians(10.0))
+        masks[Sentence("towards the light")] = np.sum(m.wi * m.wo, axis=1) > np.cos(np.radians(20.0))
         return {name: rms(residual[mask]) for name, mask in masks.items() if mask.any()}
 
     def hidden(self, f: np.ndarray) -> tuple[float, float]:
@@ -84,9 +88,9 @@ class Metric:
         return float(np.mean(off)), float(np.median(factor[off])) if off.any() else 1.0
 
 
-def percent(error: float) -> str:
+def percent(error: float) -> Sentence:
     """An error for people; what is far below any model's accuracy is not spelled out."""
-    return f"{100.0 * error:.2g} %" if error >= 1e-4 else "below .01 %"
+    return Sentence("{percent:.2g} %", percent=100.0 * error) if error >= 1e-4 else Sentence("below .01 %")
 
 
 def rms(residual: np.ndarray) -> float:

@@ -5,7 +5,7 @@ from dataclasses import asdict, replace
 
 import numpy as np
 
-from ..errors import Sentence
+from ..errors import Sentence, joined
 from ..material.stack import Stack
 from .certainty import OF_VALUE, certainty, noise_and_misfit
 from .dense import evaluate_all
@@ -64,28 +64,65 @@ def _warnings(metric: Metric, f: np.ndarray) -> list[Sentence]:
     ]
 
 
-def lines(result: dict) -> list[str]:
+def lines(result: dict) -> list[Sentence]:
     """All of an outcome for people."""
     stack = Stack.from_dict(result["stack"])
-    surfaces = [e["distribution"] for e in (*stack.layers, stack.base) if "distribution" in e]
-    named = f" ({', '.join(surfaces)} from the top)" if surfaces else ""
+    surfaces = ", ".join(e["distribution"] for e in (*stack.layers, stack.base) if "distribution" in e)
     text = [
-        f"{stack.name}{named}, {len(result['parameters'])} parameters, model {result['model']}",
-        f"error {100.0 * result['error']:.2f} % over {result['pairs']} pairs of directions (RMS of log f cos), "
-        f"{100.0 * result['shape_error']:.2f} % of the reflected light (L1)",
-        f"of the fitted pairs' error {100.0 * result['noise']:.2f} % differ from pair to pair, as noise does, and {100.0 * result['misfit']:.2f} % are alike "
-        "among neighbours: what such a stack cannot say (their squares add up)",
-        "by region: " + ", ".join(f"{name} {100.0 * error:.1f} %" for name, error in result["error_by_region"].items()),
+        Sentence(
+            "{name}{surfaces}, {count} parameters, model {model}",
+            name=stack.name,
+            surfaces=Sentence(" ({surfaces} from the top)", surfaces=surfaces) if surfaces else "",
+            count=len(result["parameters"]),
+            model=result["model"],
+        ),
+        Sentence(
+            "error {error:.2f} % over {pairs} pairs of directions (RMS of log f cos), {shape:.2f} % of the reflected light (L1)",
+            error=100.0 * result["error"],
+            pairs=result["pairs"],
+            shape=100.0 * result["shape_error"],
+        ),
+        Sentence(
+            "of the fitted pairs' error {noise:.2f} % differ from pair to pair, as noise does, and {misfit:.2f} % are alike "
+            "among neighbours: what such a stack cannot say (their squares add up)",
+            noise=100.0 * result["noise"],
+            misfit=100.0 * result["misfit"],
+        ),
+        Sentence("by region: {regions}", regions=joined(_of_region(*item) for item in result["error_by_region"].items())),
+        *(_of_structure(row, result["fitted_pairs"]) for row in result["tried"]),
+        result["reason"],
+        *(_of_value(value) for value in result["parameters"]),
     ]
-    for row in result["tried"]:
-        text.append(
-            f"  tried {row['structure']:24} {row['parameters']:3d} parameters   error {100.0 * row['error']:.2f} % of the {result['fitted_pairs']} fitted pairs"
-        )
-    text.append(result["reason"])
-    for value in result["parameters"]:
-        note = "" if value["determined"] else "   not determined by the data"
-        note += "   at its bound" if value["at_bound"] else ""
-        text.append(f"  {value['name']:28} {value['value']:9.4f} +- {value['standard_error']:.4f}{note}")
     if result["not_determined"]:
-        text.append(f"not determined: may be off by more than {100.0 * OF_VALUE:g} %, as its standard error or fits from other starts say")
+        text.append(
+            Sentence(
+                "not determined: may be off by more than {percent:g} %, as its standard error or fits from other starts say",
+                percent=100.0 * OF_VALUE,
+            )
+        )
     return text
+
+
+def _of_region(region: Sentence, error: float) -> Sentence:
+    return Sentence("{region} {error:.1f} %", region=region, error=100.0 * error)
+
+
+def _of_structure(row: dict, pairs: int) -> Sentence:
+    return Sentence(
+        "  tried {structure:24} {parameters:3d} parameters   error {error:.2f} % of the {pairs} fitted pairs",
+        structure=row["structure"],
+        parameters=row["parameters"],
+        error=100.0 * row["error"],
+        pairs=pairs,
+    )
+
+
+def _of_value(value: dict) -> Sentence:
+    return Sentence(
+        "  {name:28} {value:9.4f} +- {spread:.4f}{certainty}{bound}",
+        name=value["name"],
+        value=value["value"],
+        spread=value["standard_error"],
+        certainty="" if value["determined"] else Sentence("   not determined by the data"),
+        bound=Sentence("   at its bound") if value["at_bound"] else "",
+    )

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..errors import LaminaError
+from ..errors import LaminaError, Sentence
 from ..material.schema import COLOR, DIELECTRIC, SCATTERING, SCHEMA, Kind, Parameter
 from ..material.stack import Stack
 
@@ -42,16 +42,19 @@ class Structure:
         return cls(layers, base, (distribution,) * surfaces, cloudy)
 
     @property
-    def name(self) -> str:
+    def name(self) -> Sentence:
         """In words, such as "2 layers over conductor"."""
-        return f"{self.layers} {'cloudy ' * self.cloudy}layer{'s' * (self.layers != 1)} over {self.base}"
+        if self.layers == 1:
+            return Sentence("1 cloudy layer over {base}", base=self.base) if self.cloudy else Sentence("1 layer over {base}", base=self.base)
+        words = {"layers": self.layers, "base": self.base}
+        return Sentence("{layers} cloudy layers over {base}", **words) if self.cloudy else Sentence("{layers} layers over {base}", **words)
 
 
 @dataclass(frozen=True)
 class Group:
     """One parameter of one element. A color has a coordinate per channel, each of which moves that channel alone."""
 
-    where: str
+    where: Sentence
     parameter: Parameter
     index: tuple[int, ...]
 
@@ -61,9 +64,15 @@ class Group:
         return self.parameter.type == COLOR
 
     @property
-    def name(self) -> str:
+    def name(self) -> Sentence:
         """In words, such as "roughness of layer 0"."""
-        return f"{self.parameter.name} of {self.where}"
+        return Sentence("{parameter} of {where}", parameter=self.parameter.name, where=self.where)
+
+    @property
+    def channel_names(self) -> list[Sentence]:
+        """Of a color, such as "red tint of layer 0"."""
+        words = {"parameter": self.parameter.name, "where": self.where}
+        return [Sentence("{channel} {parameter} of {where}", channel=channel, **words) for channel in (Sentence("red"), Sentence("green"), Sentence("blue"))]
 
     @property
     def is_depth(self) -> bool:
@@ -112,7 +121,8 @@ class Parameters:
     def groups(self) -> tuple[Group, ...]:
         """The free parameters of the layers from the top, then of the base, with their places in the vector."""
         s = self.structure
-        elements = [(f"layer {i}", _free(DIELECTRIC)) for i in range(s.layers)] + [("the base", _free(SCHEMA.bases[s.base]))]
+        elements = [(Sentence("layer {number}", number=i), _free(DIELECTRIC)) for i in range(s.layers)]
+        elements.append((Sentence("the base"), _free(SCHEMA.bases[s.base])))
         if s.cloudy:
             where, free = elements[-2]
             elements[-2] = where, [p for p in free if p.name != "tint"] + _SCATTERING
@@ -130,10 +140,9 @@ class Parameters:
         return self.groups[-1].index[-1] + 1
 
     @property
-    def names(self) -> list[str]:
+    def names(self) -> list[Sentence]:
         """One name per coordinate."""
-        color = ("red", "green", "blue") if self.channels == 3 else ("",)
-        return [f"{c} {g.name}".strip() if g.is_color else g.name for g in self.groups for c in (color if g.is_color else ("",))]
+        return [name for group in self.groups for name in (group.channel_names if group.is_color and self.channels == 3 else [group.name])]
 
     def values(self, x: np.ndarray) -> np.ndarray:
         """(p,) values in the schema's units of coordinates (p,) in 0 to 1."""

@@ -57,7 +57,7 @@ def _mtlx(folder):
 
 def _fit(_):
     fit = object.__new__(fitting.Fit)
-    found = {"stack": STACK.to_dict(), "error": 0.01, "explains": True, "warnings": [], "not_determined": [], "parameters": [], "found": []}
+    found = {"stack": STACK.to_dict(), "error": 0.01, "explains": True, "warnings": [], "not_determined": [], "parameters": [], "found": [], "lines": []}
     fit.target, fit.file, fit.is_object, fit.error, fit.result = bpy.context.object.session_uid, "m.binary", True, "", found
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(fitting, "_noted", lambda *_: "text")

@@ -21,7 +21,8 @@ from lamina.addon.operators import exchange_operators, mask_link_operators, mask
 from lamina.addon.ui import panel, panel_feedback, panel_layers, preferences
 from lamina.reference_py.errors import Sentence
 from lamina.reference_py.exchange import conversion_process
-from lamina.reference_py.fit import fit_process
+from lamina.reference_py.fit import fit_process, outcome
+from lamina.reference_py.fit.parameters import Parameters, Structure
 from lamina.reference_py.lobes.methods import bake_process
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
@@ -256,10 +257,37 @@ def test_what_a_fit_found_is_translated(material, language, monkeypatch):
     fit = object.__new__(fitting.Fit)
     fit.target, fit.file, fit.is_object, fit.error = material.session_uid, "qqown.csv", False, ""
     fit.result = {"stack": STACK.to_dict(), "error": 0.1, "explains": False, "warnings": [hidden.packed()], "not_determined": ["a"]}
-    fit.result |= {"parameters": ["a"], "found": []}
+    fit.result |= {"parameters": ["a"], "found": [], "lines": []}
     monkeypatch.setattr(fitting, "_noted", lambda *_: "Qqown")
     said = fit.apply(bpy.context.scene)[0]
     assert "9 % of the values" in said and "do not determine" in said and left_over(said, NAMES | {"csv"}) == ""
+
+
+def test_the_text_of_a_fit_is_translated(material, language, tmp_path):
+    """Of a table with something to say: an angle's other name, negative and steep ones, and a value that is none."""
+    rows = [(theta_i, theta_o, phi) for theta_i in (-10, 20, 40, 60, 70, 88) for theta_o in (5, 25, 45, 65) for phi in range(0, 180, 30)]
+    table = ["theta_in,theta_o,phi_o,r,g,b", "50,50,50,nan,0.1,0.1", *(f"{theta_i},{theta_o},{phi},0.2,0.1,0.05" for theta_i, theta_o, phi in rows)]
+    (tmp_path / "qqown.csv").write_text("\n".join(table))
+    fit = fitting.Fit(material, str(tmp_path / "qqown.csv"), 0, "lambert", False)
+    fit.wait()
+    fit.apply(bpy.context.scene)
+    file, *lines = bpy.data.texts[f"{OPEN}Fit of qqown.csv{CLOSE}"].as_string().splitlines()
+    assert file == str(tmp_path / "qqown.csv")
+    for said in ("RGB", "not finite", "steeper than", "near the mirror direction", "0 layers over lambert", "as many layers as asked for", "red", "the base"):
+        assert any(f"{OPEN}{said}" in line for line in lines), said
+    names = {"theta_in", "theta_i", "0 layers over lambert", "lambert", "adding", "color"}
+    assert [words for line in lines if (words := left_over(line, names))] == []
+
+
+def test_all_that_a_fit_may_say_of_its_values_is_translated(language):
+    unsure = {"determined": False, "at_bound": True, "value": 1.0, "standard_error": 0.5}
+    result = {"stack": STACK.to_dict(), "parameters": [unsure | {"name": name} for name in Parameters(Structure.of(1, "conductor"), 3).names]}
+    result |= {"model": "adding", "error": 0.1, "pairs": 9, "shape_error": 0.2, "noise": 0.1, "misfit": 0.1, "error_by_region": {}, "fitted_pairs": 9}
+    structures = [Structure.of(count, "lambert", cloudy=cloudy) for count, cloudy in ((0, False), (1, False), (2, False), (1, True), (2, True))]
+    result |= {"tried": [{"structure": s.name, "parameters": 1, "error": 0.1} for s in structures], "reason": Sentence("as many layers as asked for")}
+    lines = outcome.lines(result | {"not_determined": ["ior"]})
+    names = NAMES | {"ggx", "adding", "lambert", "ior", "roughness", "tint", "reflectance", "edge_color"}
+    assert [words for line in lines if (words := left_over(line.told(rpt_), names))] == []
 
 
 def test_why_a_process_is_gone_is_translated(language):

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import LaminaError
+from ...errors import LaminaError, Sentence
 from ...optics.colour import xyz_to_rgb
 from ...optics.frame import spherical
 from .measurement import Measurement, checked, directions_of
@@ -40,15 +40,16 @@ def read_astm(path: Path, wavelength_nm: float | None = None, steepest_deg: floa
     if announced is not None and announced.isdigit() and int(announced) != len(numbers):
         raise LaminaError("{path}: NUM_POINTS announces {announced} rows, and {rows} follow; truncated?", path=path, announced=announced, rows=len(numbers))
     theta_i, phi_i, theta_o, phi_o = numbers[:, :4].T
-    f, nm, notes = numbers[:, 4:], None, ()
+    f, nm, notes = numbers[:, 4:], None, []
     matches = [_WAVELENGTH.search(name) for name in names[4:]]
     if all(matches):
         nm = np.array([float(match[1]) for match in matches if match])
     elif [name[0].upper() for name in names[4:]] == ["X", "Y", "Z"]:
-        f, notes = xyz_to_rgb(f), ("XYZ made linear RGB",)
+        f, notes = xyz_to_rgb(f), [Sentence("XYZ made linear RGB")]
     elif f.shape[1] not in (1, 3):
         raise LaminaError("{path}: VARS names {names}; choose one value, RGB, XYZ, or names that end in nm", path=path, names=", ".join(names[4:])[:80])
-    found = (f"ASTM E1392 table of {len(numbers)} rows, angles in radians: {', '.join(names[4:])[:80]}", *notes)
+    told = Sentence("ASTM E1392 table of {rows} rows, angles in radians: {names}", rows=len(numbers), names=", ".join(names[4:])[:80])
+    found = (told, *notes)
     return checked(spherical(theta_i, phi_i), spherical(theta_o, phi_o), f, str(path), found, nm, wavelength_nm, steepest_deg)
 
 
@@ -94,7 +95,8 @@ def read_alta(path: Path, wavelength_nm: float | None = None, steepest_deg: floa
     f = numbers[:, inputs : inputs + outputs]
     if has_cosine:
         f = f / np.maximum(wo[:, 2:], 1e-6)
-    found = (f"ALTA data of {len(numbers)} rows, {given}{', divided by the cosine' if has_cosine else ''}",)
+    cosine = Sentence(", divided by the cosine") if has_cosine else ""
+    found = (Sentence("ALTA data of {rows} rows, {given}{cosine}", rows=len(numbers), given=given, cosine=cosine),)
     return checked(wi, wo, f, str(path), found, only_nm=wavelength_nm, steepest_deg=steepest_deg)
 
 

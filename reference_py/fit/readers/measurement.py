@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...errors import LaminaError
+from ...errors import LaminaError, Sentence, joined
 from ...optics.colour import reflectance_to_rgb
 from ...optics.frame import dot, half_vector
 
@@ -32,7 +32,7 @@ class Measurement:
     wo: np.ndarray
     f: np.ndarray
     source: str
-    found: tuple[str, ...] = ()
+    found: tuple[Sentence, ...] = ()
 
     @property
     def channels(self) -> int:
@@ -45,7 +45,7 @@ class Measurement:
 
 
 def checked(
-    wi, wo, f, where: str, found: tuple[str, ...] = (), wavelength_nm=None, only_nm: float | None = None, steepest_deg: float | None = None
+    wi, wo, f, where: str, found: tuple[Sentence, ...] = (), wavelength_nm=None, only_nm: float | None = None, steepest_deg: float | None = None
 ) -> Measurement:
     """A measurement without what cannot be one: rows below the horizon, or not finite.
 
@@ -65,9 +65,10 @@ def checked(
     positive = (total.sum(axis=1) > 0.0) | (total.min(axis=1) >= 0.0)
     good = above & finite & positive
     count = int(above.sum())
-    for bad, what in ((above & ~finite, "not finite"), (above & finite & ~positive, "negative")):
+    for bad, what in ((above & ~finite, Sentence("not finite")), (above & finite & ~positive, Sentence("negative"))):
         if bad.any():
-            notes.append(f"{int(bad.sum())} of {count} values above the horizon are {what} and left out: {_by_angle(wi, wo, bad)}")
+            told = {"bad": int(bad.sum()), "count": count, "what": what, "where": _by_angle(wi, wo, bad)}
+            notes.append(Sentence("{bad} of {count} values above the horizon are {what} and left out: {where}", **told))
     if good.sum() <= 0.5 * count:
         raise LaminaError(
             "{where}: {bad} of {count} values above the horizon are negative or not finite; choose a file with mostly valid data (are its axes in order, and its numbers of the right byte order?)",
@@ -76,9 +77,10 @@ def checked(
             count=count,
         )
     if (~above).any():
-        notes.append(f"below the horizon and left out: {int((~above).sum())}")
+        notes.append(Sentence("below the horizon and left out: {count}", count=int((~above).sum())))
     if (limited := good & (total.min(axis=1) < 0.0)).any():
-        notes.append(f"{int(limited.sum())} of {count} values have a channel below 0, outside Rec.709 or noise: it counts as 0: {_by_angle(wi, wo, limited)}")
+        told = {"limited": int(limited.sum()), "count": count, "where": _by_angle(wi, wo, limited)}
+        notes.append(Sentence("{limited} of {count} values have a channel below 0, outside Rec.709 or noise: it counts as 0: {where}", **told))
     f, wi, wo = np.maximum(f[good], 0.0), wi[good], wo[good]
     if np.max(f) <= 0.0:
         raise LaminaError("{where}: all {pairs} values are 0: a black measurement tells nothing", where=where, pairs=len(f))
@@ -89,9 +91,9 @@ def checked(
             "{where}: all directions are steeper than {steepest_deg:g} degrees, where no measurement is reliable", where=where, steepest_deg=steepest_deg
         )
     if steep.any():
-        notes.append(f"steeper than {steepest_deg:g} degrees and left out: {int(steep.sum())}")
+        notes.append(Sentence("steeper than {steepest_deg:g} degrees and left out: {count}", steepest_deg=steepest_deg, count=int(steep.sum())))
     kept = ~steep
-    return Measurement(wi[kept], wo[kept], f[kept], where, (*notes, *color_notes, f"{int(kept.sum())} pairs of directions"))
+    return Measurement(wi[kept], wo[kept], f[kept], where, (*notes, *color_notes, _pairs(int(kept.sum()))))
 
 
 def without_shadows(measurement: Measurement) -> Measurement:
@@ -100,20 +102,29 @@ def without_shadows(measurement: Measurement) -> Measurement:
     shadow = _shadow(wi, wo, measurement.f)
     if not shadow.any():
         return measurement
-    told = f"{int(shadow.sum())} values are exactly 0 among large ones, a shadow of the instrument, and left out: {_by_angle(wi, wo, shadow)}"
+    told = Sentence(
+        "{count} values are exactly 0 among large ones, a shadow of the instrument, and left out: {where}",
+        count=int(shadow.sum()),
+        where=_by_angle(wi, wo, shadow),
+    )
     kept = measurement.subset(~shadow)
-    return replace(kept, found=(*measurement.found[:-1], told, f"{len(kept.f)} pairs of directions"))
+    return replace(kept, found=(*measurement.found[:-1], told, _pairs(len(kept.f))))
 
 
-def _by_angle(wi: np.ndarray, wo: np.ndarray, rows: np.ndarray) -> str:
+def _pairs(count: int) -> Sentence:
+    return Sentence("{count} pairs of directions", count=count)
+
+
+def _by_angle(wi: np.ndarray, wo: np.ndarray, rows: np.ndarray) -> Sentence:
     """How many of the rows, and what share of all there, have their steeper direction in each band of angles."""
     steeper = np.degrees(np.arccos(np.clip(np.minimum(wi[:, 2], wo[:, 2]), -1.0, 1.0)))
     said = []
     for low, high in zip(_BANDS_DEG, _BANDS_DEG[1:]):
         band = (steeper >= low) & (steeper < high)
         if (band & rows).any():
-            said.append(f"{int((band & rows).sum())} at {low:g} to {high:g} degrees ({100.0 * np.mean(rows[band]):.2g} %)")
-    return ", ".join(said)
+            told = {"count": int((band & rows).sum()), "low": low, "high": high, "percent": 100.0 * np.mean(rows[band])}
+            said.append(Sentence("{count} at {low:g} to {high:g} degrees ({percent:.2g} %)", **told))
+    return joined(said)
 
 
 def _shadow(wi: np.ndarray, wo: np.ndarray, f: np.ndarray) -> np.ndarray:
@@ -136,10 +147,10 @@ def _shadow(wi: np.ndarray, wo: np.ndarray, f: np.ndarray) -> np.ndarray:
     return result
 
 
-def _as_color(f, wavelength_nm, only_nm, where) -> tuple[np.ndarray, tuple[str, ...]]:
+def _as_color(f, wavelength_nm, only_nm, where) -> tuple[np.ndarray, tuple[Sentence, ...]]:
     if wavelength_nm is None and only_nm is None:
         if f.shape[1] > 1 and np.all(f == f[:, :1]):
-            return f[:, :1], ("all colors are alike: fitted as grey",)
+            return f[:, :1], (Sentence("all colors are alike: fitted as grey"),)
         return f, ()
     if wavelength_nm is None:
         low, high = _GREEN_NM
@@ -152,10 +163,11 @@ def _as_color(f, wavelength_nm, only_nm, where) -> tuple[np.ndarray, tuple[str, 
                 most=VISIBLE_NM[1],
             )
         channel = 2 if only_nm < low else 1 if only_nm <= high else 0
-        return f[:, channel : channel + 1], (f"the {('red', 'green', 'blue')[channel]} channel stands for {only_nm:g} nm",)
+        name = (Sentence("red"), Sentence("green"), Sentence("blue"))[channel]
+        return f[:, channel : channel + 1], (Sentence("the {channel} channel stands for {only_nm:g} nm", channel=name, only_nm=only_nm),)
     nm = np.asarray(wavelength_nm, float)
     if only_nm is None and len(nm) == 1:
-        return f, (f"one wavelength, {nm[0]:g} nm: fitted as grey",)
+        return f, (Sentence("one wavelength, {nm:g} nm: fitted as grey", nm=nm[0]),)
     if only_nm is None and (nm[-1] < VISIBLE_NM[0] or nm[0] > VISIBLE_NM[1]):
         raise LaminaError(
             "{where}: wavelengths {first:g} to {last:g} nm have no color; choose one of them with --wavelength", where=where, first=nm[0], last=nm[-1]
@@ -163,9 +175,9 @@ def _as_color(f, wavelength_nm, only_nm, where) -> tuple[np.ndarray, tuple[str, 
     if only_nm is None:
         rgb = reflectance_to_rgb(f, nm)
         lost = np.mean(rgb.min(axis=1) < 0.0)
-        notes = (f"{len(nm)} wavelengths, {nm[0]:g} to {nm[-1]:g} nm, made linear RGB",)
+        notes = (Sentence("{count} wavelengths, {first:g} to {last:g} nm, made linear RGB", count=len(nm), first=nm[0], last=nm[-1]),)
         if lost > 0.0:
-            notes += (f"{100 * lost:.1f} % of the colors are outside Rec.709 and were limited",)
+            notes += (Sentence("{percent:.1f} % of the colors are outside Rec.709 and were limited", percent=100 * lost),)
         return np.maximum(rgb, 0.0), notes
     if not nm[0] <= only_nm <= nm[-1]:
         raise LaminaError(
@@ -174,7 +186,7 @@ def _as_color(f, wavelength_nm, only_nm, where) -> tuple[np.ndarray, tuple[str, 
     upper = min(int(np.searchsorted(nm, only_nm)), len(nm) - 1)
     lower = max(upper - 1, 0)
     share = 0.0 if upper == lower else (only_nm - nm[lower]) / (nm[upper] - nm[lower])
-    return (f[:, lower] * (1.0 - share) + f[:, upper] * share)[:, None], (f"at {only_nm:g} nm of {len(nm)} wavelengths",)
+    return (f[:, lower] * (1.0 - share) + f[:, upper] * share)[:, None], (Sentence("at {only_nm:g} nm of {count} wavelengths", only_nm=only_nm, count=len(nm)),)
 
 
 def half_angles(wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

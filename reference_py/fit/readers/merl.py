@@ -45,7 +45,7 @@ def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | N
     above = (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
     _require_order(path, sizes, table, above)
     # cells below the horizon belong to the format; they are no fault of the file
-    found = (f"MERL table of {' x '.join(map(str, sizes))}: theta_h, theta_d, phi_d",)
+    found = (Sentence("MERL table of {sizes}: theta_h, theta_d, phi_d", sizes=" x ".join(map(str, sizes))),)
     return checked(wi[above], wo[above], (table.T * SCALES)[above], str(path), found, only_nm=wavelength_nm, steepest_deg=steepest_deg)
 
 

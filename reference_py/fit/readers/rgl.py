@@ -28,9 +28,9 @@ def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | N
     wi, wo = spread_pairs(_PAIRS, rng)
     turn = 2.0 * np.pi * rng.random(_PAIRS)
     wi, wo = rotate_z(wi, turn), rotate_z(wo, turn)
-    where = "isotropic" if material.is_isotropic else f"anisotropic ({len(material.phi_i)} azimuths; the fit is isotropic)"
+    kind = Sentence("isotropic") if material.is_isotropic else Sentence("anisotropic ({azimuths} azimuths; the fit is isotropic)", azimuths=len(material.phi_i))
     text = bytes(material.description).decode("utf-8", "replace").strip("\0 \n")
-    found = (f"RGL material {text!r}, {where}, {len(material.theta_i)} angles of incidence",)
+    found = (Sentence("RGL material {text!r}, {kind}, {angles} angles of incidence", text=text, kind=kind, angles=len(material.theta_i)),)
     return checked(wi, wo, material.f(wi, wo), str(path), found, material.wavelength_nm, wavelength_nm, steepest_deg)
 
 

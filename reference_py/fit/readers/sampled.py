@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ...errors import LaminaError
+from ...errors import LaminaError, Sentence
 from ...material.stack import Stack
 from ...registry import make_model
 from .measurement import Measurement, checked, spread_pairs
@@ -22,4 +22,4 @@ def sample_model(model: str, stack: Stack, only_nm: float | None = None, pairs: 
     wi, wo = spread_pairs(pairs, rng)
     f = make_model(model, stack).f(wo, wi)
     f = f * np.maximum(1.0 + noise * rng.standard_normal(f.shape), 0.0)
-    return checked(wi, wo, f, f"model {model} of {stack.name or 'a stack'}", (f"samples of the model {model}",), only_nm=only_nm)
+    return checked(wi, wo, f, f"model {model} of {stack.name or 'a stack'}", (Sentence("samples of the model {model}", model=model),), only_nm=only_nm)

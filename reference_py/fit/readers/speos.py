@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import LaminaError
+from ...errors import LaminaError, Sentence
 from ...optics.frame import spherical
 from .measurement import Measurement, checked
 
@@ -59,7 +59,8 @@ def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | N
         t, p = np.meshgrid(np.radians(theta), np.radians(phi), indexing="ij")
         wo.append(spherical(t.ravel(), p.ravel()))
         wi.append(np.broadcast_to(spherical(np.radians(angle), np.radians(180.0 - common)), wo[-1].shape))
-    found = (f"Speos BRDF of {incidences} incidences and {wavelengths} wavelengths; the mirror direction is at phi {common:g}",)
+    told = {"incidences": incidences, "wavelengths": wavelengths, "phi": common}
+    found = (Sentence("Speos BRDF of {incidences} incidences and {wavelengths} wavelengths; the mirror direction is at phi {phi:g}", **told),)
     return checked(np.concatenate(wi), np.concatenate(wo), np.concatenate(tables), str(path), found, nm, wavelength_nm, steepest_deg)
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import LaminaError, Sentence
+from ...errors import LaminaError, Sentence, joined
 from ...optics.frame import spherical
 from .measurement import Measurement, checked
 
@@ -59,19 +59,20 @@ def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | N
     given = [name.strip().lower() for name in _cells(lines[0][1], delimiter)]
     names = [ALIASES.get(name, name) for name in given]
     found = []
-    if renamed := [f"{old} is {new}" for old, new in zip(given, names) if old != new]:
-        found.append(", ".join(renamed))
+    if renamed := [Sentence("{old} is {new}", old=old, new=new) for old, new in zip(given, names) if old != new]:
+        found.append(joined(renamed))
     columns, nm = _columns(path, names)
     numbers = _numbers(path, lines[1:], names, delimiter)
     in_plane = "phi_o" not in names
     if in_plane:
-        found.append("in the plane of incidence: theta_o is positive on the side away from the light")
+        found.append(Sentence("in the plane of incidence: theta_o is positive on the side away from the light"))
     zero = np.zeros(len(numbers))
     angles = np.stack([numbers[:, names.index(a)] if a in names else zero + 180.0 * (a == "phi_o") for a in ANGLES], axis=-1)
     found += _made_positive(angles)
     _check_angles(path, angles, [i for i, _ in lines[1:]])
     theta_i, phi_i, theta_o, phi_o = np.radians(angles).T
-    found.insert(0, f"table of {len(numbers)} rows, {'RGB' if nm is None and len(columns) == 3 else 'one value' if nm is None else f'wavelengths: {len(nm)}'}")
+    content = Sentence("wavelengths: {count}", count=len(nm)) if nm is not None else Sentence("RGB") if len(columns) == 3 else Sentence("one value")
+    found.insert(0, Sentence("table of {rows} rows, {content}", rows=len(numbers), content=content))
     return checked(spherical(theta_i, phi_i), spherical(theta_o, phi_o), numbers[:, columns], str(path), tuple(found), nm, wavelength_nm, steepest_deg)
 
 
@@ -80,7 +81,7 @@ def _cells(line: str, delimiter: str | None) -> list[str]:
     return line.split() if delimiter is None else next(csv.reader([line], delimiter=delimiter))
 
 
-def _made_positive(angles: np.ndarray) -> list[str]:
+def _made_positive(angles: np.ndarray) -> list[Sentence]:
     """Turn angles from the normal that are negative, in place; what was done, in words."""
     done = []
     for name, theta, phi in (("theta_i", 0, 1), ("theta_o", 2, 3)):
@@ -88,7 +89,8 @@ def _made_positive(angles: np.ndarray) -> list[str]:
         if negative.any():
             angles[negative, theta] *= -1.0
             angles[negative, phi] = (angles[negative, phi] + 180.0) % 360.0
-            done.append(f"{name} is negative in {int(negative.sum())} rows: read as positive half a turn further")
+            rows = int(negative.sum())
+            done.append(Sentence("{name} is negative in {rows} rows: read as positive half a turn further", name=name, rows=rows))
     return done
 
 

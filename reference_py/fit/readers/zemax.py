@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import LaminaError
+from ...errors import LaminaError, Sentence, joined
 from ...optics.colour import xyz_to_rgb
 from ...optics.frame import rotate_z
 from .measurement import Measurement, checked
@@ -45,9 +45,10 @@ def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | N
     notes = []
     if content == "xyz":
         f = xyz_to_rgb(f)
-        notes.append("XYZ made linear RGB")
+        notes.append(Sentence("XYZ made linear RGB"))
     wi, wo = _directions(*(np.radians(axes[name]) for name in _AXES))
-    found = (f"Zemax or Radiant table: {', '.join(f'{count} of {name}' for name, count in zip(_AXES, shape))}", *notes)
+    counts = joined(Sentence("{count} of {axis}", count=count, axis=name) for name, count in zip(_AXES, shape))
+    found = (Sentence("Zemax or Radiant table: {counts}", counts=counts), *notes)
     return checked(wi.reshape(-1, 3), wo.reshape(-1, 3), f.reshape(-1, f.shape[-1]), str(path), found, only_nm=wavelength_nm, steepest_deg=steepest_deg)
 
 
