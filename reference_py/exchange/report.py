@@ -55,8 +55,7 @@ def image_loss(given: str, image: Image, value, is_mean: bool) -> Loss:
 
 def film_limited(parameter: Parameter, value: float) -> Sentence:
     """That a film's parameter is not as it was given, but in its range."""
-    unit = f" {parameter.unit}" if parameter.unit else ""
-    return Sentence("a film's is {least:g} to {most:g}{unit}; it is {value:g}", least=parameter.minimum, most=parameter.maximum, unit=unit, value=value)
+    return Sentence("a film's is {allowed}; it is {value:g}", allowed=parameter.allowed, value=value)
 
 
 def metal_or_not(is_metal: bool) -> Sentence:

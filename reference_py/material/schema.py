@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from math import isfinite
 from types import MappingProxyType
 
-from ..errors import LaminaError, Sentence
+from ..errors import LaminaError, Sentence, joined
 
 SCHEMA_VERSION = 4
 
@@ -60,12 +60,11 @@ class Parameter:
         return "".join(part.capitalize() for part in self.name.split("_"))
 
     @property
-    def allowed(self) -> str:
+    def allowed(self) -> Sentence:
         """The values that it takes, in words."""
         if self.type == CHOICE:
-            return ", ".join(self.choices)
-        bounds = f"{self.minimum:g} to {self.maximum:g}{' ' + self.unit if self.unit else ''}"
-        return bounds if self.type == FLOAT else f"[r, g, b], each {bounds}"
+            return joined(self.choices)
+        return self._bounds if self.type == FLOAT else Sentence("[r, g, b], each {bounds}", bounds=self._bounds)
 
     def check(self, value, where: str):
         """Return the value in canonical form (float, tuple of three floats, or str).
@@ -84,21 +83,26 @@ class Parameter:
 
     def _check_number(self, value, where: str, name: str) -> float:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise LaminaError("{where}: {name} must be a number, not {value!r}; {allowed}", where=where, name=name, value=value, allowed=self._range())
+            raise LaminaError("{where}: {name} must be a number, not {value!r}; {allowed}", where=where, name=name, value=value, allowed=self._in_bounds)
         try:
             number = float(value)
         except OverflowError:
             number = float("inf")
         if not isfinite(number) or not self.minimum <= number <= self.maximum:
             shown = f"{number:g}" if isinstance(value, float) else str(value)[:24]
-            raise LaminaError("{where}: {name} is {shown}; {allowed}", where=where, name=name, shown=shown, allowed=self._range())
+            raise LaminaError("{where}: {name} is {shown}; {allowed}", where=where, name=name, shown=shown, allowed=self._in_bounds)
         return number
 
-    def _range(self) -> Sentence:
+    @property
+    def _in_bounds(self) -> Sentence:
+        return Sentence("choose {bounds}", bounds=self._bounds)
+
+    @property
+    def _bounds(self) -> Sentence:
         words = {"least": self.minimum, "most": self.maximum}
         if self.unit:
-            return Sentence("choose {least:g} to {most:g} {unit}", unit=self.unit, **words)
-        return Sentence("choose {least:g} to {most:g}", **words)
+            return Sentence("{least:g} to {most:g} {unit}", unit=Sentence(self.unit), **words)
+        return Sentence("{least:g} to {most:g}", **words)
 
 
 class _WithAlternatives:

@@ -19,12 +19,13 @@ from lamina.addon.material import material as materials
 from lamina.addon.material.elements import node_of
 from lamina.addon.operators import exchange_operators, mask_link_operators, mask_operators, preset_operators
 from lamina.addon.ui import panel, panel_feedback, panel_layers, preferences
-from lamina.reference_py.errors import Sentence
+from lamina.reference_py.errors import LaminaError, Sentence
 from lamina.reference_py.exchange import conversion_process
 from lamina.reference_py.fit import fit_process, outcome
 from lamina.reference_py.fit.parameters import Parameters, Structure
 from lamina.reference_py.lobes.methods import bake_process
 from lamina.reference_py.material import presets
+from lamina.reference_py.material.schema import CHOICE, COLOR, FLOAT, SCHEMA, VECTOR
 from lamina.reference_py.material.stack import Stack
 
 pytestmark = pytest.mark.blender
@@ -195,6 +196,20 @@ def test_errors_are_translated(material, language, tmp_path, what):
         ERRORS[what](tmp_path)
     assert OPEN in str(error.value)
     assert left_over(str(error.value).removeprefix("Error: "), NAMES | KEYS) == ""
+
+
+@pytest.mark.parametrize(
+    "parameter", {p.name: p for kind in (*SCHEMA.layers.values(), *SCHEMA.bases.values()) for p in kind.all_parameters}.values(), ids=lambda p: p.name
+)
+def test_what_a_parameter_takes_is_translated(language, parameter):
+    """Numbers and choices alone are what they are; whatever else there is comes in brackets, with those of its unit inside."""
+    with pytest.raises(LaminaError) as error:
+        parameter.check([9e9] * 3 if parameter.type in (COLOR, VECTOR) else 9e9 if parameter.type == FLOAT else "qq", Sentence("layer {number}", number=1))
+    for told in (parameter.allowed.told(rpt_), error.value.told(rpt_)):
+        assert left_over(told, set(parameter.choices)) == ""
+        if parameter.type != CHOICE:
+            bounds = f"{OPEN}{parameter.minimum:g} to {parameter.maximum:g}"
+            assert f"{bounds} {OPEN}{parameter.unit}{CLOSE}{CLOSE}" in told if parameter.unit else f"{bounds}{CLOSE}" in told
 
 
 CONVERSIONS = {

@@ -91,7 +91,7 @@ def _of_schema() -> Iterator[str]:
         for thing in (kind, *kind.features):
             yield from (thing.label, thing.help)
         for parameter in kind.all_parameters:
-            yield from (parameter.label, parameter.tooltip)
+            yield from (parameter.label, parameter.tooltip, parameter.unit)
         yield from (choice_label(c) for p in kind.structure for c in p.choices)
     for generator in GENERATORS.values():
         for thing in (generator, *generator.parameters):
