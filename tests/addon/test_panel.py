@@ -134,7 +134,7 @@ def test_rows_drop_from_the_right_and_never_the_name(material):
 
 
 def test_plain_words_in_all_that_is_shown(material):
-    # what a conversion measured is told in the terms of its report, and a mask is baked as Blender says it
+    # what a conversion measured or a fit found is told in the terms of its report, and a mask is baked as Blender says it
     shown = {*(translatable.strings() - translatable.of_reports() - {BAKED, USE_BAKED}), *(text for text in drawn().texts())}
     popover = Recorder()
     material.lamina.tier = "auto"

@@ -73,8 +73,8 @@ def told(path: Path) -> Iterator[tuple[str | None, ast.Call]]:
 
 
 def of_reports() -> set[str]:
-    """What conversions report."""
-    sources = [path for root in (REFERENCE, ADDON) for path in (root / "exchange").glob("*.py")]
+    """What conversions report, and fits in the text that they leave."""
+    sources = [path for folder in (REFERENCE / "exchange", ADDON / "exchange", REFERENCE / "fit") for path in folder.glob("*.py")]
     return {template for path in sources for template, _ in told(path) if template is not None}
 
 
