@@ -163,7 +163,7 @@ def _machine(material, scene, preferences) -> Iterator[Finding]:
             yield Finding("one_branch", {"missing": Sentence("Made in a Blender without OSL: the OSL script is still missing")})
 
 
-def _gain(names: list[str]) -> str:
+def _gain(names: list[Sentence]) -> Sentence:
     if len(names) > 1:
         return Sentence("{first} and {count} more", first=names[0], count=len(names) - 1)
     return names[0] if names else Sentence("nothing to this picture")
@@ -192,7 +192,7 @@ def _elements(material) -> Iterator[Finding]:
             continue
         yield from _values(element, node, is_shown, links)
         for parameter in resting_values(element):
-            about = {"label": parameter.label, "given": kind_of(element).given_label(element.given)}
+            about = {"label": Sentence(parameter.label), "given": Sentence(kind_of(element).given_label(element.given))}
             yield Finding("value_rests", name | about, element.node, parameter.label)
     for node in tree.nodes:
         if node.bl_idname == "ShaderNodeGroup" and node.name not in seen and _is_value_node(node):
@@ -217,7 +217,7 @@ def _values(element, node, is_shown: bool, links: dict[int, list[bpy.types.NodeL
         socket = node.inputs.get(parameter.label)
         if socket is None:
             continue  # of a later version: there once the shader is made anew
-        about = {"layer": element.name, "label": parameter.label}
+        about = {"layer": element.name, "label": Sentence(parameter.label)}
         into = links.get(socket.as_pointer(), ())
         for link in into:
             if not link.is_valid or link.from_socket.type == "SHADER":
@@ -355,13 +355,13 @@ def _ignored(material, is_note: bool) -> Iterator[Finding]:
         element = lamina.base if place.layer is None else shown[place.layer]
         label = kind_of(element).parameter(place.name).label
         mean = mean_name(node_of(element).inputs[label])
-        taken = f"the mean of {mean}" if mean else "its value at this frame"
-        yield Finding("texture_ignored", {"layer": element.name, "label": label, "shown": taken}, node_of(element).name, label, is_note)
+        taken = Sentence("the mean of {mean}", mean=mean) if mean else Sentence("its value at this frame")
+        yield Finding("texture_ignored", {"layer": element.name, "label": Sentence(label), "shown": taken}, node_of(element).name, label, is_note)
 
 
-def _ignored_names(material) -> list[str]:
+def _ignored_names(material) -> list[Sentence]:
     """What stock nodes leave out, in words."""
     try:
-        return [f"the {f.words['label'].lower()} of {f.words['layer']}" for f in _ignored(material, True)]
+        return [Sentence("{label} of {layer}", label=f.words["label"], layer=f.words["layer"]) for f in _ignored(material, True)]
     except LaminaError:
         return []

@@ -10,7 +10,7 @@ import uuid
 import bpy
 import numpy as np
 
-from ...reference_py.errors import LaminaError
+from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.material.schema import COLOR, FLOAT, SCHEMA, Feature, Kind, Parameter
 from ...reference_py.material.stack import Base, Layer
 from ...reference_py.optics.colour import artist_color, artist_index, conductor_rgb
@@ -86,7 +86,7 @@ def socket_of(element, parameter: Parameter) -> bpy.types.NodeSocket:
             "material {material}: the node of {element!r} has no socket {label}; Check replaces its group",
             material=element.id_data.name,
             element=element.name,
-            label=parameter.label,
+            label=Sentence(parameter.label),
         )
     return socket
 

@@ -182,7 +182,7 @@ def test_faults_without_osl(owner, monkeypatch):
         monkeypatch.setattr(module, "device_problem", lambda *_: "HIP devices cannot")
     assert sorted(codes(owner)) == ["texture_ignored", "without_osl"]
     shown = next(f for f in found(owner) if f.code == "without_osl")
-    assert not shown.mending and shown.text() == "Shown by stock nodes, as HIP devices cannot; OSL would add the roughness of Coat"
+    assert not shown.mending and shown.text() == "Shown by stock nodes, as HIP devices cannot; OSL would add Roughness of Coat"
     owner.lamina.backend = "osl"
     assert codes(owner) == ["script_alone"]
     without(monkeypatch)

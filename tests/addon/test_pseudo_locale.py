@@ -13,6 +13,7 @@ from support.pseudo_locale import CLOSE, OPEN, Language, Translated, left_over
 from support.stacks import on_a_plane
 
 from lamina.addon.blender.translation import CONTEXT, rpt_
+from lamina.addon.check import check
 from lamina.addon.jobs import bakes, fitting, saving
 from lamina.addon.jobs.process import Process, worker
 from lamina.addon.material import material as materials
@@ -99,6 +100,19 @@ def test_the_panel_shows_nothing_that_is_not_translated(material, language, monk
     panel_layers.LAMINA_UL_layers.draw_item(None, window(), row, material.lamina, material.lamina.layers[0], 0, None, "active_layer", 0)
     assert unmarked(layout) == unmarked(popover) == unmarked(row) == ""
     assert len([text for text in layout.texts() if OPEN in text]) > 5
+
+
+def test_check_names_values_as_the_panel_does(material, language):
+    tree, coat, base = material.node_tree, node_of(material.lamina.layers[0]), node_of(material.lamina.base)
+    base.inputs["Roughness"].default_value = 2.0
+    for socket, source in ((coat.inputs["IOR"], "ShaderNodeTexImage"), (base.inputs["Reflectance"], "ShaderNodeTexChecker")):
+        tree.links.new(tree.nodes.new(source).outputs["Color"], socket)
+    about = [finding for finding in check.find(material, bpy.context.scene, bpy.context.preferences) if finding.label]
+    assert {"out_of_range", "image_missing", "value_rests"} <= {finding.code for finding in about}
+    assert [f.code for f in about if f"{OPEN}{f.label}{CLOSE}" not in f.text(rpt_)] == []
+    base.inputs["Roughness"].default_value = 0.5  # of a value that is none nobody asks what stock nodes leave out
+    found = {finding.code: finding.text(rpt_) for finding in check.find(material, bpy.context.scene, bpy.context.preferences)}
+    assert f"{OPEN}IOR{CLOSE}" in found["texture_ignored"] and f"{OPEN}{OPEN}IOR{CLOSE} of Qqcoat{CLOSE}" in found["without_osl"]
 
 
 def test_menus_and_dialogs_show_nothing_that_is_not_translated(material, language, tmp_path):
