@@ -92,6 +92,16 @@ def test_what_is_black_altogether_has_a_shader(layers, tier):
     assert made.lobe_count >= 1 and "BSDF = lobe_0" in generate(made).text
 
 
+@pytest.mark.blender
+def test_patches_brushed_along_almost_the_same_direction_have_a_shader(blender):
+    from lamina.addon.material.script_node import compile_shader
+
+    metal = {"kind": "conductor", "metal": "gold", "roughness": 0.4, "anisotropy": 0.6, "rotation": 0.1}
+    layers = [{**COAT, "roughness": 0.0}, {**metal, "rotation": 0.10001, "coverage": 0.5}]
+    shader = generate(make_lobe_set(Stack.from_dict({"layers": layers, "base": metal}), "baked"))
+    assert len(set(re.findall(r"vector (axis_\d+) =", shader.text))) == 2 and compile_shader(shader).bytecode
+
+
 def compiles(folder, name: str, tmp_path) -> bool:
     """Whether oslc takes a shader that includes this file of a folder and nothing else."""
     pytest.importorskip("bpy")

@@ -58,7 +58,7 @@ def _closure(arrays: list[str], said: dict[str, str], name: str, table: GlossyTa
     if isinstance(table, DiffuseTable):
         return Closure(weight, f"diffuse({about.normal})")
     alpha_x, alpha_y, slope = _shape(arrays, said, name, table.shape, about)
-    upright = f"{about.normal}, {f'tangent{about.suffix}' if table.frame is None else _named(table.frame)}"
+    upright = f"{about.normal}, {f'tangent{about.suffix}' if table.frame is None else _named(_axis(table))}"
     if isinstance(table.fresnel, DielectricCurve):
         eta, distribution = f"{table.fresnel.eta:.9g}", table.distribution
         alpha_y = f"break_isotropy({alpha_x})" if table.frame is None else alpha_y
@@ -79,8 +79,8 @@ def _axis(table) -> float | None:
 
 
 def _named(axis: float) -> str:
-    """The variable of an axis, and in those of its sheets a suffix: its milliradians."""
-    return f"axis_{round(1000.0 * (axis % np.pi))}"
+    """The variable of an axis, and in those of its sheets a suffix: its millionths of a radian, as patches may be brushed along almost the same one."""
+    return f"axis_{round(1e6 * axis)}"
 
 
 def _about_axis(axis: float) -> tuple[str, ...]:
