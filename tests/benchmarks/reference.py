@@ -34,8 +34,20 @@ def layer(ior=1.5, alpha=0.0, distribution="ggx", **values):
 
 LAMBERT = {"kind": "lambert", "color": [0.5, 0.5, 0.5]}
 GOLD = {"kind": "conductor", "metal": "gold", "roughness": 0.5}
-COATS = {"smooth": layer(), "ggx .4": layer(alpha=0.4), "beckmann .4": layer(alpha=0.4, distribution="beckmann")}
-THREE_LAYERS = {
+
+
+def cloudy(tau, albedo, g):
+    """A rough layer over a medium that scatters, of this optical depth."""
+    return layer(alpha=0.4, thickness=1.0, extinction=[tau] * 3, scatter_albedo=[albedo] * 3, scatter_g=g)
+
+
+COATS = {
+    "smooth": layer(),
+    "ggx .4": layer(alpha=0.4),
+    "beckmann .4": layer(alpha=0.4, distribution="beckmann"),
+    "ggx .4, cloudy": cloudy(1.0, 0.9, 0.0),
+}
+COLD_STACKS = {
     "three smooth layers over lambert": [LAMBERT, layer(1.5), layer(1.3), layer(1.6)],
     "three rough, tinted layers over gold": [
         GOLD,
@@ -43,6 +55,7 @@ THREE_LAYERS = {
         layer(1.3, 0.3, "beckmann", tint=TINT),
         layer(1.6, 0.2, tint=TINT),
     ],
+    "a rough layer, a medium of depth 20": [LAMBERT, cloudy(20.0, 0.9, 0.5)],
 }
 
 _ALPHAS = [(0.3 + 0.02 * i) ** 2 for i in range(20)]
@@ -76,7 +89,7 @@ def processor_seconds(model, wo=VIEW) -> float:
 
 def cold_seconds(name: str) -> float:
     """Building `adding` and its albedo at `DIRECTIONS` directions: called in a process that has computed nothing yet."""
-    base, *layers = THREE_LAYERS[name]
+    base, *layers = COLD_STACKS[name]
     wo = spherical(np.linspace(0.0, np.radians(89.0), DIRECTIONS), 0.0)
     start = time.process_time()
     make_model("adding", Stack.from_dict({"layers": layers, "base": base})).albedo(wo)
@@ -154,10 +167,10 @@ def main() -> None:
     print("position_free, walks per second of one coat over Lambert .5")
     for surface in ("single", "multiple"):
         for name, coat in COATS.items():
-            print(f"  {surface:8} {name:12} {walks_per_second(coat, surface):12,.0f}", flush=True)
+            print(f"  {surface:8} {name:14} {walks_per_second(coat, surface):12,.0f}", flush=True)
     print(f"adding, processor seconds of a cold albedo at {DIRECTIONS} directions")
     with get_context("spawn").Pool(1, maxtasksperchild=1) as fresh:
-        for name in THREE_LAYERS:
+        for name in COLD_STACKS:
             best = min(fresh.apply(cold_seconds, (name,)) for _ in range(REPEATS))
             print(f"  {name:36} {best:8.2f}", flush=True)
         print("adding, processor seconds of a cold f at 60 pairs of directions")
