@@ -16,7 +16,7 @@ from pathlib import Path
 from runpy import run_path
 
 ROOT = Path(__file__).resolve().parent.parent
-BLENDERS = ("4.5", "5.0", "5.2", "5.3")
+BLENDERS = ("4.5", "5.0", "5.1", "5.2", "5.3")
 FIRST_HALF = (ROOT / "tests/first_half.txt").read_text(encoding="utf-8").split()
 HALVES = (FIRST_HALF, ["tests", *(f"--ignore={file}" for file in FIRST_HALF)])
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Make the virtual environment that the Makefile works in: tools/setup.sh FOLDER
 #   PYTHON=...              use this interpreter; otherwise the first Python 3.11 or 3.13 found
-#   LAMINA_BPY=4.5|5.0|5.2|5.3  the Blender to install; otherwise 4.5 on Python 3.11, 5.2 on Python 3.13
+#   LAMINA_BPY=4.5|5.0|5.1|5.2|5.3  the Blender to install; otherwise 4.5 on Python 3.11, 5.2 on Python 3.13
 #   LAMINA_APT=1            install missing Debian packages (root only) instead of naming them
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -21,8 +21,8 @@ install_packages() {
 case ${LAMINA_BPY:-} in
   "") versions="3.11 3.13" ;;
   4.5 | 5.0) versions="3.11" ;;
-  5.2 | 5.3) versions="3.13" ;;
-  *) fail "LAMINA_BPY is '$LAMINA_BPY'; choose 4.5, 5.0, 5.2 or 5.3" ;;
+  5.1 | 5.2 | 5.3) versions="3.13" ;;
+  *) fail "LAMINA_BPY is '$LAMINA_BPY'; choose 4.5, 5.0, 5.1, 5.2 or 5.3" ;;
 esac
 
 # True if $1 is a Python of version $2 that can make virtual environments. It is run, because pyenv's shims exist
@@ -58,6 +58,7 @@ read -r python version <<<"$found"
 
 case ${LAMINA_BPY:-}/$version in
   5.0/*) requirements=requirements/py311-bpy50.txt ;;
+  5.1/*) requirements=requirements/py313-bpy51.txt ;;
   5.3/*) requirements=requirements/py313-bpy53.txt ;;
   */3.11) requirements=requirements/py311-bpy45.txt ;;
   */3.13) requirements=requirements/py313-bpy52.txt ;;

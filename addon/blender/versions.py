@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What differs between the versions of Blender that Lamina runs in: 4.5, 5.0, 5.2 and 5.3."""
+"""What differs between the versions of Blender that Lamina runs in: 4.5, 5.0, 5.1, 5.2 and 5.3."""
 
 import bpy
 
