@@ -13,13 +13,13 @@ of what leaves; f needs many, and azimuthal modes (`detail_of`).
 """
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from ...optics.facet_reflectance import DielectricFacet, Facet
 from .direction_grid import chebyshev, gauss_legendre, legendre
-from .facets import MULTIPLE, smith_lambda, visible_facets
+from .facets import MULTIPLE, Facets, smith_lambda, visible_facets
 
 # Quadrature over heights along a ray.
 _STEPS = 12
@@ -150,34 +150,33 @@ class _Scatter:
     """One event of rays that come from directions of cosines (I,), which may lie below the horizon, on one side."""
 
     def __init__(self, surface: Microsurface, side: int, cos_theta: np.ndarray, detail: Detail):
-        self.surface, self.side, self.detail = surface, side, detail
+        self.side, self.detail = side, detail
         facet = surface.sides[side]
         eta = facet.eta if isinstance(facet, DielectricFacet) else 1.0
-        facets = visible_facets(cos_theta, surface.alpha, surface.distribution, MULTIPLE, detail.across, detail.along, eta)
-        cos = np.clip(facets.cos_om, 0.0, 1.0)
+        self._met = _met(surface.alpha, surface.distribution, eta, tuple(np.asarray(cos_theta).tolist()), detail)
+        cos, facets = self._met.cos, self._met.facets
         reflectance = facet(cos)
         if isinstance(facet, DielectricFacet):
             cos_t = np.sqrt(np.maximum(1.0 - (1.0 - cos * cos) / eta**2, 0.0))
-            refracted = (cos / eta - cos_t)[..., None] * facets.wm - facets.wo / eta
-            self._refracted = _Rays(surface, refracted * np.array([1.0, 1.0, -1.0]), facets.weights * (1.0 - reflectance), detail)
-        self._mirrored, self._weights = 2.0 * cos[..., None] * facets.wm - facets.wo, facets.weights
-        self._reflected = _Rays(surface, self._mirrored, facets.weights * reflectance, detail)
-        self.reflect = self._reflected.at_directions()
-        self.refract = self._refracted.at_directions() if isinstance(facet, DielectricFacet) else None
+            refracted = ((cos / eta - cos_t)[..., None] * facets.wm - facets.wo / eta) * np.array([1.0, 1.0, -1.0])
+            self._crossing = facets.weights * (1.0 - reflectance)
+            self._refracted = _Rays(surface.alpha, surface.distribution, refracted, self._crossing > 0.0, detail)
+        self._kept = facets.weights * reflectance
+        self.reflect = self._met.mirrored.at_directions(self._kept)
+        self.refract = self._refracted.at_directions(self._crossing) if isinstance(facet, DielectricFacet) else None
 
     def single(self, sides: int) -> np.ndarray:
         """(azimuths, I, heights, sides * moments): what leaves directly after this event, at the heights' nodes."""
-        heights = _node_heights(self.detail.heights)
-        result = np.zeros((self.detail.azimuths, len(self._weights), len(heights), sides, self.detail.moments))
-        result[:, :, :, self.side] = self._reflected.leaving(heights)
+        heights = self.detail.heights
+        result = np.zeros((self.detail.azimuths, len(self._kept), heights, sides, self.detail.moments))
+        result[:, :, :, self.side] = self._met.mirrored.leaving(self._kept)
         if sides == 2:
-            result[:, :, :, 1 - self.side] = self._refracted.leaving(1.0 - heights)
+            result[:, :, ::-1, 1 - self.side] = self._refracted.leaving(self._crossing)  # the other side's heights are 1 - c
         return result.reshape(*result.shape[:3], -1)
 
     def leftover(self) -> np.ndarray:
         """(I, heights): share of the light that does not leave a conductor directly after this event, without absorption."""
-        heights = _node_heights(self.detail.heights)
-        return np.einsum("iq,hiq->ih", self._weights, 1.0 - _free(self._mirrored[..., 2], heights, self.surface))
+        return self._met.leftover
 
     def apply(self, solution: np.ndarray) -> np.ndarray:
         """(azimuths, I, heights, ...): the unknown after this event, at the heights' nodes."""
@@ -187,39 +186,78 @@ class _Scatter:
         return result
 
 
-class _Rays:
-    """Rays of travel w (I, Q, 3) and weights (I, Q) after an event. In each row those that rise come first, then those that fall, and none that is empty."""
+@dataclass(frozen=True)
+class _Met:
+    """Facets that rays meet, the cosines (I, Q) between both, and the rays as mirrors turn them: alike for all channels of a metal."""
 
-    def __init__(self, surface: Microsurface, w: np.ndarray, weights: np.ndarray, detail: Detail):
-        part = np.where(weights > 0.0, w[..., 2] < 0.0, np.int8(2))
+    facets: Facets
+    cos: np.ndarray
+    mirrored: "_Rays"
+
+    @cached_property
+    def leftover(self) -> np.ndarray:
+        """As `_Scatter.leftover`."""
+        weights = self.facets.weights
+        return weights.sum(axis=1)[:, None] - self.mirrored.leaving(weights)[0, :, :, 0]
+
+
+# a surface's own directions and those of its collocation, in turns
+@lru_cache(maxsize=2)
+def _met(alpha: float, distribution: str, eta: float, cos_theta: tuple[float, ...], detail: Detail) -> _Met:
+    facets = visible_facets(np.array(cos_theta), alpha, distribution, MULTIPLE, detail.across, detail.along, eta)
+    cos = np.clip(facets.cos_om, 0.0, 1.0)
+    mirrored = 2.0 * cos[..., None] * facets.wm - facets.wo
+    return _Met(facets, cos, _Rays(alpha, distribution, mirrored, facets.weights > 0.0, detail))
+
+
+class _Rays:
+    """Rays of travel w (I, Q, 3) after an event, of which some are `lit` (I, Q). In each row those that rise come first, then those that fall, and none that is not."""
+
+    def __init__(self, alpha: float, distribution: str, w: np.ndarray, lit: np.ndarray, detail: Detail):
+        part = np.where(lit, w[..., 2] < 0.0, np.int8(2))
         self._ends = [np.count_nonzero(part <= last, axis=1) for last in (0, 1)]
-        order = np.argsort(part, axis=1, kind="stable")[:, : np.max(self._ends)]
-        x, y, self._z = (np.take_along_axis(component, order, axis=1) for component in np.moveaxis(w, -1, 0))
-        self._weights, self._across = np.take_along_axis(weights, order, axis=1), np.hypot(x, y)
-        self._surface, self._detail = surface, detail
+        self._order = np.argsort(part, axis=1, kind="stable")[:, : np.max(self._ends)]
+        x, y, self._z = (np.take_along_axis(component, self._order, axis=1) for component in np.moveaxis(w, -1, 0))
+        self._across = np.hypot(x, y)
+        self._alpha, self._distribution, self._detail = alpha, distribution, detail
         # the ray travelled along -x before
         self._turns = chebyshev(-x / np.maximum(self._across, 1e-12), detail.azimuths)
 
-    def at_directions(self) -> np.ndarray:
-        """(azimuths, I, directions): weights of the direction nodes, half of them up and half down."""
-        polar, half = np.arctan2(self._surface.alpha * self._across, self._z), self._detail.directions // 2
+    @cached_property
+    def _polar(self) -> np.ndarray:
+        """(directions / 2, I, Q) polynomials of the stretched polar angle, of rays up and of rays down."""
+        polar = np.arctan2(self._alpha * self._across, self._z)
         # the unknown jumps at the horizon: of two rays from the top, one leaves and one comes down again
-        basis = legendre(4.0 / np.pi * (polar - np.where(self._z < 0.0, 0.5 * np.pi, 0.0)) - 1.0, half) * self._weights
-        moments = np.empty((2, len(polar), len(self._turns), half))
+        return legendre(4.0 / np.pi * (polar - np.where(self._z < 0.0, 0.5 * np.pi, 0.0)) - 1.0, self._detail.directions // 2)
+
+    @cached_property
+    def _free(self) -> np.ndarray:
+        """(heights, I, Q): probability that a ray leaves."""
+        return _free(self._z, _node_heights(self._detail.heights), self._alpha, self._distribution)
+
+    @cached_property
+    def _shapes(self) -> np.ndarray:
+        """(moments, I, Q): polynomials of what leaves."""
+        return legendre(1.0 - 2.0 * np.square(self._z), self._detail.moments)
+
+    def at_directions(self, weights: np.ndarray) -> np.ndarray:
+        """(azimuths, I, directions): weights of the direction nodes, half of them up and half down, for rays of weights (I, Q)."""
+        half = self._detail.directions // 2
+        basis = self._polar * np.take_along_axis(weights, self._order, axis=1)
+        moments = np.empty((2, len(self._z), len(self._turns), half))
         for i, (rising, filled) in enumerate(zip(*self._ends)):
             for moment, rays in zip(moments, (slice(rising), slice(rising, filled))):
                 np.matmul(self._turns[:, i, rays], basis[:, i, rays].T, out=moment[i])
         return np.swapaxes(np.concatenate(moments @ _to_nodes(half), axis=-1), 0, 1)
 
-    def leaving(self, heights) -> np.ndarray:
-        """(azimuths, I, heights, moments): what leaves directly."""
-        free = self._weights * _free(self._z, heights, self._surface)
-        shapes = legendre(1.0 - 2.0 * np.square(self._z), self._detail.moments)
-        left = np.empty((len(self._z), len(self._turns), len(heights) * len(shapes)))
+    def leaving(self, weights: np.ndarray) -> np.ndarray:
+        """(azimuths, I, heights, moments): what leaves directly from the heights' nodes, of rays of weights (I, Q)."""
+        free, shapes = self._free * np.take_along_axis(weights, self._order, axis=1), self._shapes
+        left = np.empty((len(self._z), len(self._turns), len(free) * len(shapes)))
         for i, rising in enumerate(self._ends[0]):
             both = (free[:, None, i, :rising] * shapes[:, i, :rising]).reshape(left.shape[-1], rising)
             np.matmul(self._turns[:, i, :rising], both.T, out=left[i])
-        return np.swapaxes(left, 0, 1).reshape(len(self._turns), len(left), len(heights), -1)
+        return np.swapaxes(left, 0, 1).reshape(len(self._turns), len(left), len(free), -1)
 
 
 def _through(matrix, values) -> np.ndarray:
@@ -243,10 +281,10 @@ def _lambda(cos_theta, surface: Microsurface):
     return smith_lambda(np.abs(cos_theta), surface.alpha, surface.distribution)
 
 
-def _free(cos_theta, heights, surface: Microsurface) -> np.ndarray:
+def _free(cos_theta, heights, alpha: float, distribution: str) -> np.ndarray:
     """(len(heights), ...) probability that a ray of these cosines of travel leaves without another event."""
     log_c = np.log(heights).reshape(-1, *(1,) * np.ndim(cos_theta))
-    return np.where(cos_theta > 0.0, np.exp(np.maximum(_lambda(cos_theta, surface) * log_c, -700.0)), 0.0)
+    return np.where(cos_theta > 0.0, np.exp(np.maximum(smith_lambda(np.abs(cos_theta), alpha, distribution) * log_c, -700.0)), 0.0)
 
 
 def _path(start, cos_theta, surface: Microsurface) -> np.ndarray:

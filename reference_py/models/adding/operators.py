@@ -217,8 +217,8 @@ def _conductor_chunk(metals: list[ConductorFacet], cos_theta, alpha, distributio
         lobe = (cos_theta, n, alpha, distribution, surface, grid)
         single, white = _resolved_lobes(metals, *lobe, modes, resolution.left_out), _resolved_lobes([np.ones_like], *lobe, 1)[0][0].sum(axis=1)
     else:
-        # along the plane of incidence a draft needs as many, or loses 2 % of a foil's light
-        across = resolution.across if resolution.is_draft else 2 * resolution.across
+        # energies and drafts need fewer across the plane of incidence; along it a draft needs as many, or loses 2 % of a foil's light
+        across = 2 * resolution.across if resolution.modes > 1 and not resolution.is_draft else resolution.across
         facets = visible_facets(cos_theta, alpha, distribution, surface, across, 2 * resolution.along)
         wi, weights = facets.reflected()
         cos_om = facets.cos_om
