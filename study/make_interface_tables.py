@@ -42,7 +42,7 @@ _GAUSS = 24
 
 def lossless_reflectance(cos_theta: np.ndarray, alpha: float, eta: float, distribution: str) -> np.ndarray:
     """Directional reflectance (n,) of a rough interface for light at cosines (n,); alpha > 0, eta != 1."""
-    grid = Grid(tuple(sorted((1.0, eta))), _GRID_NODES)
+    grid = Grid.shared((1.0, eta), _GRID_NODES)
     single, multi, _ = dielectric_rows(DielectricFacet(1.0, eta), cos_theta, alpha, distribution, MULTIPLE, grid, _RESOLUTION)
     return (single + multi)[0].sum(axis=1)
 

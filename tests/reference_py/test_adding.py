@@ -114,7 +114,7 @@ def test_albedo_stays_physical_up_to_the_horizon(name, surface):
 def test_a_lobe_has_the_energy_of_its_facets(alpha, surface):
     """Two quadratures of one event, over outgoing directions and over facet normals, up to grazing."""
     cos = np.cos(np.radians([0.0, 45.0, 80.0, 88.0, 89.5, 89.99]))
-    lobe = operators._resolved_lobes([np.ones_like], cos, 1.0, alpha, "ggx", surface, Grid((1.0, 1.5), 32), 1)[0]
+    lobe = operators._resolved_lobes([np.ones_like], cos, 1.0, alpha, "ggx", surface, Grid.shared((1.0, 1.5), 32), 1)[0]
     seen = facets.visible_facets(cos, alpha, "ggx", surface, 64, 128).reflected()[1]
     np.testing.assert_allclose(lobe[0].sum(axis=1), seen.sum(axis=1), rtol=4e-4)
 
@@ -145,7 +145,7 @@ def test_thickness_zero_and_huge():
 
 
 def _parts():
-    grid, resolution = Grid((1.0, 1.3, 1.5, 1.8), 24), Resolution(2, 12, 24)
+    grid, resolution = Grid.shared((1.0, 1.3, 1.5, 1.8), 24), Resolution(2, 12, 24)
     return [
         interface_operators(DielectricFacet(above, below), alpha, "ggx", "multiple", grid, resolution).over_medium(
             Medium(operators.transmittance(grid, below, 0.1))
@@ -162,7 +162,7 @@ def test_adding_is_associative():
 
 
 def test_smooth_slab_is_the_sum_of_its_bounces():
-    grid, resolution = Grid((1.0, 1.5), 16), Resolution(1, 8, 8)
+    grid, resolution = Grid.shared((1.0, 1.5), 16), Resolution(1, 8, 8)
     front = interface_operators(DielectricFacet(1.0, 1.5), 0.0, "ggx", "multiple", grid, resolution)
     back = interface_operators(DielectricFacet(1.5, 1.0), 0.0, "ggx", "multiple", grid, resolution)
     slab: Layers = add(front, back)
@@ -448,7 +448,7 @@ def facets_lambda(cos, alpha):
 
 def test_lobes_between_the_grid_s_own_directions_are_those_of_any_directions():
     """The first are computed for one half of the pairs alone."""
-    grid = Grid((1.0, 1.5), 12)
+    grid = Grid.shared((1.0, 1.5), 12)
     cos = grid.cosines(1.5)
     lobe = (1.5, 0.3, "beckmann", "multiple", grid, 5)
     curves = [lambda c: fresnel_dielectric(c, 1.0 / 1.5), np.ones_like]

@@ -90,7 +90,7 @@ class LayerEnergies:
         return self._mean("r_down", self.n_below), self._mean("t_up", self.n_below)
 
     def _mean(self, name: str, n: float) -> np.ndarray:
-        return self.grid.weights[: self.grid.count(n)] @ self.nodal[name] / (np.pi * n * n)
+        return self.grid.weights(n) @ self.nodal[name] / (np.pi * n * n)
 
 
 @supports("model", features=(SCATTERING, THIN_FILM))
@@ -309,7 +309,7 @@ class Adding:
         remainder = {}
         for channel, _ in self._effective.channels():
             whole, specular, direct = self._reflection(0, channel, self._shape)
-            density = (whole - np.diag(specular) - direct) / self._shape_grid.weights[: len(specular)]
+            density = (whole - np.diag(specular) - direct) / self._shape_grid.weights(1.0)
             remainder[channel] = 0.5 * (density + np.swapaxes(density, -1, -2))
         return remainder
 

@@ -31,7 +31,7 @@ def operators_by_depth(
         is_clear = is_clear and interface.scattering is None
         if is_clear and resolution.modes > 1:
             through = through[: resolution.modes] @ own.t_down
-            resolution = _seen(resolution, through, grid.weights[: through.shape[-1]])
+            resolution = _seen(resolution, through, grid.weights(interface.n_below))
     return operators, resolution
 
 

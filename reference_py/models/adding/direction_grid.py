@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One direction grid for all media of a stack, in the transverse momentum s = n sin(theta).
+"""Directions in the media of a stack, in the transverse momentum s = n sin(theta).
 
-A smooth interface conserves s, so on this grid its operators are diagonal and exact. The measure s ds dphi is
+A smooth interface conserves s, so its operators are diagonal and exact where both its media have the same directions. The measure s ds dphi is
 n^2 cos(theta) dw: kernels per d2p = s ds dphi already hold the n^2 of basic radiance and are symmetric.
-The grid is cut where s equals an index (grazing in one medium, critical angle in the denser ones). On each panel
+A medium's are cut where s equals its index (grazing) or that of one near it (critical angles: `EffectiveStack.grid`). On each panel
 s^2 = a^2 + (b^2 - a^2) sin^2(psi) with Gauss nodes in psi makes the square roots at both ends smooth.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from math import ceil
 
 import numpy as np
 
@@ -20,18 +22,63 @@ _BLOCK = 8
 
 @dataclass(frozen=True)
 class Grid:
-    """`breaks`: increasing absolute indices of the stack; `nodes`: count on the first panel, 0 to breaks[0]."""
+    """`edges`: of each medium of a stack, the increasing indices at which its directions are cut, its own the last; `nodes`: count from 0 to 1."""
 
-    breaks: tuple[float, ...]
+    edges: tuple[tuple[float, ...], ...]
+    nodes: int
+
+    @classmethod
+    def shared(cls, indices: Iterable[float], nodes: int) -> "Grid":
+        """The same directions in all media of these indices, cut at each of them."""
+        cuts = sorted(set(indices))
+        return cls(tuple(tuple(cuts[: i + 1]) for i in range(len(cuts))), nodes)
+
+    @cached_property
+    def _media(self) -> dict[float, "_Medium"]:
+        return {edges[-1]: _Medium(edges, self.nodes) for edges in self.edges}
+
+    def count(self, n: float) -> int:
+        """Number N of nodes in a medium of index n."""
+        return self._media[n].starts[-1]
+
+    def s(self, n: float) -> np.ndarray:
+        """(N,) nodes in a medium of index n."""
+        return self._media[n].s
+
+    def weights(self, n: float) -> np.ndarray:
+        """(N,) integral of each node's basis function over d2p = 2 pi s ds in a medium of index n; they sum to pi n^2."""
+        return self._media[n].weights
+
+    def cosines(self, n: float) -> np.ndarray:
+        """(N,) cos(theta) of the nodes in a medium of index n, precise at grazing angles."""
+        return self._media[n].cosines
+
+    def interpolation(self, n: float, cos_theta: np.ndarray) -> np.ndarray:
+        """(I, N) weights that interpolate nodal values at the cosines (I,) in a medium of index n."""
+        return self._media[n].interpolation(cos_theta)
+
+    def project(self, n: float, directions: np.ndarray, modes: int, *weights: np.ndarray) -> list[np.ndarray]:
+        """For each array of weights (I, Q), rows (modes, I, N) of operators on nodal values.
+
+        They are sums of weights times cos(m turn) times the node's basis over end directions (I, Q, 3) in a medium of index n, sign of z ignored.
+        """
+        return self._media[n].project(directions, modes, *weights)
+
+
+@dataclass(frozen=True)
+class _Medium:
+    """Directions in a medium whose index is the last edge."""
+
+    edges: tuple[float, ...]
     nodes: int
 
     @cached_property
     def _panels(self) -> list[tuple[float, float, np.ndarray, np.ndarray]]:
         """(a, b, Gauss nodes in [-1, 1], weights) of each panel."""
-        panels, a = [], 0.0
-        for b in self.breaks:
+        panels, a, whole = [], 0.0, self.nodes * max(1.0, self.edges[0])
+        for b in self.edges:
             share = 1.0 - np.arcsin(a / b) / (0.5 * np.pi)
-            panels.append((a, b, *gauss_legendre(max(FEWEST_NODES, int(np.ceil(self.nodes * share))))))
+            panels.append((a, b, *gauss_legendre(max(FEWEST_NODES, ceil(whole * share)))))
             a = b
         return panels
 
@@ -40,49 +87,43 @@ class Grid:
         """Index of each panel's first node, and the total count at the end."""
         return [0, *np.cumsum([len(x) for _, _, x, _ in self._panels]).tolist()]
 
-    def count(self, n: float) -> int:
-        """Number of nodes with s < n; n is one of `breaks`."""
-        return self.starts[self.breaks.index(n) + 1]
-
     @cached_property
     def s(self) -> np.ndarray:
-        """(N,) nodes."""
+        """Nodes (N,)."""
         return np.concatenate([np.sqrt(a * a + (b * b - a * a) * np.square(np.sin(_psi(x)))) for a, b, x, _ in self._panels])
 
     @cached_property
     def weights(self) -> np.ndarray:
-        """(N,) integral of each node's basis function over d2p = 2 pi s ds; the first ones sum to pi n^2."""
+        """Integrals (N,) of the nodes' basis functions."""
         return np.concatenate([0.25 * np.pi**2 * (b * b - a * a) * np.sin(2.0 * _psi(x)) * w for a, b, x, w in self._panels])
 
-    def cosines(self, n: float) -> np.ndarray:
-        """(count(n),) cos(theta) of the nodes in a medium of index n, precise at grazing angles."""
-        inside = self._panels[: self.breaks.index(n) + 1]
-        return np.concatenate([np.sqrt((n * n - b * b) + (b * b - a * a) * np.square(np.cos(_psi(x)))) / n for a, b, x, _ in inside])
+    @cached_property
+    def cosines(self) -> np.ndarray:
+        """Cosines (N,) of the nodes."""
+        n = self.edges[-1]
+        return np.concatenate([np.sqrt((n * n - b * b) + (b * b - a * a) * np.square(np.cos(_psi(x)))) / n for a, b, x, _ in self._panels])
 
-    def interpolation(self, n: float, cos_theta: np.ndarray) -> np.ndarray:
-        """(I, count(n)) weights that interpolate nodal values at the cosines (I,) in a medium of index n."""
+    def interpolation(self, cos_theta: np.ndarray) -> np.ndarray:
+        """Weights (I, N) of the nodes at cosines (I,)."""
         cos2 = np.square(np.asarray(cos_theta, float))
-        rows = np.zeros((len(cos2), self.count(n)))
-        panel = self._panel(n, 1.0 - cos2)
-        for p, (start, end) in enumerate(zip(self.starts, self.starts[1 : panel.max(initial=-1) + 2])):
+        rows = np.zeros((len(cos2), self.starts[-1]))
+        panel = self._panel(1.0 - cos2)
+        for p, (start, end) in enumerate(zip(self.starts, self.starts[1:])):
             here = panel == p
-            rows[here, start:end] = self._basis(p, n, 1.0 - cos2[here], cos2[here]).T @ self._to_nodes(p)
+            rows[here, start:end] = self._basis(p, 1.0 - cos2[here], cos2[here]).T @ self._to_nodes(p)
         return rows
 
-    def project(self, n: float, directions: np.ndarray, modes: int, *weights: np.ndarray) -> list[np.ndarray]:
-        """For each array of weights (I, Q), rows (modes, I, count(n)) of operators on nodal values.
-
-        They are sums of weights times cos(m turn) times the node's basis over end directions (I, Q, 3) in a medium of index n, sign of z ignored.
-        """
-        (count, size), panels = weights[0].shape, self.breaks.index(n) + 1
+    def project(self, directions: np.ndarray, modes: int, *weights: np.ndarray) -> list[np.ndarray]:
+        """`Grid.project` in this medium."""
+        (count, size), panels = weights[0].shape, len(self.edges)
         lit = np.flatnonzero(np.any(weights, axis=0))
         x, y, z = directions.reshape(-1, 3)[lit].T
         # by row, and in a row by panel
-        cell = lit // size * panels + self._panel(n, x * x + y * y)
+        cell = lit // size * panels + self._panel(x * x + y * y)
         order = np.argsort(cell, kind="stable")
         x, y, z = x[order], y[order], z[order]
         sin2, cos2, panel = x * x + y * y, z * z, cell[order] % panels
-        bases = [self._basis(p, n, sin2[panel == p], cos2[panel == p]) for p in range(panels)]
+        bases = [self._basis(p, sin2[panel == p], cos2[panel == p]) for p in range(panels)]
         counts = np.bincount(cell, minlength=count * panels).reshape(count, panels)
         ends, columns = np.cumsum(counts).reshape(counts.shape), np.cumsum(counts, axis=0)
         # travel of the walker, which starts along -x: the cosine of the azimuth by which the interface turned it
@@ -101,13 +142,13 @@ class Grid:
         rows = np.concatenate([moment @ self._to_nodes(p) for p, moment in enumerate(moments)], axis=-1)
         return list(rows)
 
-    def _panel(self, n: float, sin2: np.ndarray) -> np.ndarray:
-        """(P,) number of the panel of directions whose squared sine is this in a medium of index n."""
-        return np.searchsorted(np.square(self.breaks[: self.breaks.index(n)]), n * n * sin2, side="right")
+    def _panel(self, sin2: np.ndarray) -> np.ndarray:
+        """(P,) number of the panel of directions whose squared sine is this."""
+        return np.searchsorted(np.square(self.edges[:-1]), self.edges[-1] ** 2 * sin2, side="right")
 
-    def _basis(self, p: int, n: float, sin2: np.ndarray, cos2: np.ndarray) -> np.ndarray:
+    def _basis(self, p: int, sin2: np.ndarray, cos2: np.ndarray) -> np.ndarray:
         """(nodes of panel p, P) Legendre polynomials at directions on it."""
-        a, b, nodes, _ = self._panels[p]
+        (a, b, nodes, _), n = self._panels[p], self.edges[-1]
         rise = np.sqrt(np.maximum(n * n * sin2 - a * a, 0.0))
         fall = np.sqrt(np.maximum(b * b - n * n + n * n * cos2, 0.0))
         return legendre(4.0 / np.pi * np.arctan2(rise, fall) - 1.0, len(nodes))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A stack as adding reads it: interfaces that do something, the media between them, the base, channel by channel."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +13,10 @@ from ...optics.microfacet import is_specular
 from ...optics.optical_stack import OpticalStack
 from .assembly import Medium
 from .direction_grid import Grid
-from .operators import Resolution, conductor_rows, lambert_rows, oren_nayar_rows, scattering_medium, transmittance
+from .operators import RESOLVED, Resolution, conductor_rows, lambert_rows, oren_nayar_rows, scattering_medium, transmittance
+
+# Wide interfaces through which a root of radiance still shows. With 1, f of three of them moves by up to 1 % of itself; with 3, by less than 2e-5.
+_BLURS = 2
 
 
 @dataclass(frozen=True)
@@ -47,8 +51,18 @@ class EffectiveStack:
         return cls(tau_above, tuple(kept), tuple(taus), optics.base)
 
     def grid(self, nodes: int) -> Grid:
-        """Directions in all media, vacuum included; `nodes` from the normal to grazing in the thinnest."""
-        return Grid(tuple(sorted({1.0, *(i.n_below for i in self.interfaces)})), nodes)
+        """Directions in all media, vacuum included; `nodes` from the normal to s = 1.
+
+        Where light grazes a medium, or is about to be reflected totally at its end, radiance has a root, at which directions are cut. Smooth interfaces
+        hand roots on, and so do those whose lobes are narrower than the nodes are apart; of what passes `_BLURS` wide ones nothing shows.
+        """
+        narrow = [i for i in self.interfaces if i.alpha * nodes < RESOLVED]
+        roots = {n: {n} for n in (1.0, *(i.n_below for i in self.interfaces))}
+        for passed in range(_BLURS + 1):
+            roots = _handed_on(roots, self.interfaces) if passed else roots
+            for _ in narrow:
+                roots = _handed_on(roots, narrow)
+        return Grid(tuple(tuple(sorted(root for root in roots[n] if root <= n)) for n in sorted(roots)), nodes)
 
     def narrowest_lobe(self) -> float:
         """Width in s of the narrowest lobe that passes a rough interface and is reflected below; infinite without any.
@@ -96,6 +110,15 @@ class EffectiveStack:
         if above.scattering is None or above.scattering.albedo[channel] == 0.0:
             return Medium(transmittance(grid, above.n_below, tau))
         return scattering_medium(above.n_below, tau, float(above.scattering.albedo[channel]), above.scattering.g, grid, modes)
+
+
+def _handed_on(roots: dict[float, set[float]], interfaces: Iterable[Interface]) -> dict[float, set[float]]:
+    """By index of a medium, its roots and those of the media beyond these interfaces."""
+    met = {n: set(own) for n, own in roots.items()}
+    for i in interfaces:
+        met[i.n_above] |= roots[i.n_below]
+        met[i.n_below] |= roots[i.n_above]
+    return met
 
 
 def base_rows(base: DiffuseBase | ConductorBase, channel: int, cos_theta: np.ndarray, surface: str, grid: Grid, resolution: Resolution):

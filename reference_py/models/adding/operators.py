@@ -3,7 +3,7 @@
 
 A row belongs to the direction in which a walker arrives (from the viewer), a column to the one in which it leaves:
 (K g)(i) = sum_j K[i, j] g(j) for a radiance g / n^2. So rows sum to directional energies, and by reciprocity
-K[i, j] / grid.weights[j] is symmetric between the two sides. Azimuth is that of travel: a mirror turns by 0.
+K[i, j] / weights[j] is symmetric between the two sides. Azimuth is that of travel: a mirror turns by 0.
 """
 
 from collections.abc import Callable, Sequence
@@ -28,7 +28,7 @@ from .facets import MULTIPLE, dielectric_reflected, dielectric_refracted, seen_b
 _OREN_NAYAR_AZIMUTHS = 128
 # A reflected lobe of alpha * nodes above this is resolved by the grid; it is integrated over so many azimuths + 2 modes, and 2 more for
 # up to so many of the modes that are left out.
-_RESOLVED, _LOBE_AZIMUTHS, _MORE = 2.0, 24, 8
+RESOLVED, _LOBE_AZIMUTHS, _MORE = 2.0, 24, 8
 # Below this alpha multiple scattering has no part in f, nor, in a draft, in what the grid holds of f.
 _SPIKE, _DRAFT_SPIKE = 0.01, 0.05
 # Directions and pairs of them handled at once, which bounds memory.
@@ -64,7 +64,7 @@ class InterfaceOperators(Layers):
 
 @lru_cache(maxsize=24)
 def interface_operators(facet: DielectricFacet, alpha, distribution, surface, grid: Grid, resolution: Resolution) -> InterfaceOperators:
-    """Operators of a dielectric interface of such facets, met from above; both their indices are among grid.breaks."""
+    """Operators of a dielectric interface of such facets, met from above; the grid has both their indices."""
     if is_specular(alpha):
         return _specular_operators(facet, grid, resolution.modes)
     setup = (alpha, distribution, surface, grid, resolution)
@@ -75,7 +75,7 @@ def interface_operators(facet: DielectricFacet, alpha, distribution, surface, gr
     else:
         # rows from above average the noise of few facets per mode, and by reciprocity say the way up
         single_down, multi_down, _ = dielectric_rows(facet.turned, below_cosines, *setup, transmits=False)
-        above, below = (grid.weights[: grid.count(n)] for n in (facet.n_own, facet.n_other))
+        above, below = (grid.weights(n) for n in (facet.n_own, facet.n_other))
         t_up = np.swapaxes(t_down, -1, -2) * above / below[:, None]
     return InterfaceOperators(single + multi, t_down, single_down + multi_down, t_up, single)
 
@@ -150,9 +150,9 @@ def knows_two_events(surface: str, alpha: float, resolution: Resolution) -> bool
 
 def _spread(moments, grid: Grid, n: float) -> np.ndarray:
     """Rows (modes, I, N) whose energy over d2p has the Legendre moments (modes, I, K) in 1 - 2 cos^2."""
-    count, order = grid.count(n), np.arange(moments.shape[-1])
-    shapes = legendre(2.0 * np.square(grid.s[:count] / n) - 1.0, len(order)) * (2.0 * order + 1.0)[:, None]
-    return moments @ shapes * grid.weights[:count] / (np.pi * n * n)
+    order = np.arange(moments.shape[-1])
+    shapes = legendre(2.0 * np.square(grid.s(n) / n) - 1.0, len(order)) * (2.0 * order + 1.0)[:, None]
+    return moments @ shapes * grid.weights(n) / (np.pi * n * n)
 
 
 def transmittance(grid: Grid, n: float, tau: float) -> np.ndarray:
@@ -162,9 +162,9 @@ def transmittance(grid: Grid, n: float, tau: float) -> np.ndarray:
 
 @lru_cache(maxsize=24)
 def scattering_medium(n: float, tau: float, albedo: float, g: float, grid: Grid, modes: int) -> ScatteringMedium:
-    """A medium of index n, among grid.breaks, that scatters this share of what it does not let pass."""
-    cosines, count = grid.cosines(n), grid.count(n)
-    weights = grid.weights[:count] / (2.0 * np.pi * n * n * cosines)
+    """A medium of index n, of the grid, that scatters this share of what it does not let pass."""
+    cosines = grid.cosines(n)
+    weights = grid.weights(n) / (2.0 * np.pi * n * n * cosines)
     own = slab(cosines, weights, tau, albedo, g, modes, phase_terms(grid, n))
     return ScatteringMedium(own.passed, own)
 
@@ -177,7 +177,7 @@ def phase_terms(grid: Grid, n: float) -> int:
 def lambert_rows(color: float, n: float, count: int, grid: Grid, modes: int) -> np.ndarray:
     """Rows (modes, count, N) of an ideally diffuse base below a medium of index n."""
     rows = np.zeros((modes, count, grid.count(n)))
-    rows[0] = color * grid.weights[: grid.count(n)] / (np.pi * n * n)
+    rows[0] = color * grid.weights(n) / (np.pi * n * n)
     return rows
 
 
@@ -189,7 +189,7 @@ def oren_nayar_rows(color: float, sigma_deg: float, n: float, cos_theta, grid: G
     wi = spherical(np.arccos(grid.cosines(n))[:, None], np.pi - phi)
     f = oren_nayar(wi, wo, np.full(3, color), sigma_deg)[..., 0]
     harmonics = np.cos(np.arange(modes)[:, None] * phi) / len(phi)
-    return np.einsum("mp,ijp->mij", harmonics, f) * grid.weights[: grid.count(n)] / (n * n)
+    return np.einsum("mp,ijp->mij", harmonics, f) * grid.weights(n) / (n * n)
 
 
 def conductor_rows(metals: tuple[ConductorFacet, ...], cos_theta, alpha, distribution, surface, grid: Grid, resolution: Resolution):
@@ -237,7 +237,7 @@ def _conductor_chunk(metals: list[ConductorFacet], cos_theta, alpha, distributio
 
 
 def _is_resolved(alpha: float, grid: Grid) -> bool:
-    return alpha * grid.nodes >= _RESOLVED
+    return alpha * grid.nodes >= RESOLVED
 
 
 def _resolved_lobes(curves: Sequence[Callable], cos_theta, n, alpha, distribution, surface, grid: Grid, modes: int, left_out: int = 0) -> list[np.ndarray]:
@@ -256,7 +256,7 @@ def _resolved_lobes(curves: Sequence[Callable], cos_theta, n, alpha, distributio
         f[:, :, o, i] = _lobe_modes(curves, cos_theta[o], nodes[i], alpha, distribution, modes, _azimuths(curves, modes, left_out))
     if len(own) < len(cos_theta) * len(nodes):
         f[:, :, other, own] = f[:, :, own, other]
-    known = seen_by_both(cos_theta[:, None], nodes, alpha, distribution, surface) * grid.weights[: len(nodes)] / (n * n)
+    known = seen_by_both(cos_theta[:, None], nodes, alpha, distribution, surface) * grid.weights(n) / (n * n)
     return list(f * known)
 
 
