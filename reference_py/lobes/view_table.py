@@ -42,12 +42,16 @@ def interpolate(table: np.ndarray, cos_theta_o: np.ndarray) -> np.ndarray:
     """Values (..., c) of a table (KNOTS, c) at view cosines (...)."""
     place = np.sqrt(np.clip(cos_theta_o, 0.0, 1.0)) * (KNOTS - 1.0)
     cell = np.minimum(place.astype(int), KNOTS - 2)
-    t = (place - cell)[..., None]
-    low, high = table.take(cell, axis=0), table[1:].take(cell, axis=0)
-    low *= 1.0 - t
-    high *= t
-    low += high
-    return low
+    place -= cell
+    columns = table.T
+    # column by column, which is fastest
+    values = np.empty((len(columns), *cell.shape))
+    for i, (low, rise) in enumerate(zip(columns, columns[:, 1:] - columns[:, :-1])):
+        value = values[i, ...]
+        rise.take(cell, out=value, mode="clip")
+        value *= place
+        value += low.take(cell, mode="clip")
+    return np.moveaxis(values, 0, -1)
 
 
 def weight_at(table: np.ndarray, cos_theta_o: np.ndarray, phi: np.ndarray | float, axis: float | None) -> np.ndarray:

@@ -32,6 +32,7 @@ from . import DEFAULT_METHOD, make_lobe_set
 
 # Share of its weight that a lobe keeps where its Fresnel factor vanishes, as the factor rises around that view.
 _LEAST_SHARE = 1e-3
+_MEAN = np.full(3, 1.0 / 3.0)
 # Directions drawn at once: so many stay in a processor's cache.
 _AT_ONCE = 1 << 14
 
@@ -82,8 +83,11 @@ class ClosureModel:
     def _draw(self, wo: np.ndarray, wi: np.ndarray, rng: np.random.Generator) -> None:
         """Write one direction per wo into wi, both (n, 3), where a lobe is picked."""
         lobes, shares = self._finite_lobes(wo)
-        picked = rng.random(len(wo))
-        chosen = sum((picked >= bound for bound in np.cumsum(shares, axis=0)[:-1]), np.zeros(len(wo), int))
+        picked, chosen = rng.random(len(wo)), np.zeros(len(wo), np.int8)
+        bound = np.zeros(len(wo))
+        for share in shares[:-1]:
+            bound += share
+            chosen += picked >= bound
         for i, lobe in enumerate(lobes):
             rows = np.flatnonzero(chosen == i)
             if len(rows):
@@ -102,7 +106,11 @@ class ClosureModel:
         lobes = [lobe for lobe in self.lobe_set.lobes(cos_o, azimuth(wo)) if not (isinstance(lobe, GlossyLobe) and is_specular_lobe(lobe))]
         shares = np.ones((len(lobes), len(wo)))
         for share, lobe in zip(shares, lobes):
-            share[:] = (lobe.weight * _reflectance(lobe, cos_o)) @ np.full(3, 1.0 / 3.0)
+            reflectance = _reflectance(lobe, cos_o)
+            if reflectance.shape[-1] == 1:
+                np.multiply(lobe.weight @ _MEAN, reflectance[..., 0], out=share)
+            else:
+                share[:] = (lobe.weight * reflectance) @ _MEAN
         total = np.sum(shares, axis=0)
         shares[:, total <= 0.0] = 1.0
         shares /= np.where(total > 0.0, total, len(lobes))
@@ -110,9 +118,9 @@ class ClosureModel:
 
 
 def _reflectance(lobe, cos_o):
-    """What a lobe of weight 1 reflects, about."""
+    """What a lobe of weight 1 reflects, about: (..., 1) where it is the same in all channels, or (..., 3)."""
     if isinstance(lobe, DiffuseLobe):
-        return 1.0 if lobe.color is None else np.array(lobe.color)
+        return np.ones(1) if lobe.color is None else np.array(lobe.color)
     return np.maximum(fresnel(lobe, cos_o), _LEAST_SHARE)
 
 
@@ -120,7 +128,7 @@ def _at(lobe, rows: np.ndarray, count: int):
     """What `_sample_lobe` needs of a lobe at some of its `count` views."""
     if isinstance(lobe, DiffuseLobe):
         return lobe
-    widths = {name: value[rows] if np.shape(value) == (count,) else value for name in ("alpha_x", "alpha_y", "tilt") for value in (getattr(lobe, name),)}
+    widths = {name: value.take(rows) if np.shape(value) == (count,) else value for name in ("alpha_x", "alpha_y", "tilt") for value in (getattr(lobe, name),)}
     return replace(lobe, **widths)
 
 
