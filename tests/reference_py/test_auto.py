@@ -134,11 +134,12 @@ def test_what_is_hopeless_is_not_made_good(offered):
     assert [candidate.label for candidate in told.tried] == ["weidlich_wilkie", "analytic", "baked, 2 glossy", "baked, 3 glossy"]
 
 
-def test_where_no_bake_is_good_the_hopeless_are_looked_at_while_they_are_as_close(offered):
-    errors = {1: 0.3, 2: 0.25, 3: 0.1, 4: 0.102}
+@pytest.mark.parametrize("least_of_2, looked_at", [(0.05, [4, 3, 2]), (0.1, [4, 3])], ids=["perhaps", "surely not"])
+def test_where_no_bake_is_good_the_hopeless_are_looked_at_while_they_may_be_as_close(offered, least_of_2, looked_at):
+    errors, least = {1: 0.3, 2: 0.25, 3: 0.1, 4: 0.102}, {1: 0.05, 2: least_of_2, 3: 0.05, 4: 0.05}
     bakes = {f"baked, {k} glossy": (1.0 + 0.1 * k, error, error) for k, error in errors.items()}
-    told = offered({"weidlich_wilkie": (1.2, WORST, WORST), "analytic": (3.0, WORST, WORST), **bakes}, least=dict.fromkeys(errors, 0.05))
-    assert [candidate.label for candidate in told.tried[2:]] == ["baked, 4 glossy", "baked, 3 glossy", "baked, 2 glossy"]
+    told = offered({"weidlich_wilkie": (1.2, WORST, WORST), "analytic": (3.0, WORST, WORST), **bakes}, least=least)
+    assert [candidate.label for candidate in told.tried[2:]] == [f"baked, {k} glossy" for k in looked_at]
     assert told.chosen.label == "baked, 3 glossy"
 
 

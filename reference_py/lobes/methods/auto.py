@@ -33,8 +33,8 @@ from .paper import PaperLobes
 NAME = AUTO
 # Errors that differ by less than this share of them are as good: the cheaper one is taken.
 _AS_CLOSE = 0.05
-# Where `Baker.least_soft_light` is above so much of the tolerance a bake need not be made good to know that it is not.
-_SURELY = 0.85
+# A bake is expected to be off by so many times `Baker.least_soft_light`, and surely by the second.
+_LIKELY, _SURELY = 1.6, 1.15
 # Of albedos with anisotropy: azimuths, views, and walks for each.
 _AZIMUTHS = np.radians([0.0, 45.0, 90.0, 135.0])
 _FEW, _WALKS = 4, 1 << 15
@@ -69,7 +69,7 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
             judge(method, lobe_set(stack))
     if not live:
         baker = Baker(stack, truth)
-        _try_bakes(baker, glossy, tolerance, lambda count: baker.least_soft_light(count, cosines, light_deg) > _SURELY * tolerance, judge)
+        _try_bakes(baker, glossy, tolerance, lambda count: baker.least_soft_light(count, cosines, light_deg), judge)
     report(1.0)
     (chosen, lobe_set), reason = _best(tried, tolerance)
     if not can_bake:
@@ -77,23 +77,24 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
     return Choice(chosen, lobe_set, tuple(candidate for candidate, _ in tried), reason)
 
 
-def _try_bakes(baker: Baker, glossy: int, tolerance: float, is_hopeless: Callable[[int], bool], judge: Callable[[str, object], float]) -> None:
-    """Judge bakes with ever more glossy lobes until one is within the tolerance. If none is, those that were left out as hopeless too, from
-    the last on, while they are as close as the closest."""
+def _try_bakes(baker: Baker, glossy: int, tolerance: float, least_error: Callable[[int], float], judge: Callable[[str, object], float]) -> None:
+    """Judge bakes with ever more glossy lobes until one is within the tolerance. Those that by their `least_error` will hardly be are left out, and if none is
+    judged too, from the last on, while they are as close as the closest."""
     most, left_out, least = min(glossy, baker.most_glossy), [], np.inf
 
     def error(count: int) -> float:
         return judge(f"baked, {count} glossy", baker.lobe_set(baker.path(count, known=True)))
 
     for count in range(1, most + 1):
-        if count < most and is_hopeless(count):
+        if count < most and _LIKELY * least_error(count) > tolerance:
             left_out.append(count)
             continue
         least = min(least, error(count))
         if least <= tolerance:
             return
     for count in reversed(left_out):
-        if (now := error(count)) > least * (1.0 + _AS_CLOSE):
+        close = least * (1.0 + _AS_CLOSE)
+        if _SURELY * least_error(count) > close or (now := error(count)) > close:
             return
         least = min(least, now)
 
