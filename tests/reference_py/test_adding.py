@@ -491,3 +491,13 @@ def test_between_two_edges_facets_do_not_reflect_totally(alpha):
     for edge in edges:
         inside = (edge > low + 1e-9) & (edge < 0.5 * np.pi - 1e-9)
         assert np.any(inside) and np.allclose(cosine(edge)[inside], least, atol=1e-9)
+
+
+def test_many_views_of_few_pairs_are_one_view_after_the_other():
+    rng = np.random.default_rng(0)
+    theta_o, theta_i, phi = 1.5 * rng.random(300), 1.5 * rng.random(300), 6.0 * rng.random(300)
+    theta_o[:3] = 0.0
+    wo, wi = spherical(theta_o, 0.0), spherical(theta_i, phi)
+    model = Adding(stack({"kind": "conductor", "metal": "gold", "roughness": 0.4}, coat(1.5, 0.1)), nodes=12, modes=20)
+    single = np.concatenate([model.f(o, i) for o, i in zip(wo[:, None], wi[:, None])])
+    np.testing.assert_allclose(model.f(wo, wi), single, rtol=1e-9)

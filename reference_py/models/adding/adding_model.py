@@ -56,6 +56,8 @@ _RESOLVED_WIDTH = 0.1
 _NODES_PER_WIDTH, _MOST_NODES = 4.5, 48
 # A draft's nodes where none of its lobes wants more, and its modes without and with a narrow surface.
 _DRAFT_NODES, _DRAFT_MODES = 24, (24, 48)
+# Views with fewer pairs of directions than this in the mean are taken together, so many pairs at once: a processor's cache holds them.
+_PAIRS_OF_A_VIEW, _AT_ONCE = 4, 128
 
 
 @dataclass(frozen=True)
@@ -292,14 +294,18 @@ class Adding:
         both = np.where(sines > 1e-6, 2.0, 0.0)
         result = np.zeros((len(wo), self.channels))
         densities = [(members, self._remainder[channel]) for channel, members in self._effective.channels()]
-        # one product per view: rows of all modes at once, of points that a processor's cache holds
         order = np.argsort(which_o, kind="stable")
-        for view, here in enumerate(np.split(order, np.cumsum(np.bincount(which_o))[:-1])):
+        for here in _parts(which_o[order], len(cos_o)):
+            here = order[here]
             harmonics = chebyshev(turn[here], self._shape.modes)
             harmonics[1:] *= both[here]
-            rows = at_i[which_i[here]]
+            rows, views = at_i[which_i[here]], at_o[which_o[here]]
             for members, density in densities:
-                value = np.einsum("qm,mq->q", rows @ (at_o[view] @ density).T, harmonics)
+                if which_o[here[0]] == which_o[here[-1]]:
+                    # one view: rows of all modes at once
+                    value = np.einsum("qm,mq->q", rows @ (views[0] @ density).T, harmonics)
+                else:
+                    value = np.sum(np.einsum("mqn,mq->qn", views @ density, harmonics) * rows, axis=1)
                 result[np.ix_(here, members)] = value[:, None]
         return result
 
@@ -312,6 +318,15 @@ class Adding:
             density = (whole - np.diag(specular) - direct) / self._shape_grid.weights(1.0)
             remainder[channel] = 0.5 * (density + np.swapaxes(density, -1, -2))
         return remainder
+
+
+def _parts(views: np.ndarray, count: int) -> list[slice]:
+    """Slices of sorted numbers of `count` views that are worth one product each: all pairs of a view, or many views of few pairs."""
+    if len(views) > _PAIRS_OF_A_VIEW * count:
+        ends = np.cumsum(np.bincount(views)).tolist()
+    else:
+        ends = [*range(_AT_ONCE, len(views), _AT_ONCE), len(views)]
+    return [slice(start, end) for start, end in zip([0, *ends], ends)]
 
 
 def _whole(name: str, value, low: int, high: int) -> int:
