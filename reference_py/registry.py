@@ -11,6 +11,7 @@ its options, and an example, which needs these imports:
 [0.096, 0.243, 0.366]
 """
 
+from functools import cache
 from inspect import signature
 from typing import Any
 
@@ -33,6 +34,7 @@ OLD_NAMES = {"mirror": ClosureModel.name}
 _OLD_OPTIONS = {ClosureModel.name: {"tier": "method"}}
 
 
+@cache
 def model_options(name: str) -> tuple[str, ...]:
     """Names of the options of a model of `MODELS`: what its class takes beside the stack."""
     return tuple(signature(MODELS[name]).parameters)[1:]

@@ -2,8 +2,9 @@
 """How well data determine parameters: standard errors, and the names of those that are not determined.
 
 The Jacobian tells how far values may move in a straight line. Valleys are curved, so each value that may move far is also
-pinned at other places while the others are fitted again, on the stand-in plus its discrepancy (a profile likelihood). There may also be
-several valleys: what fits from other starts disagree on, though they are as good as far as the stand-in can tell, is not
+pinned at other places while the others are fitted again, on the stand-in plus its discrepancy (a profile likelihood), and so
+is each value that would be called determined, unless its error is too small for any curve: an edge color near 1 changes a metal so
+fast that derivatives there are sure of it, and .4 may fit as well. There may also be several valleys: what fits from other starts disagree on, though they are as good as far as the stand-in can tell, is not
 determined either: else wrong ones are called determined below two layers (tests/reference_py/test_fit.py, "disagree").
 """
 
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .fitting import Fit, rough_fits
-from .forward import MODEL_ERROR, stand_in
+from .forward import MODEL_ERROR, Forward, stand_in
 from .metric import rms
 from .profile_likelihood import COHERENT_ERROR, MOST_ALIKE, pinned, straight, weakly_determined
 from .readers.measurement import half_angles
@@ -24,6 +25,8 @@ _AT_BOUND, _MOST_PAIRS = 1e-4, 1500
 _PLACES = (0.1, 0.5, 0.9, 1.0)
 # Starts of other fits.
 _STARTS = 8
+# Parts of its value where one that would be called determined is pinned; below this part of `OF_VALUE` a number that is no color needs none.
+_PARTS, _CERTAIN = (0.8, 0.5, 1.25), 0.2
 
 
 @dataclass(frozen=True)
@@ -72,20 +75,24 @@ def certainty(fit: Fit) -> list[Value]:
     rows, pairs = len(fit.residual), len(fit.metric.measurement.f)
     alike = pairs / independent_pairs(fit)
     deviation = np.sqrt(alike * rows / max(rows - p.size, 1)) * fit.error
-    error = straight(fit.jacobian, max(deviation, COHERENT_ERROR))
-    error = np.maximum(error, _reach(fit, error))
+    deviation = max(deviation, COHERENT_ERROR)
+    coarse, _ = stand_in(fit.model, p, fit.metric)
+    # derivatives of the model at one place and of the stand-in at another, together, are sure of what neither knows
+    error = np.maximum(straight(fit.jacobian, deviation), straight(coarse.jacobian(fit.x), deviation))
+    error = np.maximum(error, _reach(coarse, fit, error))
     values, widths = p.values(fit.x), p.ranges()
     curved = np.repeat([g.is_color for g in p.groups], [len(g.index) for g in p.groups])
     spread = np.minimum(p.slopes(fit.x) * error + np.where(curved, widths * np.square(error), 0.0), widths)
     bound = (fit.x <= _AT_BOUND) | (fit.x >= 1.0 - _AT_BOUND)
     spread = np.maximum(spread, _disagreement(fit))
+    for i in np.flatnonzero((spread <= OF_VALUE * np.abs(values)) & (curved | (spread > _CERTAIN * OF_VALUE * np.abs(values)))):
+        spread[i] = max(spread[i], _profile_error(coarse, fit, int(i), deviation))
     known = spread <= OF_VALUE * np.abs(values)
     return [Value(*row) for row in zip(p.names, values.tolist(), spread.tolist(), known.tolist(), bound.tolist())]
 
 
-def _reach(fit: Fit, error: np.ndarray) -> np.ndarray:
+def _reach(coarse: Forward, fit: Fit, error: np.ndarray) -> np.ndarray:
     """(p,) how far coordinates move where weakly determined ones are pinned and the data are met as well, as far as models go."""
-    coarse, _ = stand_in(fit.model, fit.parameters, fit.metric)
     reach = np.zeros(len(error))
     for group in fit.parameters.groups:
         which = np.intersect1d(weakly_determined(error), group.index)
@@ -96,9 +103,24 @@ def _reach(fit: Fit, error: np.ndarray) -> np.ndarray:
     return reach
 
 
+def _profile_error(coarse: Forward, fit: Fit, i: int, deviation: float) -> float:
+    """The standard error of value i by how much worse the data are met where it is pinned elsewhere, of residuals of some deviation.
+
+    The largest of a few places; past the bound of what is determined no further place is looked at.
+    """
+    group = next(g for g in fit.parameters.groups if i in g.index)
+    value, worst = float(fit.parameters.values(fit.x)[i]), 0.0
+    for place in value * np.array(_PARTS):
+        if group.range[0] <= place <= group.range[1] and worst <= OF_VALUE * abs(value):
+            found = pinned(coarse, fit.residual, fit.x, np.array([i]), float(group.coordinate(place)))
+            rise = found.cost - float(fit.residual @ fit.residual)
+            worst = max(worst, abs(place - value) * min(deviation / np.sqrt(max(rise, 1e-30)), 1.0))
+    return worst
+
+
 def _disagreement(fit: Fit) -> np.ndarray:
     """(p,) how far values of fits from several starts lie apart, of those that are as good as far as the stand-in can tell."""
-    found = rough_fits(fit.metric, fit.structure, fit.model, _STARTS, np.random.default_rng(0))
+    found = [solution for _, solution in rough_fits(fit.metric, [fit.structure], fit.model, _STARTS, np.random.default_rng(0))]
     as_good = np.hypot(rms(found[0].residual), max(rms(fit.discrepancy), MODEL_ERROR))
     near = [other.x for other in found if rms(other.residual) <= as_good]
     return np.ptp([fit.parameters.values(x) for x in near], axis=0)

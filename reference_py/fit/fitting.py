@@ -21,12 +21,14 @@ from .prior import FINE, POLISHED, ROUGH, pulled
 from .profile_likelihood import pinned, straight, weakly_determined
 from .readers.measurement import Measurement, subsample
 from .solve import Solution
-from .starts import best_starts
+from .starts import are_apart, best_starts
 
 SAMPLES, STARTS, STEPS = 500, 4, 8
 # Steps before the model's own derivatives are worth their time.
 _FIRST_STEPS = 5
-_ROUGH_SAMPLES, _ROUGH_STEPS, _ROUGH_TOLERANCE = 200, 20, 3e-3
+_ROUGH_SAMPLES, _ROUGH_STEPS, _ROUGH_TOLERANCE = 200, 32, 3e-3
+# Fits of the stand-in within this many times the least cost are looked at with the model itself, at most so many.
+_AS_NEAR, _MOST_NEAR = 2.0, 3
 _DIRECT_STEPS, _CORRECTED_STEPS = 60, 8
 # Trust region of the first corrected step, in coordinates, and the least move that counts.
 _RADIUS, _STILL, _LEAST_RADIUS = 0.25, 2e-5, 1e-3
@@ -86,6 +88,15 @@ class Fit:
         return self.parameters.stack(self.x, self.structure.name.capitalize(), text)
 
 
+@dataclass(frozen=True)
+class Start:
+    """Where a fit of the model itself begins: coordinates (p,), and what the model says there, (m,) compressed, if it was asked."""
+
+    structure: Structure
+    x: np.ndarray
+    value: np.ndarray | None = None
+
+
 def subsampled(measurement: Measurement, samples: int = SAMPLES, seed: int = 0) -> Metric:
     """The metric on at most `samples` pairs."""
     return Metric(subsample(measurement, samples, np.random.default_rng(seed)))
@@ -93,48 +104,67 @@ def subsampled(measurement: Measurement, samples: int = SAMPLES, seed: int = 0) 
 
 def rough_fits(
     metric: Metric,
-    structure: Structure,
+    structures: Sequence[Structure],
     model: str,
     starts: int,
     rng: np.random.Generator,
     known: Sequence[tuple[Parameters, np.ndarray, int]] = (),
-) -> list[Solution]:
-    """Fits of the stand-in from several starts, best first; see `best_starts`."""
+) -> list[tuple[Structure, Solution]]:
+    """Fits of the stand-in, best first. `structures` differ in their distributions: the first is fitted from several starts
+    (`best_starts`), the others from where these end."""
     few = Metric(subsample(metric.measurement, _ROUGH_SAMPLES, rng), metric.kind)
-    forward, _ = stand_in(model, Parameters(structure, metric.measurement.channels), few)
-    found = [_solved(forward, x, ROUGH, _ROUGH_TOLERANCE, _ROUGH_STEPS) for x in best_starts(forward, starts, rng, known)]
-    return sorted(found, key=lambda s: s.cost)
+    found, begun = [], None
+    for structure in structures:
+        forward, _ = stand_in(model, Parameters(structure, metric.measurement.channels), few)
+        solved = [_solved(forward, x, ROUGH, _ROUGH_TOLERANCE, _ROUGH_STEPS) for x in begun or best_starts(forward, starts, rng, known)]
+        begun = begun or [solution.x for solution in solved]
+        found += [(structure, solution) for solution in solved]
+    return sorted(found, key=lambda option: option[1].cost)
+
+
+def nearest(metric: Metric, found: Sequence[tuple[Structure, Solution]], model: str, options: Mapping = MappingProxyType({})) -> Start:
+    """Of fits of the stand-in, best first, that whose values bring the model itself nearest to the data: its own best need not."""
+    channels, near = metric.measurement.channels, list[Start]()
+    for structure, solution in found:
+        parameters = Parameters(structure, channels)
+        if not stand_in(model, parameters, metric)[1]:
+            return Start(structure, solution.x)
+        is_new = all(structure != other.structure or are_apart(solution.x, other.x) for other in near)
+        if is_new and solution.cost <= _AS_NEAR * found[0][1].cost and len(near) < _MOST_NEAR:
+            value = Forward(model, tuple(options.items()), parameters, metric).compressed(solution.x)
+            near.append(Start(structure, solution.x, value))
+    return min(near, key=lambda start: rms(start.value - metric.target.ravel()))
 
 
 def _solved(forward: Forward, x: np.ndarray, pull: float, tolerance: float, steps: int) -> Solution:
     zero, one = np.zeros(len(x)), np.ones(len(x))
-    return pulled(forward.parameters, pull, forward.residual, forward.jacobian, x, zero, one, steps, tolerance)
+    return pulled(forward.parameters, pull, forward.residual, lambda y, r: forward.jacobian(y, r + forward.target), x, zero, one, steps, tolerance)
 
 
 def corrected(
     metric: Metric,
-    structure: Structure,
+    start: Start,
     model: str,
-    x: np.ndarray,
     steps: int = STEPS,
     progress: Progress | None = None,
     options: Mapping = MappingProxyType({}),
     slopes: np.ndarray | None = None,
 ) -> Fit:
-    """The fit of the model itself, begun at coordinates (p,); `options` are those of a slow model, such as `QUICK`.
+    """The fit of the model itself from a start; `options` are those of a slow model, such as `QUICK`.
 
     `slopes` (m, p) is the model's own Jacobian there, if it is known; else the stand-in's serves.
     """
-    parameters = Parameters(structure, metric.measurement.channels)
+    parameters, x = Parameters(start.structure, metric.measurement.channels), start.x
     coarse, is_other = stand_in(model, parameters, metric)
     if not is_other:
         solved = _solved(coarse, x, POLISHED, 1e-6, _DIRECT_STEPS)
-        return Fit(model, parameters, metric, solved.x, solved.residual, solved.jacobian, solved.steps, np.zeros(len(solved.residual)))
+        slopes = coarse.jacobian(solved.x, solved.residual + coarse.target)
+        return Fit(model, parameters, metric, solved.x, solved.residual, slopes, solved.steps, np.zeros(len(solved.residual)))
     fine = Forward(model, tuple(options.items()), parameters, metric)
     radius, pull = (_RADIUS, FINE) if slopes is None else (0.5 * _RADIUS, POLISHED)
-    at, value, base = x, fine.compressed(x), coarse.compressed(x)
-    target = metric.compressed(metric.measurement.f).ravel()
-    discrepancy_slopes = np.zeros((len(value), parameters.size)) if slopes is None else slopes - coarse.jacobian(x)
+    at, value, base = x, fine.compressed(x) if start.value is None else start.value, coarse.compressed(x)
+    target = coarse.target
+    first_slopes = discrepancy_slopes = np.zeros((len(value), parameters.size)) if slopes is None else slopes - coarse.jacobian(x, base)
     evaluations, idle = 1, 0
     for step in range(steps):
         discrepancy = value - base
@@ -161,8 +191,8 @@ def corrected(
             break
         if progress is not None:
             progress((step + 1) / steps)
-    # without the model's own derivatives those of the stand-in: updates of one rank say nothing of directions not taken
-    jacobian = coarse.jacobian(at) if slopes is None else coarse.jacobian(at) + discrepancy_slopes
+    # updates of one rank say nothing of directions not taken, and those of the last short steps are noise over hardly any way
+    jacobian = coarse.jacobian(at, base) + first_slopes
     return Fit(model, parameters, metric, at, value - target, jacobian, evaluations, value - base, options)
 
 
@@ -184,7 +214,7 @@ def polished(
 
     def continued(x: np.ndarray, turn: int) -> Fit:
         part = share_of(progress, turn / (1 + len(_BEGINNINGS)), (turn + 1) / (1 + len(_BEGINNINGS)))
-        more = corrected(fit.metric, fit.structure, fit.model, x, steps, part, options, quick.jacobian(x))
+        more = corrected(fit.metric, Start(fit.structure, x), fit.model, steps, part, options, quick.jacobian(x))
         if part is not None:
             part(1.0)
         return replace(more, evaluations=more.evaluations + len(fit.parameters.groups) + 1)
@@ -212,10 +242,14 @@ def space_mapping_step(
     pull: float = FINE,
 ) -> Solution:
     """Fit of the stand-in plus its `discrepancy` (m,) at coordinates `at` (p,), which changes by `discrepancy_slopes` (m, p), near them."""
+
+    def lacking(y: np.ndarray) -> np.ndarray:
+        return discrepancy + discrepancy_slopes @ (y - at) - target
+
     return pulled(
         coarse.parameters, pull,
-        lambda y: coarse.compressed(y) + discrepancy + discrepancy_slopes @ (y - at) - target,
-        lambda y, r: coarse.jacobian(y) + discrepancy_slopes,
+        lambda y: coarse.compressed(y) + lacking(y),
+        lambda y, r: coarse.jacobian(y, r - lacking(y)) + discrepancy_slopes,
         at, np.maximum(at - radius, 0.0), np.minimum(at + radius, 1.0), _CORRECTED_STEPS, 1e-5,
     )  # fmt: skip
 
@@ -233,6 +267,6 @@ def fit_structure(
     """The best stack of one structure; `options` as in `corrected`. Raises LaminaError for a model that cannot be fitted."""
     require_fittable(model)
     metric = subsampled(measurement, samples, seed)
-    rough = rough_fits(metric, structure, model, starts, np.random.default_rng(seed))
-    first = corrected(metric, structure, model, rough[0].x, _FIRST_STEPS, share_of(progress, 0.0, 0.5), options)
+    start = nearest(metric, rough_fits(metric, [structure], model, starts, np.random.default_rng(seed)), model, options)
+    first = corrected(metric, start, model, _FIRST_STEPS, share_of(progress, 0.0, 0.5), options)
     return polished(first, share_of(progress, 0.5, 1.0), options)

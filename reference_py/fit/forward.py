@@ -63,12 +63,16 @@ class Forward:
 
     def residual(self, x: np.ndarray) -> np.ndarray:
         """(n * c,), model less data, of coordinates (p,)."""
-        m = self.metric
-        return self.compressed(x) - m.compressed(m.measurement.f).ravel()
+        return self.compressed(x) - self.target
 
-    def jacobian(self, x: np.ndarray, value: np.ndarray | None = None) -> np.ndarray:
-        """(n * c, p) forward differences; `value` is `compressed(x)` or any residual that differs by a constant."""
-        here, channels = self.compressed(x), self.parameters.channels
+    @property
+    def target(self) -> np.ndarray:
+        """(n * c,) the data, compressed."""
+        return self.metric.target.ravel()
+
+    def jacobian(self, x: np.ndarray, here: np.ndarray | None = None) -> np.ndarray:
+        """(n * c, p) forward differences; `here` is `compressed(x)` where it is known."""
+        here, channels = self.compressed(x) if here is None else here, self.parameters.channels
         jacobian = np.zeros((len(here), len(x)))
         for group in self.parameters.groups:
             index = list(group.index)

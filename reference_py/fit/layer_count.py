@@ -8,7 +8,7 @@ there is nothing to explain. Layers are added as long as the criterion falls; th
 too, to say what it gains. All that is at the model's quick settings, unless their discrepancy could pass for a layer.
 """
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,11 +17,12 @@ from ..errors import LaminaError, Sentence
 from ..material.schema import CONDUCTOR, DIELECTRIC
 from . import AUTO
 from .certainty import independent_pairs, noise_and_misfit
-from .fitting import SAMPLES, Fit, Progress, corrected, polished, rough_fits, share_of, space_mapping_step, subsampled
+from .fitting import SAMPLES, Fit, Progress, Start, corrected, nearest, polished, rough_fits, share_of, space_mapping_step, subsampled
 from .forward import CLOUDY_MODEL, DEFAULT_MODEL, MODEL_ERROR, QUICK, require_fittable, stand_in
 from .metric import Metric, percent
 from .parameters import BASES, Parameters, Structure
 from .readers.measurement import Measurement
+from .solve import Solution
 
 DISTRIBUTIONS = DIELECTRIC.parameter("distribution").choices
 MOST_LAYERS, LEAST_SAMPLES = 8, 50
@@ -186,22 +187,19 @@ class _Search:
                 old = before[base]
                 known += [(old.parameters, old.x, 0), (old.parameters, old.x, 1)]
             if base == "oren_nayar" and "lambert" in rough:
-                _, structure, x = rough["lambert"]
-                known.append((Parameters(structure, self.metric.measurement.channels), x, 0))
-            options = []
-            for distributions in _surfaces(count, base, before.get(base)):
-                structure = Structure(count, base, distributions)
-                found = rough_fits(self.metric, structure, self.model, _STARTS if not known else _MORE_STARTS, self.rng, known)[0]
-                options.append((found.cost, structure, found.x))
-            rough[base] = min(options, key=lambda option: option[0])
-        least = min(cost for cost, _, _ in rough.values())
-        self._by_base = {base: self._quick(structure, x, _LOOK_STEPS) for base, (cost, structure, x) in rough.items() if cost <= _FAR * least}
+                structure, solution = rough["lambert"][0]
+                known.append((Parameters(structure, self.metric.measurement.channels), solution.x, 0))
+            structures = [Structure(count, base, distributions) for distributions in _surfaces(count, base, before.get(base))]
+            rough[base] = rough_fits(self.metric, structures, self.model, _MORE_STARTS if known else _STARTS, self.rng, known)
+        least = min(found[0][1].cost for found in rough.values())
+        self._by_base = {base: self._begun(found) for base, found in rough.items() if found[0][1].cost <= _FAR * least}
         if contained:
             self._by_base = {base: _containing(fit, before.get(base)) for base, fit in self._by_base.items()}
         return self._by_base
 
-    def _quick(self, structure: Structure, x: np.ndarray, steps: int) -> Fit:
-        return corrected(self.metric, structure, self.model, x, steps, options=QUICK.get(self.model, {}))
+    def _begun(self, found: Sequence[tuple[Structure, Solution]]) -> Fit:
+        options = QUICK.get(self.model, {})
+        return corrected(self.metric, nearest(self.metric, found, self.model, options), self.model, _LOOK_STEPS, options=options)
 
     def cloudy(self, plain: Selection, bases: tuple[str, ...], progress: Progress | None) -> Selection:
         """The choice with a medium that scatters above the base, where the data ask for one; else the plain one, and what could not be told."""
@@ -210,8 +208,8 @@ class _Search:
             top = best.structure.distributions[0] if best.structure.distributions else DISTRIBUTIONS[0]
             structure = Structure.of(max(best.structure.layers, 1), base, top, cloudy=True)
             known = [(best.parameters, best.x, structure.layers - best.structure.layers)]
-            rough = rough_fits(self.metric, structure, self.model, _CLOUDY_STARTS, self.rng, known)[0]
-            found.append(corrected(self.metric, structure, self.model, rough.x))
+            rough = rough_fits(self.metric, [structure], self.model, _CLOUDY_STARTS, self.rng, known)
+            found.append(corrected(self.metric, nearest(self.metric, rough, self.model), self.model))
             if progress is not None:
                 progress((number + 1) / len(bases))
         clouds = min(found, key=lambda fit: fit.error)
@@ -229,12 +227,14 @@ class _Search:
 
     def closer(self, fit: Fit) -> Fit:
         """A quick fit continued; more layers begin from it."""
-        self._by_base[fit.structure.base] = fit = self._quick(fit.structure, fit.x, _COMPARED_STEPS)
+        self._by_base[fit.structure.base] = fit = corrected(
+            self.metric, Start(fit.structure, fit.x), self.model, _COMPARED_STEPS, options=QUICK.get(self.model, {})
+        )
         return fit
 
     def at_own_settings(self, fit: Fit) -> Fit:
         """The fit continued at the model's own settings, if it is not one already."""
-        return corrected(self.metric, fit.structure, self.model, fit.x, _COMPARED_STEPS) if fit.options else fit
+        return corrected(self.metric, Start(fit.structure, fit.x), self.model, _COMPARED_STEPS) if fit.options else fit
 
     @staticmethod
     def promising(count: int, found: dict[str, Fit], bases: tuple[str, ...]) -> tuple[str, ...]:
@@ -252,10 +252,9 @@ class _Search:
             other = tuple(_other(k) if j == i else k for j, k in enumerate(fit.structure.distributions))
             structure = replace(fit.structure, distributions=other)
             coarse, _ = stand_in(self.model, Parameters(structure, fit.parameters.channels), self.metric)
-            target = self.metric.compressed(self.metric.measurement.f).ravel()
-            guess = space_mapping_step(coarse, fit.discrepancy, np.zeros(fit.jacobian.shape), fit.x, 0.3, target)
+            guess = space_mapping_step(coarse, fit.discrepancy, np.zeros(fit.jacobian.shape), fit.x, 0.3, coarse.target)
             if guess.cost < _BETTER * float(fit.residual @ fit.residual):
-                trial = corrected(self.metric, structure, self.model, guess.x, _COMPARED_STEPS, options=fit.options)
+                trial = corrected(self.metric, Start(structure, guess.x), self.model, _COMPARED_STEPS, options=fit.options)
                 fit = min(fit, trial, key=lambda f: f.error)
         return fit
 

@@ -42,14 +42,15 @@ class Metric:
     kind: str = "log"
     _weight: np.ndarray = field(init=False)
     _scale: np.ndarray = field(init=False)
-    _target: np.ndarray = field(init=False)
+    target: np.ndarray = field(init=False)
+    """(n, c) the data, compressed."""
 
     def __post_init__(self):
         m = self.measurement
         weight = m.wi[:, 2:] / np.mean(m.wi[:, 2])
         object.__setattr__(self, "_weight", np.sqrt(weight))
         object.__setattr__(self, "_scale", m.wi[:, 2:] / min(float(np.mean(m.f * m.wi[:, 2:])), _MOST_MEAN))
-        object.__setattr__(self, "_target", self.compressed(m.f))
+        object.__setattr__(self, "target", self.compressed(m.f))
 
     def compressed(self, f: np.ndarray) -> np.ndarray:
         """(n, c) of f (n, c), weighted: differences of it are residuals."""
@@ -57,7 +58,7 @@ class Metric:
 
     def residual(self, f: np.ndarray) -> np.ndarray:
         """(n, c), model less data."""
-        return self.compressed(f) - self._target
+        return self.compressed(f) - self.target
 
     def error(self, f: np.ndarray) -> float:
         """RMS residual."""

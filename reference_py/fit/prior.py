@@ -49,7 +49,7 @@ def pulled(
         lambda y, r: np.vstack([jacobian(y, r[: -len(y)]), rows]),
         x, low, high, steps, tolerance,
     )  # fmt: skip
-    return Solution(found.x, found.residual[: -len(x)], found.jacobian[: -len(x)], found.steps)
+    return Solution(found.x, found.residual[: -len(x)], found.steps)
 
 
 def _center(parameters: Parameters) -> np.ndarray:

@@ -37,4 +37,4 @@ def pinned(coarse: Forward, residual: np.ndarray, x: np.ndarray, which: np.ndarr
     fixed = residual - coarse.compressed(x)
     low, high = np.zeros(len(x)), np.ones(len(x))
     low[which] = high[which] = place
-    return least_squares(lambda y: coarse.compressed(y) + fixed, lambda y, r: coarse.jacobian(y), x, low, high, _STEPS, _TOLERANCE)
+    return least_squares(lambda y: coarse.compressed(y) + fixed, lambda y, r: coarse.jacobian(y, r - fixed), x, low, high, _STEPS, _TOLERANCE)

@@ -17,21 +17,26 @@ def best_starts(forward: Forward, count: int, rng: np.random.Generator, known: S
     """The `count` guesses (p,) of least error that are not alike, best first.
 
     `known`: parameters and coordinates of simpler fits, and the number of layers to put on top of them; what they know is
-    taken over into as many guesses again, each.
+    taken over into half of the guesses.
     """
     parameters = forward.parameters
     diffuse = np.clip(np.pi * np.median(forward.metric.measurement.f, axis=0), 1e-3, 0.9)
-    guesses = [_guess(parameters, diffuse, rng) for _ in range(_GUESSES)]
+    guesses = [_guess(parameters, diffuse, rng) for _ in range(_GUESSES // (2 if known else 1))]
     for old, x, above in known:
-        guesses += [_taken_over(old, x, above, parameters, _guess(parameters, diffuse, rng)) for _ in range(_GUESSES // 2)]
+        guesses += [_taken_over(old, x, above, parameters, _guess(parameters, diffuse, rng)) for _ in range(_GUESSES // (2 * len(known)))]
     errors = [rms(forward.residual(x)) for x in guesses]
     chosen: list[np.ndarray] = []
     for i in np.argsort(errors):
-        if all(np.sqrt(np.mean(np.square(guesses[i] - other))) > _SAME for other in chosen):
+        if all(are_apart(guesses[i], other) for other in chosen):
             chosen.append(guesses[i])
         if len(chosen) == count:
             break
     return chosen
+
+
+def are_apart(x: np.ndarray, other: np.ndarray) -> bool:
+    """Whether coordinates (p,) are different places to begin."""
+    return bool(np.sqrt(np.mean(np.square(x - other))) > _SAME)
 
 
 def _taken_over(old: Parameters, x: np.ndarray, above: int, new: Parameters, guess: np.ndarray) -> np.ndarray:

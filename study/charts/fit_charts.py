@@ -11,7 +11,7 @@ from ...reference_py.atomic import require_writable
 from ...reference_py.fit.baseline_fits import BASELINE_MODELS, fit_baseline
 from ...reference_py.fit.compare import compare
 from ...reference_py.fit.fit_picture import picture
-from ...reference_py.fit.fitting import corrected, fit_structure, rough_fits, subsampled
+from ...reference_py.fit.fitting import corrected, fit_structure, nearest, rough_fits, subsampled
 from ...reference_py.fit.forward import evaluate
 from ...reference_py.fit.layer_count import select
 from ...reference_py.fit.metric import METRICS, Metric, shape_error
@@ -143,8 +143,8 @@ def _metrics(folder: Path, report: Report) -> None:
                 stack = random_stack(structure, np.random.default_rng(i))
                 data, clean = data_of(stack, "weidlich_wilkie", noise, np.random.default_rng(i), floor)
                 metric = Metric(data, metric_kind)
-                rough = rough_fits(metric, structure, "weidlich_wilkie", 4, np.random.default_rng(i))
-                fit = corrected(metric, structure, "weidlich_wilkie", rough[0].x)
+                rough = rough_fits(metric, [structure], "weidlich_wilkie", 4, np.random.default_rng(i))
+                fit = corrected(metric, nearest(metric, rough, "weidlich_wilkie"), "weidlich_wilkie")
                 r = judged(fit, stack, clean, "weidlich_wilkie", noise)
                 truth = fit.parameters.coordinates(stack)
                 shapes.append(r.shape)

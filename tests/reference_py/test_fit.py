@@ -8,18 +8,21 @@ import pytest
 from support.measured import paint
 
 from lamina.reference_py.errors import LaminaError
+from lamina.reference_py.fit import certainty as certainties
 from lamina.reference_py.fit import layer_count
 from lamina.reference_py.fit.baseline_fits import BASELINE_MODELS, fit_baseline
 from lamina.reference_py.fit.certainty import certainty, independent_pairs, noise_and_misfit
 from lamina.reference_py.fit.dense import evaluate_all
-from lamina.reference_py.fit.fitting import corrected, fit_structure, subsampled
+from lamina.reference_py.fit.fitting import Start, corrected, fit_structure, nearest, subsampled
+from lamina.reference_py.fit.forward import QUICK, stand_in
 from lamina.reference_py.fit.layer_count import select
 from lamina.reference_py.fit.metric import Metric, shape_error
 from lamina.reference_py.fit.outcome import outcome
 from lamina.reference_py.fit.parameters import Parameters, Structure
+from lamina.reference_py.fit.profile_likelihood import COHERENT_ERROR
 from lamina.reference_py.fit.readers.measurement import checked, spread_pairs
 from lamina.reference_py.fit.readers.sampled import sample_model
-from lamina.reference_py.fit.solve import least_squares
+from lamina.reference_py.fit.solve import Solution, least_squares
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import half_vector
@@ -135,17 +138,60 @@ def test_what_data_say_nothing_of_stays_usual():
     assert not any(v.determined for v in certainty(fit) if "edge_color" in v.name)
 
 
-def test_what_good_fits_disagree_on_is_not_called_determined():
-    # a metal below two layers has several valleys; here the derivatives claim to know everything
+def test_what_good_fits_disagree_on_is_not_called_determined(monkeypatch):
+    # a metal below two layers has several valleys; here all else claims to know everything
+    monkeypatch.setattr(certainties, "straight", lambda jacobian, deviation: np.full(jacobian.shape[1], 1e-4))
+    monkeypatch.setattr(certainties, "_profile_error", lambda *about: 0.0)
     structure = random_structure(2, 1)
     stack = random_stack(structure, np.random.default_rng(201))
     data, _ = data_of(stack, "adding", 0.05, np.random.default_rng(1))
     parameters = Parameters(structure, 3)
-    fit = corrected(subsampled(data, 150), structure, "adding", parameters.coordinates(stack), 0, options=SETTINGS["adding"])
-    sure = replace(fit, jacobian=1e3 * np.eye(len(fit.residual), parameters.size))
-    known = {v.name for v in certainty(sure) if v.determined}
+    fit = corrected(subsampled(data, 150), Start(structure, parameters.coordinates(stack)), "adding", 0, options=SETTINGS["adding"])
+    known = {v.name for v in certainty(fit) if v.determined}
     assert "roughness of layer 0" in known
     assert not any(name.endswith("edge_color of the base") for name in known)
+
+
+def coated_metal(pairs=150):
+    """A fit at the truth of a metal below one layer, noise 5 %, whose edge colors make up for each other."""
+    structure = random_structure(1, 16)
+    stack = random_stack(structure, np.random.default_rng(116))
+    data, _ = data_of(stack, "adding", 0.05, np.random.default_rng(16))
+    begin = Start(structure, Parameters(structure, 3).coordinates(stack))
+    return corrected(subsampled(data, pairs), begin, "adding", 0, options=SETTINGS["adding"])
+
+
+def test_a_value_that_may_as_well_be_another_has_a_large_error():
+    fit = coated_metal()
+    coarse, _ = stand_in("adding", fit.parameters, fit.metric)
+    for i, (name, value) in enumerate(zip(fit.parameters.names, fit.parameters.values(fit.x))):
+        error = certainties._profile_error(coarse, fit, i, COHERENT_ERROR) / value
+        if name.endswith("edge_color of the base"):
+            assert error > 0.1
+        if name.endswith("of layer 0") and "tint" not in name:
+            assert error < 0.02
+
+
+def test_derivatives_that_are_sure_of_all_are_not_believed(monkeypatch):
+    # derivatives at two places, or updates of a last short step, added up, know everything
+    monkeypatch.setattr(certainties, "_disagreement", lambda fit: 0.0)
+    monkeypatch.setattr(certainties, "_profile_error", lambda *about: 0.0)
+    fit = coated_metal()
+    values = certainty(replace(fit, jacobian=1e3 * np.eye(len(fit.residual), fit.count)))
+    known = {v.name for v in values if v.determined}
+    assert {"ior of layer 0", "roughness of layer 0"} <= known
+    assert not any(name.endswith("edge_color of the base") for name in known)
+
+
+def test_a_fit_begins_where_the_model_itself_is_near():
+    metric = subsampled(sample_model("adding", COATED, pairs=60))
+    structure = Structure.of(1, "lambert")
+    right = Parameters(structure, 3).coordinates(COATED)
+    # the stand-in's best is far from the data, its second is the truth
+    found = [(structure, Solution(x, np.full(1, residual), 1)) for x, residual in ((0.5 * right, 1.0), (right, 1.2))]
+    start = nearest(metric, found, "adding", QUICK["adding"])
+    assert start.x is right and np.sqrt(np.mean(np.square(start.value - metric.target.ravel()))) < 0.01
+    assert nearest(metric, [found[0], (structure, Solution(right, np.full(1, 3.0), 1))], "adding", QUICK["adding"]).x is found[0][1].x
 
 
 def test_the_bar_goes_on_to_the_end():
@@ -172,7 +218,7 @@ def test_what_a_model_cannot_say_counts_less_than_noise():
 def test_a_larger_stack_is_never_worse_than_one_that_it_contains():
     metric = subsampled(sample_model("weidlich_wilkie", COATED, pairs=400, noise=0.05))
     structure, larger = Structure.of(1, "lambert"), Structure.of(2, "lambert")
-    less = corrected(metric, structure, "weidlich_wilkie", Parameters(structure, 3).coordinates(COATED))
+    less = corrected(metric, Start(structure, Parameters(structure, 3).coordinates(COATED)), "weidlich_wilkie")
     x = Parameters(larger, 3).without_effect(less.parameters, less.x)
     wi, wo = spread_pairs(50, np.random.default_rng(0))
     one, two = (make_model("weidlich_wilkie", fit.stack(at)).f(wo, wi) for fit, at in ((less.parameters, less.x), (Parameters(larger, 3), x)))
@@ -188,7 +234,8 @@ def test_a_larger_stack_is_never_worse_than_one_that_it_contains():
 
 def test_a_metal_must_gain_more_than_noise():
     metric = subsampled(sample_model("weidlich_wilkie", COATED, pairs=400, noise=0.05))
-    plain = corrected(metric, Structure.of(1, "lambert"), "weidlich_wilkie", Parameters(Structure.of(1, "lambert"), 3).coordinates(COATED))
+    structure = Structure.of(1, "lambert")
+    plain = corrected(metric, Start(structure, Parameters(structure, 3).coordinates(COATED)), "weidlich_wilkie")
     metal = replace(plain, parameters=Parameters(Structure.of(1, "conductor"), 3), residual=0.9 * plain.residual)
     assert layer_count.criterion(metal) < layer_count.criterion(plain)
     assert layer_count.preferred([plain, metal]) is plain

@@ -12,7 +12,7 @@ import pytest
 from lamina.addon.cli.main import run
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.fit import fitting, forward, layer_count
-from lamina.reference_py.fit.fitting import corrected
+from lamina.reference_py.fit.fitting import Start, corrected
 from lamina.reference_py.fit.metric import Metric
 from lamina.reference_py.fit.parameters import Parameters, Structure
 from lamina.reference_py.fit.readers.measurement import checked, spread_pairs
@@ -60,7 +60,7 @@ def test_a_base_under_a_cloudy_layer_is_found():
     metric = metric_of(stack(**TRUE))
     begin = Parameters(CLOUDY, 1).coordinates(stack(**TRUE | {"density": 0.6, "scatter_g": 0.2}))
     begin[-1] += 0.05
-    fit = corrected(metric, CLOUDY, "adding", begin)
+    fit = corrected(metric, Start(CLOUDY, begin), "adding")
     assert fit.error < 2e-3
     assert fit.stack.base["color"][0] == pytest.approx(0.25, abs=0.01) and fit.stack.layers[0]["density"] == pytest.approx(0.8, abs=0.08)
 
@@ -69,10 +69,10 @@ def test_a_base_under_a_cloudy_layer_is_found():
 def test_a_plain_layer_is_said_to_be_plain_and_a_cloudy_one_is_told(one, is_told, monkeypatch):
     """Beside a plain fit, of one base and from one place."""
     begin = Parameters(CLOUDY, 1).coordinates(stack(**TRUE | {"density": 1.4 if is_told else 0.1, "scatter_g": -0.3}))
-    monkeypatch.setattr(layer_count, "rough_fits", lambda *given: [Solution(begin, np.zeros(1), np.zeros((1, 1)), 0)])
+    monkeypatch.setattr(layer_count, "rough_fits", lambda *given: [(CLOUDY, Solution(begin, np.zeros(1), 0))])
     monkeypatch.setattr(fitting, "_DIRECT_STEPS", 3)
     metric, structure = metric_of(one), Structure.of(1, "lambert")
-    plain = corrected(metric, structure, "adding", Parameters(structure, 1).coordinates(stack(ior=1.5, roughness=0.5)), 2, options=COARSE)
+    plain = corrected(metric, Start(structure, Parameters(structure, 1).coordinates(stack(ior=1.5, roughness=0.5))), "adding", 2, options=COARSE)
     search = layer_count._Search(metric, "adding", np.random.default_rng(1))
     found = search.cloudy(layer_count.Selection(plain, (plain,), "plain"), ("lambert",), None)
     assert found.best.structure.cloudy == is_told and [fit.structure.cloudy for fit in found.tried] == [False, True]
