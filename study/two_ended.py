@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""f of one rough dielectric surface over black, by walks on its facets (Heitz16) that are also drawn from the light's side.
+"""f of one rough surface, a dielectric over black or a metal, by walks on its facets (Heitz16) that are also drawn from the light's side.
 
 The walks of `position_free` are connected to the light by the one facet that would send it there. Where view and light both graze a narrow surface, such
 facets are rare and bright, and what is not met does not show in the estimated error. Here the last ray is drawn among the facets that the light sees, too,
 and both ways are weighted by the balance heuristic (Veach95).
 """
+
+from collections.abc import Callable
 
 import numpy as np
 
@@ -17,9 +19,21 @@ _BATCH = 1 << 16
 
 
 def reflected_f(eta: float, alpha: float, distribution: str, wo: np.ndarray, wi: np.ndarray, walks: int, rng: np.random.Generator) -> tuple[float, float]:
-    """f in 1/sr between two directions (3,) and its standard error, from so many walks, a whole number of batches of 65536."""
-    means = [np.mean(_Walks(eta, alpha, distribution, wo, wi, rng).toward()) / wi[2] for _ in range(max(walks // _BATCH, 2))]
-    return float(np.mean(means)), float(np.std(means, ddof=1) / np.sqrt(len(means)))
+    """f in 1/sr of a dielectric between two directions (3,) and its standard error, from so many walks, a whole number of batches of 65536."""
+    f, stderr = _estimate(_Walks(eta, alpha, distribution, wo, wi, rng).toward, walks, wi)
+    return float(f), float(stderr)
+
+
+def metal_f(
+    reflectance: Callable[[np.ndarray], np.ndarray], alpha: float, distribution: str, wo: np.ndarray, wi: np.ndarray, walks: int, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same of a metal, of whose facets `reflectance` gives (n, channels) at cosines (n,): both (channels,)."""
+    return _estimate(_MetalWalks(reflectance, alpha, distribution, wo, wi, rng).toward, walks, wi)
+
+
+def _estimate(toward: Callable[[], np.ndarray], walks: int, wi) -> tuple[np.ndarray, np.ndarray]:
+    means = [np.mean(toward(), axis=0) / wi[2] for _ in range(max(walks // _BATCH, 2))]
+    return np.mean(means, axis=0), np.std(means, axis=0, ddof=1) / np.sqrt(len(means))
 
 
 class _Walks:
@@ -95,6 +109,46 @@ class _Walks:
 
     def _escape(self, log_c) -> np.ndarray:
         return np.exp(log_c * self._lambda)
+
+
+class _MetalWalks(_Walks):
+    """One batch on a metal, whose facets absorb what they do not reflect."""
+
+    def __init__(self, reflectance, *surface_and_directions):
+        super().__init__(None, *surface_and_directions)
+        self._reflectance = reflectance
+
+    def toward(self) -> np.ndarray:
+        """(n, channels) BSDF times cosine that each walk sends to wi."""
+        ray, w, log_c = np.arange(_BATCH), self._wo, np.zeros(_BATCH)
+        throughput = np.ones((_BATCH, self._reflectance(np.ones(1)).shape[1]))
+        total, drawn = np.zeros_like(throughput), np.full(_BATCH, np.nan)
+        while len(ray):
+            log_c = self._advanced(w, log_c)
+            stay = np.flatnonzero(log_c < 0.0)
+            w, log_c, ray, drawn, throughput = w[stay], log_c[stay], ray[stay], drawn[stay], throughput[stay]
+            wi, escape = self._wi[: len(w)], self._escape(log_c)
+            direct, other = self._facets(w, wi) * escape, self._facets(wi, w)
+            direct *= np.where(np.isnan(drawn), 1.0, drawn / np.maximum(drawn + other, 1e-300))
+            total[ray] += throughput * self._mirrored(w, wi) * direct[:, None]
+            total[ray] += throughput * self._from_the_light(w, log_c)
+            wm = sample_visible_normals(w, *self._lobe, self._rng)
+            on = -reflect(w, wm)
+            drawn, throughput, w = self._facets(w, -on), throughput * self._mirrored(w, -on), on
+        return total
+
+    def _from_the_light(self, w, log_c) -> np.ndarray:
+        wi = self._wi[: len(w)]
+        back = reflect(wi, sample_visible_normals(wi, *self._lobe, self._rng))
+        first, then = self._facets(w, -back), self._facets(back, wi)
+        log_c = self._advanced(back, log_c)
+        both = first + self._facets(wi, back)
+        value = np.where(log_c < 0.0, first * then * self._escape(np.minimum(log_c, 0.0)) / np.maximum(both, 1e-300), 0.0)
+        return value[:, None] * self._mirrored(w, -back) * self._mirrored(back, wi)
+
+    def _mirrored(self, w, o) -> np.ndarray:
+        """What a facet reflects (n, channels) that mirrors w into o."""
+        return self._reflectance(np.clip(0.5 * np.linalg.norm(w + o, axis=1), 0.0, 1.0))
 
 
 def _fresnel(cos, eta) -> np.ndarray:

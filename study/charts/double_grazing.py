@@ -13,7 +13,7 @@ from .output import print_table
 _COLUMNS = ("stack", "theta_o_deg", "theta_i_deg", "azimuth_deg", "walked", "stderr", "before", "adding", "before_error", "error", "noise", "seen")
 _HEADING = (
     "lamina chart grazing",
-    "f of the green channel by walks, seed 1, and by adding; walks are position_free's, over black those of study.two_ended; errors of the worst channel, relative to f; noise: its relative standard error",
+    "f of the green channel by walks, seed 1, and by adding; walks are position_free's, of one surface alone those of study.two_ended; errors of the worst channel, relative to f; noise: its relative standard error",
     "before: adding of commit 9a85594, kept from the table; seen: f cos is above a thousandth of the mean",
 )
 

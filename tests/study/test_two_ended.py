@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 
 from lamina.reference_py.optics.frame import spherical
+from lamina.reference_py.optics.optical_stack import OpticalStack
 from lamina.reference_py.registry import make_model
 from lamina.study.double_grazing import STACKS
-from lamina.study.two_ended import reflected_f
+from lamina.study.two_ended import metal_f, reflected_f
 
 
 @pytest.mark.parametrize(("theta_o", "theta_i", "azimuth"), [(20.0, 30.0, 170.0), (60.0, 50.0, 140.0)])
@@ -24,3 +25,14 @@ def test_they_see_what_rare_facets_send_out_of_the_plane_where_both_graze():
     f, stderr = reflected_f(1.5, 0.09, "ggx", wo, wi, 1 << 18, np.random.default_rng(2))
     exact = make_model("adding", STACKS["black_plastic"], modes=16).f(wo, wi)[1]
     assert stderr < 0.02 * f and abs(f - exact) < 3.0 * stderr + 0.01 * exact
+
+
+@pytest.mark.parametrize(("theta_o", "theta_i", "azimuth", "off"), [(60.0, 50.0, 140.0, 0.004), (86.0, 85.0, 60.0, 0.01)])
+def test_those_of_a_metal_meet_adding_where_others_are_a_sixth_low(theta_o, theta_i, azimuth, off):
+    """In the second direction 32768 walks of `position_free` say .083 and claim .4 %; f is .098."""
+    base = OpticalStack.of(STACKS["silver"]).base
+    wo, wi = spherical(np.radians(theta_o), 0.0), spherical(np.radians(theta_i), np.radians(azimuth))
+    f, stderr = metal_f(base.reflectance, base.facets.alpha, base.facets.distribution, wo, wi, 1 << 17, np.random.default_rng(2))
+    exact = make_model("adding", STACKS["silver"]).f(wo, wi)
+    assert f.shape == (3,) and np.all(stderr < 0.01 * f)
+    np.testing.assert_allclose(f, exact, rtol=off)
