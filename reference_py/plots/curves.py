@@ -21,10 +21,14 @@ _DECADES = 6
 def albedo(model: Model) -> list[str]:
     """Directional albedo by the view's angle, a line for each channel."""
     values = model.albedo(spherical(np.radians(_THETA_DEG), 0.0))
-    lines = [(column, color, False) for column, color in zip(values.T, svg.channel_colors(model.channels))]
+    colors = svg.channel_colors(model.channels)
+    # the last is dashed: where it lies on another, both show
+    lines = [(column, color, color == colors[-1]) for column, color in zip(values.T, colors)]
     top = max(1.0, float(np.ceil(5.0 * np.max(values)) / 5.0))
     ticks = {tick: f"{tick:.3g}" for tick in np.linspace(0.0, top, 5)}
-    return svg.axes((WIDTH, HEIGHT), f"albedo, {model.name}", _THETA_DEG, lines, "view, degrees from the normal", (0.0, 30.0, 60.0, 85.0), ticks)
+    parts = svg.axes((WIDTH, HEIGHT), f"albedo, {model.name}", _THETA_DEG, lines, "view, degrees from the normal", (0.0, 30.0, 60.0, 85.0), ticks)
+    names = ("red", "green", "blue") if model.channels == 3 else ("shortest", "longest wavelength")
+    return parts + svg.legend(WIDTH - 10.0, 15.0, list(zip(names, colors if model.channels == 3 else (colors[0], colors[-1]))))
 
 
 def plane(model: Model, views_deg: Sequence[float] = VIEWS_DEG) -> list[np.ndarray]:
@@ -38,11 +42,12 @@ def lobes(values: Sequence[np.ndarray], views_deg: Sequence[float] = VIEWS_DEG) 
     means = [np.maximum(v.mean(axis=-1), 1e-30) for v in values]
     top = int(np.ceil(np.log10(max(float(np.max(means)), 1e-20))))
     ticks = {float(power): f"1e{power}" for power in range(top - _DECADES, top + 1)}
-    lines = list(zip(np.log10(means), _shades(means), _dashes(means)))
-    size, title = (WIDTH, HEIGHT), "f cos in 1/sr, plane of incidence"
-    return svg.axes(size, title, _LIGHT_DEG, lines, "light, degrees; a mirror sends it to the right", (-60.0, -30.0, 0.0, 30.0, 60.0), ticks) + _legend(
-        views_deg
-    )
+    # a line ends where it leaves what is shown
+    shown = [np.where(mean >= 10.0 ** (top - _DECADES), np.log10(mean), np.nan) for mean in means]
+    lines, title = list(zip(shown, _shades(means), _dashes(means))), "f cos in 1/sr, plane of incidence"
+    x_label, x_ticks = "light, degrees; a mirror sends it to the right", (-60.0, -30.0, 0.0, 30.0, 60.0)
+    entries = list(zip((f"{view:g}" for view in views_deg), _shades(views_deg)))
+    return svg.axes((WIDTH, HEIGHT), title, _LIGHT_DEG, lines, x_label, x_ticks, ticks) + svg.legend(WIDTH - 10.0, 15.0, entries)
 
 
 def polar(values: Sequence[np.ndarray], views_deg: Sequence[float] = VIEWS_DEG) -> list[str]:
@@ -67,7 +72,8 @@ def _around(angle) -> np.ndarray:
 
 
 def _shades(values: Sequence) -> list[str]:
-    return [f"hsl({210.0 + 50.0 * i / max(len(values) - 1, 1):.0f},60%,{25.0 + 30.0 * i / max(len(values) - 1, 1):.0f}%)" for i in range(len(values))]
+    places = [i / max(len(values) - 1, 1) for i in range(len(values))]
+    return [svg.hue(210.0 + 110.0 * place, 0.25 + 0.3 * place, 0.6) for place in places]
 
 
 def _dashes(values: Sequence) -> list[bool]:

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ..material.schema import COVERAGE, DIELECTRIC
+from ..material.schema import COVERAGE, DIELECTRIC, SCATTERING
 from ..material.stack import Base, Layer, Stack
 from ..optics.bases import conductor_index
 from ..optics.colour import srgb_encoded
@@ -21,14 +21,14 @@ def height_of(stack: Stack) -> float:
 
 def drawing(stack: Stack) -> list[str]:
     """The parts of the picture, `WIDTH` wide; layers from the top, the base last."""
-    parts = [svg.text(4.0, 15.0, stack.name or "a stack without a name")]
+    parts = [svg.text(4.0, 15.0, svg.fitted(stack.name or "a stack without a name", WIDTH))]
     for i, element in enumerate((*stack.layers, stack.base)):
         y = _HEAD + i * _BAND
         parts.append(svg.rect(4.0, y, _LEFT - 12.0, _BAND, hex_color(shown_color(element))))
         if "roughness" in element:
             parts.append(svg.line(_edge(y, element["roughness"]), svg.INK, 1.2))
-        parts.append(svg.text(_LEFT, y + 0.5 * _BAND, _kind(element)))
-        parts.append(svg.text(_LEFT, y + 0.5 * _BAND + 12.0, _values(element), color="#777"))
+        parts.append(svg.text(_LEFT, y + 0.5 * _BAND, svg.fitted(_kind(element), WIDTH - _LEFT)))
+        parts.append(svg.text(_LEFT, y + 0.5 * _BAND + 12.0, svg.fitted(_values(element), WIDTH - _LEFT), color="#777"))
     return parts
 
 
@@ -60,7 +60,8 @@ def _edge(y: float, roughness: float) -> np.ndarray:
 
 def _kind(element: Layer | Base) -> str:
     name = element.unknown.get("name")
-    kind = "clear layer" if element.kind == DIELECTRIC.name else element.kind.replace("_", "-")
+    clear = "cloudy layer" if element.has(SCATTERING) else "clear layer"
+    kind = clear if element.kind == DIELECTRIC.name else element.kind.replace("_", "-")
     covered = f", on {element['coverage']:.0%}" if element.has(COVERAGE) else ""
     return (f"{name}: {kind}" if isinstance(name, str) else kind) + covered
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """SVG text: shapes as strings, and axes with lines on them. Coordinates are pixels, y down."""
 
+import colorsys
 from collections.abc import Mapping, Sequence
 from html import escape
 
@@ -9,6 +10,8 @@ import numpy as np
 INK, GRID = "#444", "#ddd"
 CHANNELS = ("#c0392b", "#27873b", "#2b5fc0")
 _MARGIN_LEFT, _MARGIN = 46.0, 26.0
+# Pixels of a letter, in the mean.
+_LETTER = 5.6
 
 
 def document(width: float, height: float, parts: Sequence[str]) -> str:
@@ -43,7 +46,27 @@ def channel_colors(count: int) -> list[str]:
     """A color for each channel: red, green and blue for three, else from violet to red."""
     if count == 3:
         return list(CHANNELS)
-    return [f"hsl({280.0 * (1.0 - i / max(count - 1, 1)):.0f},70%,40%)" for i in range(count)]
+    return [hue(280.0 * (1.0 - i / max(count - 1, 1)), 0.4, 0.7) for i in range(count)]
+
+
+def hue(degrees: float, lightness: float, saturation: float) -> str:
+    """#rrggbb of a hue. Many programs that read SVG know no hsl()."""
+    return "#" + "".join(f"{round(255.0 * v):02x}" for v in colorsys.hls_to_rgb(degrees / 360.0, lightness, saturation))
+
+
+def legend(right: float, y: float, entries: Sequence[tuple[str, str]]) -> list[str]:
+    """A row of (words, color) that ends at `right`."""
+    parts = []
+    for words, color in reversed(entries):
+        parts.append(text(right, y, words, "end", color))
+        right -= _LETTER * len(words) + 8.0
+    return parts
+
+
+def fitted(words: str, width: float) -> str:
+    """Words, cut where they would be wider than so many pixels."""
+    letters = int(width / _LETTER)
+    return words if len(words) <= letters else words[: letters - 1].rstrip() + "…"
 
 
 def axes(

@@ -100,6 +100,15 @@ def test_a_notebook_shows_layers_and_lobes():
     assert "no lobes: model adding knows no anisotropy" in words and "<&>" in words
 
 
+def test_a_picture_has_colors_that_all_readers_know_and_words_that_fit():
+    glaze = {"kind": "dielectric", "name": "a glaze of very many words, of which some are too many", "extinction": [1.0] * 3, "scatter_albedo": [0.9] * 3}
+    drawn = picture(Stack.from_dict({"layers": [glaze], "base": {"kind": "lambert"}}), make_model("weidlich_wilkie", STACK))
+    assert "hsl(" not in drawn and "too many" not in drawn and "a glaze of very many words" in drawn and ">red<" in drawn
+    assert "cloudy layer" in picture(
+        Stack.from_dict({"layers": [{**glaze, "name": "milk"}], "base": {"kind": "lambert"}}), make_model("weidlich_wilkie", STACK)
+    )
+
+
 @pytest.mark.parametrize("name", presets.names())
 def test_every_preset_can_be_drawn(name):
     drawn = ElementTree.fromstring(picture(presets.load(name), make_model("weidlich_wilkie", STACK)))
