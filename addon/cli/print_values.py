@@ -11,7 +11,6 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.material import presets as preset_files
 from ...reference_py.material.schema import SCHEMA, SCHEMA_VERSION
 from ...reference_py.optics.frame import spherical
-from ...reference_py.registry import MODELS, make_model
 from ...reference_py.version import version
 from ..session import say, tenths
 
@@ -57,6 +56,8 @@ def _row(parameter) -> dict:
 
 def models(options) -> None:
     """The registry of models."""
+    from ...reference_py.registry import MODELS  # all models are read with it
+
     if options.json:
         print(json.dumps({"models": [{"name": n, "stochastic": m.stochastic} for n, m in MODELS.items()]}))
         return
@@ -134,10 +135,12 @@ def light_grid(step: float) -> list[list[float]]:
 def shader(options) -> None:
     """The generated OSL text."""
     from ...reference_py.lobes.methods import DEFAULT_METHOD, make_lobe_set
+    from ...reference_py.lobes.methods.bake_process import keep_memory
     from ..material.backend import OSL
     from ..material.limits import require_shader
     from ..shader.osl.generate import generate
 
+    keep_memory()
     stack = load_stack(options.stack)
     require_shader(stack, OSL)
     lobe_set = make_lobe_set(stack, options.tier or DEFAULT_METHOD, progress=tenths(say(options.command)))
@@ -178,6 +181,8 @@ def _numbers(text: str) -> list[float]:
 
 def model_of(options):
     """The model, and what somebody needs to get its numbers again; options that are not named are this version's defaults."""
+    from ...reference_py.registry import make_model
+
     pairs = {"surface": options.surface} if options.surface else {}
     for text in options.option:
         key, separator, value = text.partition("=")

@@ -20,6 +20,7 @@ from lamina.addon.material.state import Wanted, is_settled, is_stale, lags, want
 from lamina.addon.shader.nodes.node_groups import lobe_group
 from lamina.addon.shader.nodes.stock_nodes import eevee_stock_tables, stock_tables
 from lamina.reference_py.lobes import cache
+from lamina.reference_py.material import presets
 from lamina.reference_py.material.place import Place
 from lamina.study.suite import suite_stack
 
@@ -46,6 +47,12 @@ def coated(bpy, tier="baked"):
     made = bpy.data.materials.new("coated")
     material.apply_stack(made, COATED, tier)
     return made
+
+
+def test_without_a_window_a_medium_that_scatters_is_baked_once_and_not_for_what_stands_in(window):
+    made = window.data.materials.new("celadon")
+    material.apply_stack(made, presets.load("celadon"), "auto")
+    assert is_settled(made) and list(cache._memory) == [wanted_lobes(made).key]
 
 
 def is_live(owner) -> bool:
