@@ -122,14 +122,16 @@ def _between(edges, alpha: float):
 
 def _lobes(cos, z, alpha, distribution, curves, azimuths):
     """By curve, the spectrum (I, Z, azimuths + 1) over azimuth of D F of the facets that turn light from cosines (I,) to cosines z (Z,)."""
-    rise = np.maximum(cos[:, None] + z, 0.0)[..., None]
-    sines = np.sqrt((1.0 - np.square(cos))[:, None] * (1.0 - np.square(z)))[..., None]
-    base = 2.0 * (1.0 + cos[:, None] * z)[..., None]
+    # no facet turns light to where it goes down more steeply than it came
+    own, other = np.nonzero(cos[:, None] + z > 0.0)
+    come, go = cos[own, None], z[other, None]
+    rise, base = come + go, 2.0 * (1.0 + come * go)
+    sines = np.sqrt((1.0 - np.square(come)) * (1.0 - np.square(go)))
 
     def lobe(cos_phi):
         length = np.sqrt(np.maximum(base - 2.0 * sines * cos_phi, 1e-30))
         cell = (length * (0.5 * _CELLS) + 0.5).astype(np.int32)
-        facets = np.where(rise > 0.0, microfacet.distribution(np.minimum(rise / length, 1.0), alpha, distribution), 0.0)
+        facets = microfacet.distribution(np.minimum(rise / length, 1.0), alpha, distribution)
         return [facets * curve[cell] for curve in curves]
 
     # the samples that a lobe may be narrower than are means over their cells, by an angle in which it is smooth
@@ -137,12 +139,13 @@ def _lobes(cos, z, alpha, distribution, curves, azimuths):
     edges = np.arctan(step * np.maximum(np.arange(_NEAR + 1) - 0.5, 0.0) / width)
     x, gauss = gauss_legendre(_NODES)
     span = 0.5 * np.diff(edges)[..., None]
-    t = edges[..., :-1, None] + span * (x + 1.0)
+    t = edges[:, :-1, None] + span * (x + 1.0)
     shares = gauss * span / np.square(np.cos(t))
-    shares = (shares / np.sum(shares, axis=-1, keepdims=True)).reshape(*span.shape[:2], -1)
-    near = lobe(np.cos(width[..., None] * np.tan(t)).reshape(shares.shape))
+    shares /= np.sum(shares, axis=-1, keepdims=True)
+    near = lobe((np.cos(width[..., None] * np.tan(t))).reshape(len(t), -1))
     spectra = []
     for values, fine in zip(lobe(np.cos(step * np.arange(azimuths + 1))), near):
-        values[..., :_NEAR] = np.sum((fine * shares).reshape(t.shape), axis=-1)
-        spectra.append(np.fft.rfft(np.concatenate([values, values[..., -2:0:-1]], axis=-1), axis=-1).real)
+        values[:, :_NEAR] = np.sum(fine.reshape(t.shape) * shares, axis=-1)
+        spectra.append(np.zeros((len(cos), len(z), azimuths + 1)))
+        spectra[-1][own, other] = np.fft.rfft(np.concatenate([values, values[:, -2:0:-1]], axis=-1), axis=-1).real
     return spectra
