@@ -70,6 +70,8 @@ class Axis(ABC):
     before: int = 0
 
     is_color: ClassVar[bool] = False
+    has_waves: ClassVar[bool] = False
+    """Whether energies go up and down along it: such an axis is alone, energies are computed at its `cross` knots, and cubic curves give the fine ones."""
 
     @property
     def scales(self) -> tuple[Scale, Scale, Scale]:
@@ -105,6 +107,13 @@ class NumberAxis(Axis):
     def at(self, stack: Stack, coordinate: float) -> Stack:
         """As in `Axis`."""
         return self.live[0].with_value(stack, float(coordinate))
+
+
+@dataclass(frozen=True)
+class FilmAxis(NumberAxis):
+    """The thickness of a thin film: energies go up and down with it as waves do."""
+
+    has_waves = True
 
 
 @dataclass(frozen=True)
@@ -214,4 +223,4 @@ class ScatterColorAxis(Axis):
         return self.live[0].with_value(stack, (float(np.clip(color_of_similarity(1.0 - coordinate), 0.0, 1.0)),) * 3)
 
 
-AXES = {axis.__name__: axis for axis in (NumberAxis, IndexAxis, ThicknessAxis, DepthAxis, ReflectanceAxis, EdgeAxis, ScatterColorAxis)}
+AXES = {axis.__name__: axis for axis in (NumberAxis, FilmAxis, IndexAxis, ThicknessAxis, DepthAxis, ReflectanceAxis, EdgeAxis, ScatterColorAxis)}

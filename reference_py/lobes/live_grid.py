@@ -33,11 +33,13 @@ MIN_ALPHA = 1e-4
 class LogEnergy:
     """The logarithm of an energy on the grid: a sum of one table along each axis, at its fine knots, and of what these leave.
 
-    `along` has a (fine, KNOTS, 3) for each axis, `rest` is (cross, cross, KNOTS, 3); one axis leaves nothing.
+    `along` has a (fine, KNOTS, 3) for each axis, `rest` is (cross, cross, KNOTS, 3); one axis leaves nothing. Where not `is_log` it is the energy
+    itself: interference takes nearly all of it at some values, beside which a logarithm is far from even.
     """
 
     along: tuple[np.ndarray, ...]
     rest: np.ndarray | None
+    is_log: bool = True
 
 
 @dataclass(frozen=True)
@@ -139,7 +141,8 @@ class LiveLobes:
 
         def exponential(log: LogEnergy):
             along = sum(color(table, [place]) for table, place in zip(log.along, fine))
-            return np.exp(along if log.rest is None else along + color(log.rest, cross))
+            total = along if log.rest is None else along + color(log.rest, cross)
+            return np.exp(total) if log.is_log else total
 
         def shared(array):
             return interpolate(_blend(array, one), cos_theta_o)
@@ -216,6 +219,8 @@ def grid_of(
         return values.round(_DIGITS)
 
     def log_energy(part) -> LogEnergy:
+        if axes[0].has_waves:
+            return LogEnergy((np.stack([part(point) for point in along[0]]).round(_DIGITS + 1),), None, is_log=False)
         tables = tuple(np.stack([_log(part(point)) for point in points]) for points in along)
         return LogEnergy(tables, _rest(axes, tables, {node: _log(part(point)) for node, point in cross.items()}) if cross else None)
 

@@ -2,7 +2,7 @@
 """Lobe sets over one or two axes of live parameters as stock nodes have them: tables over the view and even rows of the axes.
 
 An image holds them, so rows are many and cost nothing. All is linear between rows, but energies by their fourth root, as absorption
-is exponential. On an axis of colors energies are read at each channel's own coordinate, and what channels share at one.
+is exponential; not along a film's thickness. On an axis of colors energies are read at each channel's own coordinate, and what channels share at one.
 """
 
 from dataclasses import dataclass, replace
@@ -70,6 +70,11 @@ class LiveTables:
         return any(axis.is_color for axis in self.axes)
 
     @property
+    def is_rooted(self) -> bool:
+        """Whether energies are kept by their roots."""
+        return not self.axes[0].has_waves
+
+    @property
     def index(self) -> IndexAxis | None:
         """The axis of the top layer's index, which its Fresnel curve follows, if there is one."""
         return next((axis for axis in self.axes if isinstance(axis, IndexAxis)), None)
@@ -91,13 +96,14 @@ class LiveTables:
         own = [[float(np.broadcast_to(coordinate, 3)[c]) for coordinate in at] for c in range(3)]
 
         def energy(table):
-            return np.stack([interpolate(self._at(table, place)[:, c : c + 1], cos_o)[..., 0] for c, place in enumerate(own)], axis=-1) ** POWER
+            kept = np.stack([interpolate(self._at(table, place)[:, c : c + 1], cos_o)[..., 0] for c, place in enumerate(own)], axis=-1)
+            return kept**POWER if self.is_rooted else kept
 
         def shared(table):
             return interpolate(self._at(table, one), cos_o)
 
         result: list[GlossyLobe | DiffuseLobe] = []
-        for table in (rooted(table, self.is_color) for table in self.tables):
+        for table in (kept(table, self.is_color, self.is_rooted) for table in self.tables):
             weight = np.ones((*cos_o.shape, 3)) if table.energy is None else energy(table.energy)
             if table.through is not None:
                 color = np.clip(self.stack.base["color"], 0.0, 1.0)
@@ -119,10 +125,12 @@ class LiveTables:
         return reduce(lambda part, place: np.tensordot(_hats(*place)[0], part, 1), zip(self.scales, coordinates), table)
 
 
-def rooted(table: LiveTable, is_color: bool) -> LiveTable:
-    """The table with the roots of its energies, of which all is linear; where channels have no coordinates of their own, with those of weights."""
+def kept(table: LiveTable, is_color: bool, is_rooted: bool) -> LiveTable:
+    """The table with what of its energies is linear, their roots if `is_rooted`; where channels have no coordinates of their own, with that of weights."""
     if table.unit is not None and not is_color:
         table = replace(table, energy=table.energy / table.unit, unit=None)
+    if not is_rooted:
+        return table
     roots = {name: getattr(table, name) ** (1.0 / POWER) for name in ("energy", "through", "back") if getattr(table, name) is not None}
     return replace(table, **roots)
 
@@ -130,7 +138,7 @@ def rooted(table: LiveTable, is_color: bool) -> LiveTable:
 def live_tables(lobe_set: LiveLobes, keep_dielectrics: bool = False) -> LiveTables:
     """A grid of lobes in tables; `keep_dielectrics` leaves the top lobe its Fresnel curve, which else is folded into its energy."""
     axes = tuple(sorted(lobe_set.axes, key=lambda axis: not axis.is_color))  # the same row for all channels, where there are two
-    scales = tuple(Scale(_lowest(axis), axis.knots.high, rows) for axis, rows in zip(axes, _ROWS[len(axes)]))
+    scales = tuple(Scale(_lowest(axis), axis.knots.high, max(rows, axis.fine.count)) for axis, rows in zip(axes, _ROWS[len(axes)]))
     grid = _Grid(lobe_set, axes, scales)
     total = grid.exponential(lobe_set.log_sum)
     return LiveTables(lobe_set.stack, axes, scales, tuple(_table(grid, lobe_set, lobe, total, keep_dielectrics) for lobe in lobe_set.grid))
@@ -202,7 +210,8 @@ class _Grid:
     def exponential(self, log: LogEnergy) -> np.ndarray:
         """Rows of an energy."""
         along = [_resampled(log.along[i], 0, axis.fine, scale.knots) for i, axis, scale in zip(self._order, self.axes, self.scales)]
-        return np.exp(along[0] if log.rest is None else along[0][:, None] + along[1][None] + self.values(log.rest, "cross"))
+        total = along[0] if log.rest is None else along[0][:, None] + along[1][None] + self.values(log.rest, "cross")
+        return np.exp(total) if log.is_log else total
 
 
 def _resampled(table: np.ndarray, number: int, scale: Scale, coordinates: np.ndarray) -> np.ndarray:

@@ -73,7 +73,7 @@ def pack_grid(lobe_set: LiveLobes) -> dict:
 
 
 def _pack_log(energy: LogEnergy) -> dict:
-    return {"along": [table.tolist() for table in energy.along], "rest": None if energy.rest is None else energy.rest.tolist()}
+    return {"along": [table.tolist() for table in energy.along], "rest": None if energy.rest is None else energy.rest.tolist(), "is_log": energy.is_log}
 
 
 def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
@@ -90,7 +90,7 @@ def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
     def log_energy(values: dict) -> LogEnergy:
         along = tuple(_array(table, (axis.fine.count, KNOTS, 3)) for axis, table in zip(axes, values["along"], strict=True))
         rest = None if len(axes) == 1 else _array(values["rest"], (*(axis.cross.count for axis in axes), KNOTS, 3))
-        return LogEnergy(along, rest)
+        return LogEnergy(along, rest, bool(values["is_log"]))
 
     lobes = [
         LiveLobe(

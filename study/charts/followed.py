@@ -48,6 +48,8 @@ STANDS_IN = {
     "film on a rough coat over metal": ([_COAT | _FILM], _METAL),
     "film of textured thickness on a rough coat over paint": ([_COAT | _FILM], _GREY, Place(0, "film_thickness")),
     "film of textured thickness on a smooth coat over metal": ([_GLASS | _FILM], _METAL, Place(0, "film_thickness")),
+    "film of textured index on a rough coat over paint": ([_COAT | _FILM], _GREY, Place(0, "film_ior")),
+    "film of textured thickness on a coat of textured roughness over metal": ([_COAT | _FILM], _METAL, Place(0, "film_thickness"), Place(0, "roughness")),
     "brushed coat over paint": ([_COAT | _BRUSHED], _GREY),
     "brushed coat over metal": ([_COAT | _BRUSHED], _METAL),
     "smooth coat over brushed metal": ([_GLASS], _METAL | _BRUSHED),

@@ -7,8 +7,11 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from support.goniometer import TOLERANCE, parity
+from support.sunlit_ball import AGREE, picture, stage
 
+from lamina.addon.check import check
 from lamina.addon.material import material
+from lamina.addon.material.elements import node_of
 from lamina.addon.rendering.measure import render_furnace, render_sun_sphere
 from lamina.addon.shader.osl.generate import generate
 from lamina.reference_py.lobes.methods import make_lobe_set
@@ -18,6 +21,7 @@ from lamina.reference_py.registry import make_model
 
 pytestmark = pytest.mark.blender
 
+GLASS = {"kind": "dielectric", "ior": 1.5}
 COAT = {"kind": "dielectric", "ior": 1.5, "roughness": 0.5}
 FILM = {"film_thickness": 400.0, "film_ior": 2.0}
 STEEL = {"kind": "conductor", "metal": "iron", "roughness": 0.6}
@@ -65,6 +69,31 @@ def test_renders_have_the_films_color(blender, name, backend):
     truth = make_model("adding", material.stack_of(new)).albedo(spherical(np.radians(theta), 0.0))
     assert np.all(np.abs(measured - truth) <= 4.0 * stderr + 0.01 * truth)
     assert np.max(np.ptp(truth, axis=1) / truth.mean(axis=1)) > 0.1, "a film colors it"
+
+
+def test_a_textured_thickness_is_right_with_osl_and_without(blender, tmp_path):
+    """As if each thickness were baked by itself, and a film too thick as the thickest that is followed."""
+
+    def filmed(thickness):
+        return shown([{**GLASS, "film_ior": 1.9, "film_thickness": thickness}], GREY, "auto", None)
+
+    owner = filmed(300.0)
+    number = owner.node_tree.nodes.new("ShaderNodeValue")
+    owner.node_tree.links.new(number.outputs[0], node_of(owner.lamina.layers[0]).inputs["Film Thickness"])
+    material.refresh(owner, settle=True)
+    stage(owner, tmp_path)
+    assert "texture_ignored" not in [finding.code for finding in check.find(owner, bpy.context.scene, bpy.context.preferences)]
+    colors = []
+    for thickness, known in ((0.0, 0.0), (140.0, 140.0), (371.0, 371.0), (790.0, 790.0), (5000.0, 842.0)):
+        number.outputs[0].default_value = thickness
+        bpy.data.objects["ball"].data.materials[0] = owner
+        pictures = [picture(tmp_path, osl) for osl in (True, False)]
+        bpy.data.objects["ball"].data.materials[0] = filmed(known)
+        expected = picture(tmp_path, True)
+        colors.append(expected / expected.sum())
+        for seen in pictures:
+            assert seen == pytest.approx(expected, rel=AGREE), thickness
+    assert np.max(np.ptp(colors, axis=0)) > 0.05, "a film colors it"
 
 
 def test_no_thickness_renders_as_no_film(blender):

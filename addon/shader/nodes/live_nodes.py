@@ -27,7 +27,7 @@ from ....reference_py.lobes.axes import (
     ThicknessAxis,
 )
 from ....reference_py.lobes.live_grid import MIN_ALPHA
-from ....reference_py.lobes.live_tables import POWER, LiveTable, LiveTables, rooted
+from ....reference_py.lobes.live_tables import POWER, LiveTable, LiveTables, kept
 from ....reference_py.lobes.view_table import KNOTS
 from ....reference_py.material.place import Place
 from ....reference_py.optics.interface import TINT_FLOOR, optical_depth
@@ -266,11 +266,11 @@ class _Plan:
         return self.image.make()
 
     def _lobe(self, table: LiveTable) -> dict[str, list[_Part]]:
-        table, lobe = rooted(table, self._tables.is_color), {}
+        table, lobe = kept(table, self._tables.is_color, self._tables.is_rooted), {}
         for name in ("energy", "through", "back"):
             values = getattr(table, name)
             if values is not None:
-                lobe[name] = [self._part(c if self._tables.is_color else _SHARED, values[..., c], True) for c in range(3)]
+                lobe[name] = [self._part(c if self._tables.is_color else _SHARED, values[..., c], self._tables.is_rooted) for c in range(3)]
         if table.unit is not None:
             lobe["unit"] = [self._part(_SHARED, table.unit[..., 0], False)]
         if table.shape is not None:

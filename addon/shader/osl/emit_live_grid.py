@@ -164,7 +164,7 @@ class _Writer:
         terms = [self._value(f"{name}{i}", table, "fine", (i,)) for i, table in enumerate(log.along)]
         if log.rest is not None:
             terms.append(self._value(f"{name}Rest", log.rest, "cross"))
-        return f"exp({' + '.join(terms)})"
+        return f"exp({' + '.join(terms)})" if log.is_log else terms[0]
 
     def _lobes(self, lobe_set: LiveLobes, base_color: str) -> None:
         for i, lobe in enumerate(lobe_set.grid):

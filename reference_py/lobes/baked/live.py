@@ -3,6 +3,7 @@
 color of a diffuse base, which needs no knots, or both."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,7 +13,21 @@ from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
 from ..analytic.brushed import has_brushing
-from ..axes import HALF_DEPTH, REFLECTANCE_OFFSET, Axis, DepthAxis, EdgeAxis, IndexAxis, NumberAxis, ReflectanceAxis, Scale, ScatterColorAxis, ThicknessAxis
+from ..axes import (
+    HALF_DEPTH,
+    REFLECTANCE_OFFSET,
+    Axis,
+    DepthAxis,
+    EdgeAxis,
+    FilmAxis,
+    IndexAxis,
+    NumberAxis,
+    ReflectanceAxis,
+    Scale,
+    ScatterColorAxis,
+    ThicknessAxis,
+)
+from ..cache import stack_key
 from ..live_grid import Energies, LiveLobes, grid_of
 from ..truth import truth_of
 from ..view_table import BASE_COLOR, DiffuseTable, GlossyTable
@@ -31,6 +46,8 @@ _ROUGHNESSES, _NARROWEST = (0.2, 1.0), 0.05
 # At 1 the layer's surface is gone, and with a reflectance of 0 the metal.
 _INDICES, _REFLECTANCES = (1.02, 4.0), (0.004, 0.999)
 _DEEPEST, _DEEPEST_MEDIUM = 6.0, 30.0
+# Of a film: in nm its thickness times its index, beyond which its colors are pale, a blue fringe being 225; and steps of its energies from one that is computed to the next.
+_THICKEST_PATH, _FILM_KNOTS, _FILM_FINE = 1600.0, 33, 4
 
 
 def follows(stack: Stack, live: tuple[Place, ...]) -> bool:
@@ -93,6 +110,11 @@ def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
         return _even(NumberAxis, live, (0.0, 90.0), count)
     if name == "reflectance":
         return _even(ReflectanceAxis, live, tuple(float(np.log(r + REFLECTANCE_OFFSET)) for r in _REFLECTANCES), count)
+    if name == "film_thickness":
+        # a second axis would need as many bakes for each of its knots; the minima of a metal are the sharpest
+        computed = 2 if live[0].layer is None else 1
+        ends, steps = (0.0, _THICKEST_PATH / live[0].element(stack)["film_ior"]), _FILM_KNOTS - 1
+        return FilmAxis(live, *(Scale(*ends, steps * finer + 1) for finer in (1, computed * _FILM_FINE, computed))) if count == 1 else None
     if name == "edge_color":
         return _even(EdgeAxis, live, (0.0, 1.0), count)
     # what lies above a layer changes what its index does
@@ -127,6 +149,28 @@ def _better_from(start: tuple[int, ...], bakers: dict, found: dict, glossy: int)
                 fresh.append(other)
 
 
+def _between(known: list[Energies], stride: int) -> list[Energies]:
+    """Energies at even knots and at `stride` - 1 between two of them, by cubic splines."""
+    base = [point.base for point in known]
+    parts = [np.stack([getattr(point, name) for point in known]) for name in ("mirrors", "fitted")]
+    if base[0] is not None:
+        parts += [np.stack([getattr(table, name) for table in base]) for name in ("through", "back")]
+    mirrors, fitted, *light = (np.maximum(_spline(part, stride), 0.0) for part in parts)
+    bases = [replace(base[0], through=through, back=back) for through, back in zip(*light)] if light else [None] * len(mirrors)
+    return [Energies(*point) for point in zip(mirrors, fitted, bases)]
+
+
+def _spline(values: np.ndarray, stride: int) -> np.ndarray:
+    """Natural cubic splines through values (n, ...) at even knots, at these and at `stride` - 1 between two of them."""
+    count, rows = len(values), values.reshape(len(values), -1)
+    bend = np.zeros_like(rows)
+    equations = 4.0 * np.eye(count - 2) + np.eye(count - 2, k=1) + np.eye(count - 2, k=-1)
+    bend[1:-1] = np.linalg.solve(equations, rows[:-2] - 2.0 * rows[1:-1] + rows[2:])
+    t = np.arange(stride)[:, None] / stride
+    cells = [(1.0 - t) * a + t * b + ((1.0 - t) ** 3 - (1.0 - t)) * c + (t**3 - t) * d for a, b, c, d in zip(rows, rows[1:], bend, bend[1:])]
+    return np.concatenate([*cells, rows[-1:]]).reshape(-1, *values.shape[1:])
+
+
 def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Callable, report: Callable[[float], None]) -> LiveLobes:
     """The grid of a stack over live values of which at least one needs knots.
 
@@ -140,12 +184,17 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     size = tuple(map(len, knots))
     center = tuple(n // 2 for n in size)
     order = sorted(np.ndindex(size), key=lambda node: _apart(node, center))
-    found, bakers = {}, {}
+    found, bakers, truths = {}, {}, {}
+
+    def truth_at(here: Stack):
+        """Shapes and energies have knots in common."""
+        return truths.setdefault(stack_key(here), truth_of(here))
+
     for done, node in enumerate(order):
         here = ground
         for axis, at, i in zip(axes, knots, node):
             here = axis.at(here, at[i])
-        bakers[node] = make_baker(here, truth_of(here))
+        bakers[node] = make_baker(here, truth_at(here))
         if not found:
             found[node] = bakers[node].path(glossy)
         else:
@@ -159,7 +208,7 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     report(0.8)
 
     def energies(here: Stack) -> Energies:
-        truth = truth_of(here)
+        truth = truth_at(here)
         return Energies(*shares(truth, top_lobe(here) if found[center].plan else None), base_of(truth, here, stack) if over_color else None)
 
     along = []
@@ -167,7 +216,8 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
         here = ground
         for other, at, i in zip(axes, knots, center):
             here = here if other is axis else other.at(here, at[i])
-        along.append([energies(axis.at(here, knot)) for knot in axis.fine.knots])
+        points = [energies(axis.at(here, knot)) for knot in (axis.cross if axis.has_waves else axis.fine).knots]
+        along.append(_between(points, _FILM_FINE) if axis.has_waves else points)
     report(0.85)
     cross = {}
     if len(axes) == 2:
