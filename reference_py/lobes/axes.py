@@ -118,7 +118,7 @@ class FilmAxis(NumberAxis):
 
 @dataclass(frozen=True)
 class IndexAxis(Axis):
-    """The index of the top layer, as the amplitude that it reflects."""
+    """The index of a layer, as the amplitude that it would reflect below vacuum."""
 
     def coordinate(self, stack: Stack) -> np.ndarray:
         """As in `Axis`."""
@@ -221,6 +221,11 @@ class ScatterColorAxis(Axis):
     def at(self, stack: Stack, coordinate: float) -> Stack:
         """As in `Axis`."""
         return self.live[0].with_value(stack, (float(np.clip(color_of_similarity(1.0 - coordinate), 0.0, 1.0)),) * 3)
+
+
+def top_index(axes: tuple[Axis, ...]) -> IndexAxis | None:
+    """The axis of the top layer's index, which its Fresnel curve follows, if there is one."""
+    return next((axis for axis in axes if isinstance(axis, IndexAxis) and axis.layer == 0), None)
 
 
 AXES = {axis.__name__: axis for axis in (NumberAxis, FilmAxis, IndexAxis, ThicknessAxis, DepthAxis, ReflectanceAxis, EdgeAxis, ScatterColorAxis)}

@@ -15,7 +15,7 @@ import numpy as np
 from ..errors import LaminaError
 from ..material.place import Place
 from ..material.stack import Stack
-from .axes import Axis, IndexAxis, Scale
+from .axes import Axis, Scale, top_index
 from .closure import unit_energy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from .own_normals import BELOW, DIFFUSE, TOP, normals_of_fits
@@ -110,7 +110,7 @@ class LiveLobes:
     @property
     def index(self) -> Axis | None:
         """The axis of the top layer's index, which its Fresnel curve follows, if there is one."""
-        return next((axis for axis in self.axes if isinstance(axis, IndexAxis)), None)
+        return top_index(self.axes)
 
     def with_values_of(self, stack: Stack) -> "LiveLobes":
         """The same for a stack's own live values and normals."""
@@ -220,7 +220,7 @@ def grid_of(
 
     def log_energy(part) -> LogEnergy:
         if axes[0].has_waves:
-            return LogEnergy((np.stack([part(point) for point in along[0]]).round(_DIGITS + 1),), None, is_log=False)
+            return LogEnergy((np.stack([part(point) for point in along[0]]).round(_DIGITS),), None, is_log=False)
         tables = tuple(np.stack([_log(part(point)) for point in points]) for points in along)
         return LogEnergy(tables, _rest(axes, tables, {node: _log(part(point)) for node, point in cross.items()}) if cross else None)
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..material.place import Place
 from ..material.stack import Stack
-from .axes import Axis, IndexAxis, Scale
+from .axes import Axis, IndexAxis, Scale, top_index
 from .closure import fresnel_share
 from .live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
@@ -77,7 +77,7 @@ class LiveTables:
     @property
     def index(self) -> IndexAxis | None:
         """The axis of the top layer's index, which its Fresnel curve follows, if there is one."""
-        return next((axis for axis in self.axes if isinstance(axis, IndexAxis)), None)
+        return top_index(self.axes)
 
     def with_values_of(self, stack: Stack) -> "LiveTables":
         """The same for a stack's own live values."""
@@ -168,7 +168,7 @@ def _without_normal(grid: "_Grid", lobe_set: LiveLobes, lobe: LiveLobe, total: n
 
 def _folded(stack: Stack, axes: tuple[Axis, ...], scales: tuple[Scale, ...], lobe: LiveLobe, roots: np.ndarray) -> np.ndarray:
     """The share (..., KNOTS, 3) that a Fresnel curve leaves of a lobe of these roots of alpha (...), which are the same at all views."""
-    changes = [isinstance(axis, IndexAxis) or bool(np.any(np.diff(roots, axis=number))) for number, axis in enumerate(axes)]
+    changes = [axis is top_index(axes) or bool(np.any(np.diff(roots, axis=number))) for number, axis in enumerate(axes)]
     knots = [Scale(scale.low, scale.high, _FOLDED[sum(changes)] if changed else 2) for scale, changed in zip(scales, changes)]
     at_knots = reduce(lambda part, n: _resampled(part, n, scales[n], knots[n].knots), range(len(axes)), roots)
     known: dict[tuple[float, float], np.ndarray] = {}
@@ -176,7 +176,7 @@ def _folded(stack: Stack, axes: tuple[Axis, ...], scales: tuple[Scale, ...], lob
     def share(place: tuple[int, ...]) -> np.ndarray:
         alpha, eta = float(at_knots[place]) ** 2, lobe.fresnel.eta
         for axis, scale, i in zip(axes, knots, place):
-            if isinstance(axis, IndexAxis):
+            if axis is top_index(axes):
                 eta = float(axis.live[0].value(axis.at(stack, scale.knots[i])))
         if (alpha, eta) not in known:
             alphas = np.full(KNOTS, alpha)

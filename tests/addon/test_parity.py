@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from support.coats import CLAY, GLAZE, METAL, MILK, VARNISH, WOOD
+from support.coats import CLAY, GLAZE, METAL, MILK, TWO_COATS, VARNISH, WOOD
 from support.goniometer import SUN_THETA_DEG, beckmann_sampling_bias, highlight_window, parity, tolerance
 
 from lamina.addon.blender.versions import HAS_DIELECTRIC
@@ -93,29 +93,43 @@ def test_a_wrong_index_is_caught(blender):
     assert result.percentile_99 > 10.0 * tolerance(stack)
 
 
+FILMED = GLAZE | {"film_thickness": 300.0, "film_ior": 1.9}
 LIVE = pytest.mark.parametrize(
-    "layer, base, links",
+    "layers, base, links",
     [
-        (VARNISH, WOOD, {(0, "Thickness"): 1.5, (0, "Roughness"): 0.12}),
-        (VARNISH, WOOD, {(0, "Tint"): (0.3, 0.8, 0.02), (None, "Color"): (0.6, 0.1, 0.9)}),
-        (VARNISH, WOOD, {(None, "Color"): (0.6, 0.1, 0.9)}),
-        (VARNISH, WOOD, {(0, "IOR"): 1.83}),
-        (GLAZE, METAL, {(0, "Tint"): (0.3, 0.8, 0.02)}),
-        (VARNISH, METAL, {(None, "Reflectance"): (0.02, 0.5, 0.97), (None, "Edge Color"): (0.2, 0.9, 0.5)}),
-        (VARNISH, CLAY, {(None, "Slope Deviation"): 42.0, (None, "Color"): (0.6, 0.1, 0.9)}),
-        (MILK, WOOD, {(0, "Density"): 1.7, (0, "Scatter Color"): (0.3, 0.85, 0.05)}),
+        ([VARNISH], WOOD, {(0, "Thickness"): 1.5, (0, "Roughness"): 0.12}),
+        ([VARNISH], WOOD, {(0, "Tint"): (0.3, 0.8, 0.02), (None, "Color"): (0.6, 0.1, 0.9)}),
+        ([VARNISH], WOOD, {(None, "Color"): (0.6, 0.1, 0.9)}),
+        ([VARNISH], WOOD, {(0, "IOR"): 1.83}),
+        (TWO_COATS, WOOD, {(1, "IOR"): 1.83}),
+        ([FILMED], METAL, {(0, "Film Thickness"): 371.0}),
+        ([GLAZE], METAL, {(0, "Tint"): (0.3, 0.8, 0.02)}),
+        ([VARNISH], METAL, {(None, "Reflectance"): (0.02, 0.5, 0.97), (None, "Edge Color"): (0.2, 0.9, 0.5)}),
+        ([VARNISH], CLAY, {(None, "Slope Deviation"): 42.0, (None, "Color"): (0.6, 0.1, 0.9)}),
+        ([MILK], WOOD, {(0, "Density"): 1.7, (0, "Scatter Color"): (0.3, 0.85, 0.05)}),
     ],
-    ids=["roughness and thickness", "tint and base color", "base color", "index", "tint over a metal", "metal", "rough base", "a medium's density and color"],
+    ids=[
+        "roughness and thickness",
+        "tint and base color",
+        "base color",
+        "index",
+        "index below the top",
+        "film",
+        "tint over a metal",
+        "metal",
+        "rough base",
+        "a medium's density and color",
+    ],
 )
 
 
-def _live(blender, layer, base, links):
+def _live(blender, layers, base, links):
     """A baked material whose values come in through sockets, as from textures; those of the test lie between knots, and below the first."""
     from lamina.addon.material.elements import node_of
     from lamina.addon.material.material import apply_stack, refresh
 
     material = blender.data.materials.new("Live")
-    apply_stack(material, Stack.from_dict({"layers": [layer], "base": base}), "baked")
+    apply_stack(material, Stack.from_dict({"layers": layers, "base": base}), "baked")
     for (number, label), value in links.items():
         color = isinstance(value, tuple)
         source = material.node_tree.nodes.new("ShaderNodeRGB" if color else "ShaderNodeValue")
@@ -127,7 +141,7 @@ def _live(blender, layer, base, links):
 
 
 @LIVE
-def test_a_bake_over_live_values_equals_its_lobe_set(blender, layer, base, links):
+def test_a_bake_over_live_values_equals_its_lobe_set(blender, layers, base, links):
     from lamina.addon.material.live_values import live_values
     from lamina.addon.material.material import stack_of
     from lamina.addon.material.roles import node_with
@@ -136,7 +150,7 @@ def test_a_bake_over_live_values_equals_its_lobe_set(blender, layer, base, links
     from lamina.reference_py.lobes.methods import make_lobe_set
     from lamina.reference_py.lobes.view_table import TableLobes
 
-    material = _live(blender, layer, base, links)
+    material = _live(blender, layers, base, links)
     assert len([socket for socket in shader_of(material).inputs if socket.is_linked]) == len(links)
     text = shader_of(material).script.as_string()
     lobe_set = make_lobe_set(stack_of(material), "baked", live=live_values(material)).lobe_set

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.coats import CLAY, GLAZE, METAL, MILK, VARNISH, WOOD
+from support.coats import CLAY, GLAZE, METAL, MILK, TWO_COATS, VARNISH, WOOD
 
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.lobes import cache
@@ -68,25 +68,27 @@ def drawn(rng, stack: Stack, live) -> Stack:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "layer, base, live, albedo, shape",
+    "layers, base, live, albedo, shape",
     [
-        (VARNISH, WOOD, [(0, "tint")], 0.004, 1.2),
-        (VARNISH, WOOD, [(0, "tint"), (0, "thickness")], 0.004, 1.1),
-        (GLAZE, METAL, [(0, "tint")], 0.006, 1.1),
-        (VARNISH, METAL, [(None, "reflectance")], 0.012, 1.1),
-        (GLAZE, METAL, [(None, "edge_color")], 0.004, 1.1),
-        (GLAZE, CLAY, [(None, "sigma_deg")], 0.004, 1.1),
-        (VARNISH, CLAY, [(None, "color")], 0.006, 1.2),
-        (VARNISH, WOOD, [(0, "ior")], 0.004, 1.1),
-        (VARNISH, WOOD, [(0, "tint"), (None, "color")], 0.006, 1.6),
-        (MILK, METAL, [(0, "density")], 0.004, 1.1),
-        (MILK, METAL, [(0, "scatter_color")], 0.004, 1.2),
-        (MILK, WOOD, [(0, "density"), (0, "scatter_color")], 0.0105, 1.3),
+        ([VARNISH], WOOD, [(0, "tint")], 0.004, 1.2),
+        ([VARNISH], WOOD, [(0, "tint"), (0, "thickness")], 0.004, 1.1),
+        ([GLAZE], METAL, [(0, "tint")], 0.006, 1.1),
+        ([VARNISH], METAL, [(None, "reflectance")], 0.012, 1.1),
+        ([GLAZE], METAL, [(None, "edge_color")], 0.004, 1.1),
+        ([GLAZE], CLAY, [(None, "sigma_deg")], 0.004, 1.1),
+        ([VARNISH], CLAY, [(None, "color")], 0.006, 1.2),
+        ([VARNISH], WOOD, [(0, "ior")], 0.004, 1.1),
+        ([VARNISH], WOOD, [(0, "tint"), (None, "color")], 0.006, 1.6),
+        ([GLAZE, VARNISH], METAL, [(1, "ior")], 0.005, 1.1),
+        (TWO_COATS, WOOD, [(1, "ior")], 0.01, 1.1),
+        ([MILK], METAL, [(0, "density")], 0.004, 1.1),
+        ([MILK], METAL, [(0, "scatter_color")], 0.004, 1.2),
+        ([MILK], WOOD, [(0, "density"), (0, "scatter_color")], 0.0105, 1.3),
     ],
 )
-def test_values_are_as_right_as_constants(layer, base, live, albedo, shape):
+def test_values_are_as_right_as_constants(layers, base, live, albedo, shape):
     """Albedo, worst view and channel, against the truth; the median of shapes' errors over that of bakes of each value alone."""
-    stack, places = Stack.from_dict({"layers": [layer], "base": base}), tuple(Place(*pair) for pair in live)
+    stack, places = Stack.from_dict({"layers": layers, "base": base}), tuple(Place(*pair) for pair in live)
     baked = make_lobe_set(stack, "baked", live=places).lobe_set
     assert set(places) <= set(baked.followed)
     rng, found = np.random.default_rng(17), []

@@ -17,7 +17,7 @@ _FILM, _BRUSHED = {"film_thickness": 300.0, "film_ior": 1.8}, {"anisotropy": 0.5
     [
         ([VARNISH], WOOD, [(0, "tint"), (0, "thickness"), (0, "roughness"), (None, "color")], BAKED),
         ([VARNISH], CLAY, [(None, "color")], BAKED),
-        ([VARNISH, GLAZE], METAL, [(1, "ior")], ANALYTIC),
+        ([VARNISH, GLAZE], METAL, [(1, "ior"), (0, "roughness")], BAKED),
         ([VARNISH], METAL, [(0, "roughness"), (0, "tint"), (None, "roughness")], ANALYTIC),
         ([VARNISH | _BRUSHED], METAL, [], BAKED),
         ([VARNISH | _BRUSHED], METAL, [(0, "roughness")], ANALYTIC),

@@ -16,6 +16,7 @@ from ....reference_py.lobes.axes import (
     ReflectanceAxis,
     ScatterColorAxis,
     ThicknessAxis,
+    top_index,
 )
 from ....reference_py.lobes.live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy
 from ....reference_py.lobes.lobe import DielectricCurve
@@ -86,7 +87,8 @@ class _Writer:
         name = self._name(f"coordinate{i}")
         if isinstance(axis, IndexAxis):
             self._say(f"float {name} = ({first} - 1.0) / ({first} + 1.0);")
-            self._index = first
+            if axis is top_index(self._axes):
+                self._index = first
             return (name,) * 2
         if isinstance(axis, ThicknessAxis):
             self._say(f"float {name} = max({first}, 0.0);", f"{name} /= {name} + {axis.half(stack):.9g};")

@@ -117,8 +117,7 @@ def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
         return FilmAxis(live, *(Scale(*ends, steps * finer + 1) for finer in (1, computed * _FILM_FINE, computed))) if count == 1 else None
     if name == "edge_color":
         return _even(EdgeAxis, live, (0.0, 1.0), count)
-    # what lies above a layer changes what its index does
-    return _even(IndexAxis, live, tuple((n - 1.0) / (n + 1.0) for n in _INDICES), count) if live[0] == Place(0, "ior") else None
+    return _even(IndexAxis, live, tuple((n - 1.0) / (n + 1.0) for n in _INDICES), count) if name == "ior" else None
 
 
 def _even(kind: type[Axis], live: tuple[Place, ...], ends: tuple[float, float], count: int, fine: float = _FINE, cross: float = _CROSS) -> Axis:
@@ -151,13 +150,12 @@ def _better_from(start: tuple[int, ...], bakers: dict, found: dict, glossy: int)
 
 def _between(known: list[Energies], stride: int) -> list[Energies]:
     """Energies at even knots and at `stride` - 1 between two of them, by cubic splines."""
-    base = [point.base for point in known]
-    parts = [np.stack([getattr(point, name) for point in known]) for name in ("mirrors", "fitted")]
-    if base[0] is not None:
-        parts += [np.stack([getattr(table, name) for table in base]) for name in ("through", "back")]
-    mirrors, fitted, *light = (np.maximum(_spline(part, stride), 0.0) for part in parts)
-    bases = [replace(base[0], through=through, back=back) for through, back in zip(*light)] if light else [None] * len(mirrors)
-    return [Energies(*point) for point in zip(mirrors, fitted, bases)]
+    mirrors, fitted = (np.maximum(_spline(np.stack([getattr(point, name) for point in known]), stride), 0.0) for name in ("mirrors", "fitted"))
+    tables = [point.base for point in known if point.base is not None]
+    if not tables:
+        return [Energies(*point) for point in zip(mirrors, fitted)]
+    light = (np.maximum(_spline(np.stack([getattr(table, name) for table in tables]), stride), 0.0) for name in ("through", "back"))
+    return [Energies(*point, replace(tables[0], through=through, back=back)) for *point, through, back in zip(mirrors, fitted, *light)]
 
 
 def _spline(values: np.ndarray, stride: int) -> np.ndarray:
@@ -186,15 +184,12 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     order = sorted(np.ndindex(size), key=lambda node: _apart(node, center))
     found, bakers, truths = {}, {}, {}
 
-    def truth_at(here: Stack):
-        """Shapes and energies have knots in common."""
-        return truths.setdefault(stack_key(here), truth_of(here))
-
     for done, node in enumerate(order):
         here = ground
         for axis, at, i in zip(axes, knots, node):
             here = axis.at(here, at[i])
-        bakers[node] = make_baker(here, truth_at(here))
+        truth = truths[stack_key(here)] = truth_of(here)
+        bakers[node] = make_baker(here, truth)
         if not found:
             found[node] = bakers[node].path(glossy)
         else:
@@ -208,7 +203,8 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     report(0.8)
 
     def energies(here: Stack) -> Energies:
-        truth = truth_at(here)
+        # shapes and energies have knots in common; more truths would take too much memory
+        truth = truths.get(stack_key(here)) or truth_of(here)
         return Energies(*shares(truth, top_lobe(here) if found[center].plan else None), base_of(truth, here, stack) if over_color else None)
 
     along = []
