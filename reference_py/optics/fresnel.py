@@ -20,11 +20,19 @@ def fresnel_dielectric(cos_theta_i: np.ndarray, eta_it) -> np.ndarray:
     cos_t = np.sqrt(np.maximum(1.0 - sin2_t, 0.0))
     # At grazing incidence with eta = 1 both quotients are 0 / 0: such an interface reflects nothing.
     with np.errstate(invalid="ignore", divide="ignore"):
-        r_s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t)
-        r_p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t)
-        reflectance = 0.5 * (np.square(r_s) + np.square(r_p))
-    reflectance = np.where(sin2_t >= 1.0, 1.0, reflectance)
-    return np.where(eta == 1.0, 0.0, reflectance)
+        near, far = eta * cos_t, eta * cos_i
+        r_s, r_p = cos_i - near, far - cos_t
+        # in place: arrays are large where it counts
+        near += cos_i
+        far += cos_t
+        r_s /= near
+        r_p /= far
+        r_s *= r_s
+        r_p *= r_p
+        r_s += r_p
+        r_s *= 0.5
+    reflectance = np.where(sin2_t >= 1.0, 1.0, r_s)
+    return reflectance if eta.ndim == 0 and eta != 1.0 else np.where(eta == 1.0, 0.0, reflectance)
 
 
 def fresnel_conductor(cos_theta_i: np.ndarray, eta, k) -> np.ndarray:

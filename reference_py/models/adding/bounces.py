@@ -135,16 +135,18 @@ def _solution(surface: Microsurface, detail: Detail) -> tuple[np.ndarray, np.nda
     source = np.einsum("jhk,smjkr->msjhr", walk, single)
     size = sides * directions * heights
     result = []
+    # less a step to each height, for the side on which light stays and for the other
+    own, other = -walk[:, :, None], -walk[:, :, None, ::-1]
     for m in range(detail.azimuths):
-        kernel = np.zeros((sides, directions, heights, sides, directions, heights))
-        for side, s in enumerate(scatters):
-            kernel[side, :, :, side] += np.einsum("jhk,jl->jhlk", walk, s.reflect[m])
-            if sides == 2:
-                kernel[side, :, :, 1 - side] += np.einsum("jhk,jl->jhlk", walk, s.refract[m])[..., ::-1]
-        equations, right = np.eye(size) - kernel.reshape(size, size), source[m].reshape(size, -1)
         # energy is the first mode's; the others are good enough in single precision, in half the time
-        precision = np.float32 if m else np.float64
-        result.append(np.linalg.solve(equations.astype(precision), right.astype(precision)))
+        equations = np.empty((sides, directions, heights, sides, directions, heights), np.float32 if m else np.float64)
+        for side, s in enumerate(scatters):
+            np.multiply(own, s.reflect[m][:, None, :, None], out=equations[side, :, :, side], casting="same_kind")
+            if sides == 2:
+                np.multiply(other, s.refract[m][:, None, :, None], out=equations[side, :, :, 1 - side], casting="same_kind")
+        equations = equations.reshape(size, size)
+        equations[np.diag_indices(size)] += 1.0
+        result.append(np.linalg.solve(equations, source[m].reshape(size, -1).astype(equations.dtype)))
     return np.stack(result).reshape(source.shape).astype(float, copy=False), source
 
 

@@ -11,6 +11,8 @@ from .operators import InterfaceOperators, Resolution, interface_operators
 
 # Modes that add less than this to f, in 1/sr, are left out: their bound is some ten times what they do add.
 _UNSEEN = 1e-7
+# Of the facets across the plane of incidence: fewer would move f by more than 1e-5.
+_FEWEST_ACROSS = 24
 
 
 def operators_by_depth(
@@ -42,4 +44,6 @@ def _seen(resolution: Resolution, through: np.ndarray, weights: np.ndarray) -> R
     """
     most = np.max(np.square(through) @ (1.0 / weights), axis=-1)
     modes = max(2, 1 + int(np.max(np.flatnonzero(most > _UNSEEN), initial=0)))
-    return replace(resolution, modes=modes, left_out=resolution.left_out + resolution.modes - modes)
+    return replace(
+        resolution, modes=modes, across=min(resolution.across, max(_FEWEST_ACROSS, modes // 2)), left_out=resolution.left_out + resolution.modes - modes
+    )
