@@ -104,29 +104,30 @@ class ViewFits:
 
     def fit(self, distributions: tuple[str, ...], start: np.ndarray, iterations: int) -> Mixtures:
         """The best mixtures that are found from `start` (V, k, 3)."""
-        slopes = 3 * len(distributions)
+        slopes = 3 * len(distributions) if iterations else 0
         shape = np.clip(start, self.low, _HIGH)
-        if not iterations:
-            slopes, rows = 0, self.columns(distributions, shape)
-        else:
-            rows = self._rows(distributions, shape)
+        rows = self._rows(distributions, shape) if slopes else self.columns(distributions, shape)
         weight = non_negative(*self._moments(rows[:, slopes:], self._point_weights(0.1 * self.truth)))
         best, distances = self._mixtures(shape, rows[:, slopes:], weight)
         columns = rows[:, slopes:].copy()
         damping = np.full(len(shape), _FIRST_DAMPING)
-        for _ in range(iterations if distributions else 0):
+        for left in reversed(range(iterations if distributions else 0)):
             weights = self._point_weights(distances)
             gram, moments = self._moments(rows, weights)
             weight = non_negative(gram[:, :, slopes:, slopes:], moments[:, :, slopes:])
             step = _gauss_newton_step(gram, moments, weight, damping)
             trial = np.clip(shape + np.clip(step, -_LONGEST_STEP, _LONGEST_STEP), self.low, _HIGH)
-            trial_rows = self._rows(distributions, trial)
+            before = _squares(gram[:, :, slopes:, slopes:], moments[:, :, slopes:], weight)
+            if left:
+                trial_rows = self._rows(distributions, trial)
+            else:  # nobody asks for derivatives any more
+                trial_rows, rows, slopes = self.columns(distributions, trial), rows[:, slopes:], 0
             trial_gram, trial_moments = self._moments(trial_rows[:, slopes:], weights)
             trial_weight = non_negative(trial_gram, trial_moments)
-            before = _squares(gram[:, :, slopes:, slopes:], moments[:, :, slopes:], weight)
-            better = _squares(trial_gram, trial_moments, trial_weight) < before
-            damping = np.where(better, np.maximum(0.2 * damping, _LEAST_DAMPING), 8.0 * damping)
-            shape[better], rows[better], weight[better] = trial[better], trial_rows[better], trial_weight[better]
+            worse = _squares(trial_gram, trial_moments, trial_weight) >= before
+            damping = np.where(worse, 8.0 * damping, np.maximum(0.2 * damping, _LEAST_DAMPING))
+            trial[worse], trial_rows[worse], trial_weight[worse] = shape[worse], rows[worse], weight[worse]
+            shape, rows, weight = trial, trial_rows, trial_weight
             found, distances = self._mixtures(shape, rows[:, slopes:], weight)
             closer = found.error < best.error
             best = found.where(closer, best)
