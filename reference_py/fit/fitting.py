@@ -109,6 +109,7 @@ def rough_fits(
     starts: int,
     rng: np.random.Generator,
     known: Sequence[tuple[Parameters, np.ndarray, int]] = (),
+    steps: int = _ROUGH_STEPS,
 ) -> list[tuple[Structure, Solution]]:
     """Fits of the stand-in, best first. `structures` differ in their distributions: the first is fitted from several starts
     (`best_starts`), the others from where these end."""
@@ -116,7 +117,7 @@ def rough_fits(
     found, begun = [], None
     for structure in structures:
         forward, _ = stand_in(model, Parameters(structure, metric.measurement.channels), few)
-        solved = [_solved(forward, x, ROUGH, _ROUGH_TOLERANCE, _ROUGH_STEPS) for x in begun or best_starts(forward, starts, rng, known)]
+        solved = [_solved(forward, x, ROUGH, _ROUGH_TOLERANCE, steps) for x in begun or best_starts(forward, starts, rng, known)]
         begun = begun or [solution.x for solution in solved]
         found += [(structure, solution) for solution in solved]
     return sorted(found, key=lambda option: option[1].cost)

@@ -29,7 +29,7 @@ MOST_LAYERS, LEAST_SAMPLES = 8, 50
 _AUTO_LAYERS = 3
 # Of fits with a medium that scatters, and the bases that are tried below it.
 _CLOUDY_STARTS, _BELOW_CLOUDS = 2, ("lambert", CONDUCTOR.name)
-_LOOK_STEPS, _STARTS, _MORE_STARTS = 1, 3, 2
+_LOOK_STEPS, _STARTS, _MORE_STARTS, _ROUGH_STEPS = 1, 3, 2, 12
 # Further steps of the best base before counts of layers are compared, and the most of the chosen fit.
 _COMPARED_STEPS, _LAST_STEPS = 2, 4
 # The discrepancy of quick settings is at most about half of the first, and cannot pass for a gain as large as the second (a part of the error).
@@ -190,7 +190,7 @@ class _Search:
                 structure, solution = rough["lambert"][0]
                 known.append((Parameters(structure, self.metric.measurement.channels), solution.x, 0))
             structures = [Structure(count, base, distributions) for distributions in _surfaces(count, base, before.get(base))]
-            rough[base] = rough_fits(self.metric, structures, self.model, _MORE_STARTS if known else _STARTS, self.rng, known)
+            rough[base] = rough_fits(self.metric, structures, self.model, _MORE_STARTS if known else _STARTS, self.rng, known, _ROUGH_STEPS)
         least = min(found[0][1].cost for found in rough.values())
         self._by_base = {base: self._begun(found) for base, found in rough.items() if found[0][1].cost <= _FAR * least}
         if contained:
