@@ -23,7 +23,9 @@ from .readers.measurement import Measurement, subsample
 from .solve import Solution
 from .starts import are_apart, best_starts
 
-SAMPLES, STARTS, STEPS = 500, 4, 8
+SAMPLES, STEPS = 500, 8
+# Fits of a stand-in, and of a model that is fitted itself, whose best is the result.
+STARTS, DIRECT_STARTS = 4, 8
 # Steps before the model's own derivatives are worth their time.
 _FIRST_STEPS = 5
 _ROUGH_SAMPLES, _ROUGH_STEPS, _ROUGH_TOLERANCE = 200, 32, 3e-3
@@ -260,7 +262,7 @@ def fit_structure(
     structure: Structure,
     model: str = DEFAULT_MODEL,
     samples: int = SAMPLES,
-    starts: int = STARTS,
+    starts: int | None = None,
     seed: int = 0,
     progress: Progress | None = None,
     options: Mapping = MappingProxyType({}),
@@ -268,6 +270,8 @@ def fit_structure(
     """The best stack of one structure; `options` as in `corrected`. Raises LaminaError for a model that cannot be fitted."""
     require_fittable(model)
     metric = subsampled(measurement, samples, seed)
+    if starts is None:
+        starts = STARTS if stand_in(model, Parameters(structure, measurement.channels), metric)[1] else DIRECT_STARTS
     start = nearest(metric, rough_fits(metric, [structure], model, starts, np.random.default_rng(seed)), model, options)
     first = corrected(metric, start, model, _FIRST_STEPS, share_of(progress, 0.0, 0.5), options)
     return polished(first, share_of(progress, 0.5, 1.0), options)
