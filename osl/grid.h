@@ -35,20 +35,30 @@ color grid(color table[], int at, int step, int second_step, float along, float 
     return mix(grid(table, at, second_step, second_along, between), grid(table, at + step, second_step, second_along, between), along);
 }
 
-color grid(color table[], int at[3], int step, float along[3], float between)
+// Where each channel is at a place of its own, a table has the channels of its colors as numbers, one after the other.
+color grid(float table[], int at[3], int step, float along[3], float between)
 {
-    color red = grid(table, at[0], step, along[0], between);
-    color green = grid(table, at[1], step, along[1], between);
-    color blue = grid(table, at[2], step, along[2], between);
-    return color(red[0], green[1], blue[2]);
+    color result = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        int low = 3 * at[c] + c;
+        int high = low + 3 * step;
+        result[c] = mix(mix(table[low], table[low + 3], between), mix(table[high], table[high + 3], between), along[c]);
+    }
+    return result;
 }
 
-color grid(color table[], int at[3], int step, int second_step, float along[3], float second_along[3], float between)
+color grid(float table[], int at[3], int step, int second_step, float along[3], float second_along[3], float between)
 {
-    color red = grid(table, at[0], step, second_step, along[0], second_along[0], between);
-    color green = grid(table, at[1], step, second_step, along[1], second_along[1], between);
-    color blue = grid(table, at[2], step, second_step, along[2], second_along[2], between);
-    return color(red[0], green[1], blue[2]);
+    color result = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        for (int r = 0; r < 2; ++r) {
+            int low = 3 * (at[c] + r * step) + c;
+            int high = low + 3 * second_step;
+            float value = mix(mix(table[low], table[low + 3], between), mix(table[high], table[high + 3], between), second_along[c]);
+            result[c] += (r == 0 ? 1.0 - along[c] : along[c]) * value;
+        }
+    }
+    return result;
 }
 
 float mean_of(color value)

@@ -154,12 +154,15 @@ class _Writer:
         """An expression for values (..., KNOTS, 1 or 3) over some axes, all unless told, at the live parameters and the view."""
         axes = tuple(range(len(self._axes))) if axes is None else axes
         rows = values.reshape(-1, values.shape[-1])
+        is_shared = rows.shape[1] == 1 or not any(self._axes[i].is_color for i in axes)
+        if is_shared and np.all(rows == rows[:, :1]):
+            rows = rows[:, :1]
         color = rows.shape[1] == 3
         if np.all(rows == rows[0]):
             return f"color({numbers(rows[0])})" if color else f"{rows[0, 0]:.6g}"
-        entries = [f"color({', '.join(_entry(v) for v in row)})" if color else _entry(row[0]) for row in rows]
-        table = self._array("color" if color else "float", name, entries)
-        is_shared = not color or not any(self._axes[i].is_color for i in axes)
+        is_whole = color and is_shared
+        entries = [f"color({', '.join(map(_entry, row))})" for row in rows] if is_whole else [_entry(value) for value in rows.ravel()]
+        table = self._array("color" if is_whole else "float", name, entries)
         return f"grid({table}, {self._place(which, axes, is_shared)})"
 
     def _exponential(self, name: str, log: LogEnergy) -> str:
@@ -194,15 +197,19 @@ class _Writer:
             return f"diffuse({self._about.normal})", True, ()
         if lobe.is_specular:
             return f'microfacet("{lobe.distribution}", {upright}, 0.0, 0.0, 1.0, 0)', True, ("0.0",) * 3
-        roots = [self._value(f"Root{axis}{i}", lobe.shape[..., column : column + 1]) for column, axis in enumerate("XY")]
-        alphas = [self._name(f"alpha_{axis}{i}") for axis in "xy"]
-        for alpha, root in zip(alphas, roots):
-            self._say(f"float {alpha} = max({root}, 0.0);", f"{alpha} = clamp({alpha} * {alpha}, {MIN_ALPHA:g}, 1.0);")
         if isinstance(lobe.fresnel, DielectricCurve):
+            alpha = self._alpha(f"alpha_{i}", self._value(f"Root{i}", lobe.shape[..., :1]))
             eta = self._index or f"{lobe.fresnel.eta:.9g}"
-            return f'interface_bsdf({upright}, {alphas[0]}, break_isotropy({alphas[0]}), {eta}, "{lobe.distribution}")', True, ()
+            return f'interface_bsdf({upright}, {alpha}, break_isotropy({alpha}), {eta}, "{lobe.distribution}")', True, ()
+        alphas = [self._alpha(f"alpha_{axis}{i}", self._value(f"Root{axis.upper()}{i}", lobe.shape[..., c : c + 1])) for c, axis in enumerate("xy")]
         slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
         return f'microfacet("{lobe.distribution}", {self._about.tilted(slope)}, {", ".join(alphas)}, 1.0, 0)', True, (*alphas, slope)
+
+    def _alpha(self, word: str, root: str) -> str:
+        """The variable that a root's square becomes."""
+        alpha = self._name(word)
+        self._say(f"float {alpha} = max({root}, 0.0);", f"{alpha} = clamp({alpha} * {alpha}, {MIN_ALPHA:g}, 1.0);")
+        return alpha
 
 
 def _entry(value: float) -> str:
