@@ -105,8 +105,8 @@ def _two_ended(stack: Stack, wo, wi, seed: int) -> tuple[np.ndarray, np.ndarray]
     optics, rng = OpticalStack.of(stack), np.random.default_rng(seed)
     if not optics.interfaces:
         lobe = (optics.base.reflectance, optics.base.facets.alpha, optics.base.facets.distribution)
-        return tuple(np.array(part) for part in zip(*(metal_f(*lobe, *pair, TWO_ENDED_WALKS, rng) for pair in zip(wo, wi))))
+        return tuple(np.array(part) for part in zip(*(metal_f(*lobe, *pair, TWO_ENDED_WALKS, rng, _NOISE) for pair in zip(wo, wi))))
     interface = optics.interfaces[0]
-    pairs = [reflected_f(interface.eta, interface.alpha, interface.distribution, *pair, TWO_ENDED_WALKS, rng) for pair in zip(wo, wi)]
+    pairs = [reflected_f(interface.eta, interface.alpha, interface.distribution, *pair, TWO_ENDED_WALKS, rng, _NOISE) for pair in zip(wo, wi)]
     f, stderr = (np.repeat(np.array(part)[:, None], 3, axis=1) for part in zip(*pairs))
     return f, stderr

@@ -16,24 +16,40 @@ from ..reference_py.optics.microfacet import facet_distribution
 from ..reference_py.optics.sampling import projected_area, sample_visible_normals
 
 _BATCH = 1 << 16
+# Times the walks that are asked for, at most.
+_MOST = 16
 
 
-def reflected_f(eta: float, alpha: float, distribution: str, wo: np.ndarray, wi: np.ndarray, walks: int, rng: np.random.Generator) -> tuple[float, float]:
-    """f in 1/sr of a dielectric between two directions (3,) and its standard error, from so many walks, a whole number of batches of 65536."""
-    f, stderr = _estimate(_Walks(eta, alpha, distribution, wo, wi, rng).toward, walks, wi)
+def reflected_f(
+    eta: float, alpha: float, distribution: str, wo: np.ndarray, wi: np.ndarray, walks: int, rng: np.random.Generator, noise: float = np.inf
+) -> tuple[float, float]:
+    """f in 1/sr of a dielectric between two directions (3,) and its standard error, from so many walks, a whole number of batches of 65536, and as many again
+    until the error is this share of f."""
+    f, stderr = _estimate(_Walks(eta, alpha, distribution, wo, wi, rng).toward, walks, wi, noise)
     return float(f), float(stderr)
 
 
 def metal_f(
-    reflectance: Callable[[np.ndarray], np.ndarray], alpha: float, distribution: str, wo: np.ndarray, wi: np.ndarray, walks: int, rng: np.random.Generator
+    reflectance: Callable[[np.ndarray], np.ndarray],
+    alpha: float,
+    distribution: str,
+    wo: np.ndarray,
+    wi: np.ndarray,
+    walks: int,
+    rng: np.random.Generator,
+    noise: float = np.inf,
 ) -> tuple[np.ndarray, np.ndarray]:
     """The same of a metal, of whose facets `reflectance` gives (n, channels) at cosines (n,): both (channels,)."""
-    return _estimate(_MetalWalks(reflectance, alpha, distribution, wo, wi, rng).toward, walks, wi)
+    return _estimate(_MetalWalks(reflectance, alpha, distribution, wo, wi, rng).toward, walks, wi, noise)
 
 
-def _estimate(toward: Callable[[], np.ndarray], walks: int, wi) -> tuple[np.ndarray, np.ndarray]:
-    means = [np.mean(toward(), axis=0) / wi[2] for _ in range(max(walks // _BATCH, 2))]
-    return np.mean(means, axis=0), np.std(means, axis=0, ddof=1) / np.sqrt(len(means))
+def _estimate(toward: Callable[[], np.ndarray], walks: int, wi, noise: float) -> tuple[np.ndarray, np.ndarray]:
+    means: list[np.ndarray] = []
+    while True:
+        means += [np.mean(toward(), axis=0) / wi[2] for _ in range(max(walks // _BATCH, 2))]
+        f, stderr = np.mean(means, axis=0), np.std(means, axis=0, ddof=1) / np.sqrt(len(means))
+        if np.all(stderr <= noise * f) or len(means) * _BATCH >= _MOST * walks:
+            return f, stderr
 
 
 class _Walks:

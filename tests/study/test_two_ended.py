@@ -7,7 +7,8 @@ import pytest
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.optical_stack import OpticalStack
 from lamina.reference_py.registry import make_model
-from lamina.study.double_grazing import STACKS
+from lamina.study.double_grazing import SIGMAS, STACKS, STATED
+from lamina.study.tables import FIGURES, read_table
 from lamina.study.two_ended import metal_f, reflected_f
 
 
@@ -36,3 +37,9 @@ def test_those_of_a_metal_meet_adding_where_others_are_a_sixth_low(theta_o, thet
     exact = make_model("adding", STACKS["silver"]).f(wo, wi)
     assert f.shape == (3,) and np.all(stderr < 0.01 * f)
     np.testing.assert_allclose(f, exact, rtol=off)
+
+
+def test_the_committed_table_judges_every_direction_that_is_seen():
+    seen = [row for row in read_table(FIGURES / "double_grazing.csv") if row["seen"] == "yes"]
+    assert len(seen) == 171 and all(float(row["noise"]) <= 0.017 for row in seen)
+    assert all(abs(float(row["error"])) <= STATED + SIGMAS * float(row["noise"]) for row in seen)
