@@ -14,13 +14,13 @@ import numpy as np
 
 from .fitting import Fit, rough_fits
 from .forward import MODEL_ERROR, Forward, stand_in
+from .likeness import likeness
 from .metric import rms
-from .profile_likelihood import COHERENT_ERROR, MOST_ALIKE, pinned, straight, weakly_determined
-from .readers.measurement import half_angles
+from .profile_likelihood import COHERENT_ERROR, pinned, straight, weakly_determined
 
 # A value is not determined when its standard error exceeds this part of it.
 OF_VALUE = 0.05
-_AT_BOUND, _MOST_PAIRS = 1e-4, 1500
+_AT_BOUND = 1e-4
 # Where weakly determined coordinates are pinned.
 _PLACES = (0.1, 0.5, 0.9, 1.0)
 # Starts of other fits.
@@ -40,32 +40,15 @@ class Value:
     at_bound: bool
 
 
-def likeness(fit: Fit) -> float:
-    """Correlation of the residuals of neighbours: noise differs from pair to pair, and what no stack says is alike for pairs that are alike."""
-    m = fit.metric.measurement
-    theta_h, theta_d, phi_d = half_angles(m.wi, m.wo)
-    around = 0.5 * theta_h * np.exp(2.0j * phi_d)
-    place = np.stack([np.sqrt(theta_h), theta_d, around.real, around.imag], axis=-1)
-    residual = fit.residual.reshape(len(place), -1)
-    residual = residual - residual.mean(axis=0)
-    if len(place) > _MOST_PAIRS:
-        place, residual = place[:_MOST_PAIRS], residual[:_MOST_PAIRS]
-    distance = np.sum(np.square(place[:, None] - place), axis=-1)
-    np.fill_diagonal(distance, np.inf)
-    neighbour = residual[np.argmin(distance, axis=1)]
-    r = float(np.sum(residual * neighbour) / max(float(np.sum(np.square(residual))), 1e-30))
-    return min(max(r, 0.0), MOST_ALIKE)
-
-
 def independent_pairs(fit: Fit) -> float:
     """How many independent pairs the residuals are worth: n (1 - r) / (1 + r), r being the correlation of neighbours."""
-    r = likeness(fit)
+    r = likeness(fit.metric.measurement, fit.residual)
     return len(fit.metric.measurement.f) * (1.0 - r) / (1.0 + r)
 
 
 def noise_and_misfit(fit: Fit) -> tuple[float, float]:
     """The parts of a fit's error, whose squares add up to its: what differs from pair to pair, and what neighbours share."""
-    r = likeness(fit)
+    r = likeness(fit.metric.measurement, fit.residual)
     return fit.error * float(np.sqrt(1.0 - r)), fit.error * float(np.sqrt(r))
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..material.stack import Stack
 from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, Forward, require_fittable, stand_in
+from .likeness import likeness
 from .metric import Metric, percent, rms
 from .parameters import Parameters, Structure
 from .prior import FINE, POLISHED, ROUGH, pulled
@@ -40,6 +41,8 @@ _IDLE, _PATIENCE = 1e-2, 2
 _BEGINNINGS = (None, 1.0, None)
 # A fit within this is begun again from another place, as there may be a better one; noise and what no stack explains are more.
 _NEAR = 2.0 * MODEL_ERROR
+# Residuals of neighbours that are more alike than this are misfit rather than noise, and below this error there may be a stack without.
+_ALIKE, _EXPLAINED = 0.5, 10.0 * MODEL_ERROR
 # Good enough, as a residual: an order below the accuracy of `adding`.
 _EXACT = 3e-4
 
@@ -267,11 +270,30 @@ def fit_structure(
     progress: Progress | None = None,
     options: Mapping = MappingProxyType({}),
 ) -> Fit:
-    """The best stack of one structure; `options` as in `corrected`. Raises LaminaError for a model that cannot be fitted."""
+    """The best stack of one structure; where it nearly explains the data and leaves no noise, other starts are followed too.
+
+    `options` as in `corrected`. Raises LaminaError for a model that cannot be fitted.
+    """
     require_fittable(model)
     metric = subsampled(measurement, samples, seed)
+    _, is_other = stand_in(model, Parameters(structure, measurement.channels), metric)
     if starts is None:
-        starts = STARTS if stand_in(model, Parameters(structure, measurement.channels), metric)[1] else DIRECT_STARTS
-    start = nearest(metric, rough_fits(metric, [structure], model, starts, np.random.default_rng(seed)), model, options)
+        starts = STARTS if is_other else DIRECT_STARTS
+    found = rough_fits(metric, [structure], model, starts, np.random.default_rng(seed))
+    start = nearest(metric, found, model, options)
     first = corrected(metric, start, model, _FIRST_STEPS, share_of(progress, 0.0, 0.5), options)
-    return polished(first, share_of(progress, 0.5, 1.0), options)
+    best = polished(first, share_of(progress, 0.5, 1.0), options)
+    evaluations = best.evaluations
+    for _, solution in found:
+        if not (_may_be_stuck(best) and is_other):
+            break
+        if solution.x is not start.x:
+            other = polished(corrected(metric, Start(structure, solution.x), model, _FIRST_STEPS, options=options), options=options)
+            evaluations += other.evaluations
+            best = min(best, other, key=lambda fit: fit.error)
+    return replace(best, evaluations=evaluations)
+
+
+def _may_be_stuck(fit: Fit) -> bool:
+    """Whether the error is some times the model's, and no noise: another place may be better. What is far off no stack explains."""
+    return MODEL_ERROR < fit.error < _EXPLAINED and likeness(fit.metric.measurement, fit.residual) > _ALIKE

@@ -9,11 +9,11 @@ from support.measured import paint
 
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.fit import certainty as certainties
-from lamina.reference_py.fit import layer_count
+from lamina.reference_py.fit import fitting, layer_count
 from lamina.reference_py.fit.baseline_fits import BASELINE_MODELS, fit_baseline
 from lamina.reference_py.fit.certainty import certainty, independent_pairs, noise_and_misfit
 from lamina.reference_py.fit.dense import evaluate_all
-from lamina.reference_py.fit.fitting import Start, corrected, fit_structure, nearest, subsampled
+from lamina.reference_py.fit.fitting import Fit, Start, corrected, fit_structure, nearest, subsampled
 from lamina.reference_py.fit.forward import QUICK, stand_in
 from lamina.reference_py.fit.layer_count import select
 from lamina.reference_py.fit.metric import Metric, shape_error
@@ -192,6 +192,33 @@ def test_a_fit_begins_where_the_model_itself_is_near():
     start = nearest(metric, found, "adding", QUICK["adding"])
     assert start.x is right and np.sqrt(np.mean(np.square(start.value - metric.target.ravel()))) < 0.01
     assert nearest(metric, [found[0], (structure, Solution(right, np.full(1, 3.0), 1))], "adding", QUICK["adding"]).x is found[0][1].x
+
+
+def test_a_fit_that_leaves_no_noise_and_does_not_explain_the_data_begins_elsewhere(monkeypatch):
+    data = sample_model("adding", COATED, pairs=60)
+    structure = Structure.of(1, "lambert")
+    smooth = np.repeat(np.cos(data.wi[:, 2]) - 0.5, 3)
+
+    def ends(residuals):
+        tried, starts = [], [(structure, Solution(np.full(Parameters(structure, 3).size, 0.2 * i), np.full(1, 1.0 + 0.1 * i), 1)) for i in range(3)]
+        monkeypatch.setattr(fitting, "rough_fits", lambda *given: starts)
+        monkeypatch.setattr(fitting, "nearest", lambda *given: Start(structure, starts[0][1].x))
+        monkeypatch.setattr(fitting, "polished", lambda fit, *more, **options: fit)
+
+        def corrected_to(metric, start, *more, **options):
+            tried.append(start)
+            residual = residuals[len(tried) - 1]
+            return Fit("adding", Parameters(structure, 3), metric, start.x, residual, np.zeros((180, start.x.size)), 1, residual)
+
+        monkeypatch.setattr(fitting, "corrected", corrected_to)
+        return fit_structure(data, structure).error, len(tried)
+
+    size = float(np.sqrt(np.mean(np.square(smooth))))
+    noise = np.random.default_rng(0).standard_normal(180)
+    assert ends([0.02 / size * smooth, 0.03 / size * smooth, 0.001 / size * smooth]) == (pytest.approx(0.001), 3)
+    assert ends([0.004 / size * smooth]) == (pytest.approx(0.004), 1), "explained"
+    assert ends([0.3 / size * smooth]) == (pytest.approx(0.3), 1), "no stack does"
+    assert ends([0.03 * noise])[1] == 1, "noise"
 
 
 def test_the_bar_goes_on_to_the_end():
