@@ -18,8 +18,8 @@ from ..material.stack import Stack
 from ..optics.interface import optical_depth
 from ..optics.scattering import color_of_similarity, similarity_of_color
 
-# Added to a metal's reflectance before its logarithm is taken: about what a layer above reflects.
-REFLECTANCE_OFFSET = 0.05
+# In the coordinate of a metal's reflectance: added to it, about what a layer above reflects, and to what it is short of 1.
+REFLECTANCE_OFFSET, BRIGHT_OFFSET = 0.03, 0.3
 # The optical depth that is half-way of all.
 HALF_DEPTH = 1.2
 # What a channel counts at least where shapes are read at the bright ones: all may be black.
@@ -177,19 +177,25 @@ class DepthAxis(Axis):
         return Place(self.layer, "thickness").with_value(Place(self.layer, "tint").with_value(stack, (float(np.exp(-1.0)),) * 3), thickness)
 
 
+def of_reflectance(reflectance: np.ndarray) -> np.ndarray:
+    """The coordinate (...) of `ReflectanceAxis`."""
+    return np.log((reflectance + REFLECTANCE_OFFSET) / (1.0 + BRIGHT_OFFSET - reflectance))
+
+
 @dataclass(frozen=True)
 class ReflectanceAxis(Axis):
-    """A metal's reflectance, by its logarithm, as energies change with that."""
+    """A metal's reflectance, by the logarithm of what it is over what it is short of 1: the energies of dark metals and of bright ones change fast."""
 
     is_color = True
 
     def coordinate(self, stack: Stack) -> np.ndarray:
         """As in `Axis`."""
-        return np.log(np.asarray(self.live[0].value(stack), float) + REFLECTANCE_OFFSET)
+        return of_reflectance(np.asarray(self.live[0].value(stack), float))
 
     def at(self, stack: Stack, coordinate: float) -> Stack:
         """As in `Axis`."""
-        value = float(np.clip(np.exp(coordinate) - REFLECTANCE_OFFSET, 0.0, _MOST_REFLECTANCE))
+        ratio = np.exp(coordinate)
+        value = float(np.clip(((1.0 + BRIGHT_OFFSET) * ratio - REFLECTANCE_OFFSET) / (1.0 + ratio), 0.0, _MOST_REFLECTANCE))
         return self.live[0].with_value(stack, (value,) * 3)
 
 

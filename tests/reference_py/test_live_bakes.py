@@ -73,7 +73,8 @@ def drawn(rng, stack: Stack, live) -> Stack:
         ([VARNISH], WOOD, [(0, "tint")], 0.004, 1.2),
         ([VARNISH], WOOD, [(0, "tint"), (0, "thickness")], 0.004, 1.1),
         ([GLAZE], METAL, [(0, "tint")], 0.006, 1.1),
-        ([VARNISH], METAL, [(None, "reflectance")], 0.012, 1.1),
+        ([VARNISH], METAL, [(None, "reflectance")], 0.005, 1.1),
+        ([], METAL, [(None, "reflectance")], 0.01, 1.3),
         ([GLAZE], METAL, [(None, "edge_color")], 0.004, 1.1),
         ([GLAZE], CLAY, [(None, "sigma_deg")], 0.004, 1.1),
         ([VARNISH], CLAY, [(None, "color")], 0.006, 1.2),
@@ -83,7 +84,7 @@ def drawn(rng, stack: Stack, live) -> Stack:
         (TWO_COATS, WOOD, [(1, "ior")], 0.01, 1.1),
         ([MILK], METAL, [(0, "density")], 0.004, 1.1),
         ([MILK], METAL, [(0, "scatter_color")], 0.004, 1.2),
-        ([MILK], WOOD, [(0, "density"), (0, "scatter_color")], 0.0105, 1.3),
+        ([MILK], WOOD, [(0, "density"), (0, "scatter_color")], 0.0085, 1.3),
     ],
 )
 def test_values_are_as_right_as_constants(layers, base, live, albedo, shape):

@@ -14,6 +14,7 @@ import numpy as np
 
 from ....reference_py.errors import LaminaError
 from ....reference_py.lobes.axes import (
+    BRIGHT_OFFSET,
     HALF_DEPTH,
     LEAST_COUNT,
     REFLECTANCE_OFFSET,
@@ -206,7 +207,8 @@ class LiveNodes:
             total, seen = (build.vector("DOT_PRODUCT", counts, of) for of in ((1.0,) * 3, build.combined(channels)))
             return [*channels, build.math("DIVIDE", seen, total)]
         if isinstance(axis, ReflectanceAxis):
-            channels = [build.math("LOGARITHM", build.math("ADD", c, REFLECTANCE_OFFSET), math.e) for c in self._channels(first)]
+            over = [(build.math("ADD", c, REFLECTANCE_OFFSET), build.math("SUBTRACT", 1.0 + BRIGHT_OFFSET, c)) for c in self._channels(first)]
+            channels = [build.math("LOGARITHM", build.math("DIVIDE", *parts), math.e) for parts in over]
         elif isinstance(axis, EdgeAxis):
             channels = [build.math("SUBTRACT", 1.0, build.math("SQRT", build.math("SUBTRACT", 1.0, c))) for c in self._channels(first)]
         elif isinstance(axis, ScatterColorAxis):

@@ -5,6 +5,7 @@ import numpy as np
 
 from ....reference_py.errors import LaminaError
 from ....reference_py.lobes.axes import (
+    BRIGHT_OFFSET,
     HALF_DEPTH,
     LEAST_COUNT,
     REFLECTANCE_OFFSET,
@@ -65,7 +66,7 @@ class _Writer:
         self.statements += lines
 
     def _array(self, kind: str, name: str, entries: list[str]) -> str:
-        self.arrays.append(f"{kind} {self._name(name)}[{len(entries)}] = {{{', '.join(entries)}}}")
+        self.arrays.append(f"{kind} {self._name(name)}[{len(entries)}] = {{{','.join(entries)}}}")
         return self._name(name)
 
     def _coordinate(self, i: int, axis: Axis, stack: Stack, owners: list[str]) -> tuple[str, str]:
@@ -100,7 +101,8 @@ class _Writer:
             self._say(f"color {counts} = (1.0 - {name}) * (1.0 - {name}) + {LEAST_COUNT:g};")
             return name, f"mean_of({counts} * {name}) / mean_of({counts})"
         if isinstance(axis, ReflectanceAxis):
-            self._say(f"color {name} = log(clamp({first}, color(0.0), color(1.0)) + {REFLECTANCE_OFFSET:g});")
+            self._say(f"color {name} = clamp({first}, color(0.0), color(1.0));")
+            self._say(f"{name} = log(({name} + {REFLECTANCE_OFFSET:g}) / ({1.0 + BRIGHT_OFFSET:g} - {name}));")
         elif isinstance(axis, EdgeAxis):
             self._say(f"color {name} = 1.0 - sqrt(1.0 - clamp({first}, color(0.0), color(1.0)));")
         elif isinstance(axis, ScatterColorAxis):
@@ -161,7 +163,7 @@ class _Writer:
         if np.all(rows == rows[0]):
             return f"color({numbers(rows[0])})" if color else f"{rows[0, 0]:.6g}"
         is_whole = color and is_shared
-        entries = [f"color({', '.join(map(_entry, row))})" for row in rows] if is_whole else [_entry(value) for value in rows.ravel()]
+        entries = [f"color({','.join(map(_entry, row))})" for row in rows] if is_whole else [_entry(value) for value in rows.ravel()]
         table = self._array("color" if is_whole else "float", name, entries)
         return f"grid({table}, {self._place(which, axes, is_shared)})"
 
@@ -213,6 +215,6 @@ class _Writer:
 
 
 def _entry(value: float) -> str:
-    """A number of a table; there are thousands, so no zero stands before its point."""
+    """A number of a table; there are thousands, so no zero stands before its point and no space between two."""
     text = f"{value:.6g}"
     return text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text

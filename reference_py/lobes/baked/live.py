@@ -15,7 +15,6 @@ from ...optics.optical_stack import OpticalStack
 from ..analytic.brushed import has_brushing
 from ..axes import (
     HALF_DEPTH,
-    REFLECTANCE_OFFSET,
     Axis,
     DepthAxis,
     EdgeAxis,
@@ -26,6 +25,7 @@ from ..axes import (
     Scale,
     ScatterColorAxis,
     ThicknessAxis,
+    of_reflectance,
 )
 from ..cache import stack_key
 from ..live_grid import Energies, LiveLobes, grid_of
@@ -40,7 +40,7 @@ MOST_AXES = 2
 _KNOTS = {1: 8, 2: 5}
 _FINE, _CROSS = 3, 2
 # The same of a medium that scatters: what its depth does depends on its color.
-_FINE_MEDIUM, _CROSS_MEDIUM = 4, 2.5
+_FINE_MEDIUM, _CROSS_MEDIUM = 4, 3
 # Shapes of lower roughness go on as they began; energies are known from there.
 _ROUGHNESSES, _NARROWEST = (0.2, 1.0), 0.05
 # At 1 the layer's surface is gone, and with a reflectance of 0 the metal.
@@ -109,7 +109,7 @@ def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
     if name == "sigma_deg":
         return _even(NumberAxis, live, (0.0, 90.0), count)
     if name == "reflectance":
-        return _even(ReflectanceAxis, live, tuple(float(np.log(r + REFLECTANCE_OFFSET)) for r in _REFLECTANCES), count)
+        return _even(ReflectanceAxis, live, tuple(map(float, of_reflectance(np.array(_REFLECTANCES)))), count)
     if name == "film_thickness":
         # a second axis would need as many bakes for each of its knots; the minima of a metal are the sharpest
         computed = 2 if live[0].layer is None else 1
