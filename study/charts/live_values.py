@@ -31,6 +31,8 @@ STACKS = {
     "metal": ([], _METAL),
     "milk over metal": ([_MILK], _METAL),
     "milk over paint": ([_MILK], _WOOD),
+    "varnish over glaze over metal": ([_VARNISH, _GLAZE], _METAL),
+    "filmed glaze over paint": ([_GLAZE | {"film_thickness": 300.0, "film_ior": 1.9}], _WOOD),
 }
 _COLOR = Place(None, "color")
 CASES = (
@@ -51,13 +53,22 @@ CASES = (
     ("varnish over clay", (Place(None, "sigma_deg"), _COLOR)),
     ("varnish over paint", (Place(0, "ior"),)),
     ("glaze over metal", (Place(0, "ior"),)),
+    ("varnish over glaze over metal", (Place(1, "ior"),)),
+    ("filmed glaze over paint", (Place(0, "film_thickness"), _COLOR)),
     ("milk over metal", (Place(0, "density"),)),
     ("milk over metal", (Place(0, "scatter_color"),)),
     ("milk over paint", (Place(0, "density"), Place(0, "scatter_color"))),
 )
 VALUES, _SEED, _GLOSSY = 9, 17, 2
 # What values are drawn from; colors from .03 to .97.
-_RANGES = {"roughness": (0.05, 0.9), "thickness": (0.05, 3.0), "ior": (1.2, 2.2), "sigma_deg": (0.0, 60.0), "density": (0.05, 12.0)}
+_RANGES = {
+    "roughness": (0.05, 0.9),
+    "thickness": (0.05, 3.0),
+    "ior": (1.2, 2.2),
+    "sigma_deg": (0.0, 60.0),
+    "density": (0.05, 12.0),
+    "film_thickness": (0.0, 840.0),
+}
 COLUMNS = ("stack", "live", "cpu_s", "albedo_worst", "albedo_median", "shape_worst", "shape_median", "own_albedo_worst", "own_shape_worst", "own_shape_median")
 _HEADING = (
     "lamina chart live_values",
