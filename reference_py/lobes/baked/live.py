@@ -39,8 +39,8 @@ MOST_AXES = 2
 # axis and of two.
 _KNOTS = {1: 8, 2: 5}
 _FINE, _CROSS = 3, 2
-# The same of a medium that scatters: what its depth does depends on its color.
-_FINE_MEDIUM, _CROSS_MEDIUM = 4, 3
+# The same of a metal's colors and of a medium that scatters: what its depth does depends on its color.
+_FINER, _FINER_CROSS = 4, 3
 # Shapes of lower roughness go on as they began; energies are known from there.
 _ROUGHNESSES, _NARROWEST = (0.2, 1.0), 0.05
 # At 1 the layer's surface is gone, and with a reflectance of 0 the metal.
@@ -92,11 +92,11 @@ def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
     """The axis, one of so many, of live values of one place; None where there is none."""
     name = live[0].name
     if name == "scatter_color":
-        return _even(ScatterColorAxis, live, (0.0, 1.0), count, _FINE_MEDIUM, _CROSS_MEDIUM)
+        return _even(ScatterColorAxis, live, (0.0, 1.0), count, _FINER, _FINER_CROSS)
     if name == "density" or (name in ("tint", "thickness") and live[0].element(stack).has(SCATTERING)):
         # a tint of a medium that scatters is no depth
         ends = (0.0, _DEEPEST_MEDIUM / (_DEEPEST_MEDIUM + 1.0))
-        return _even(ThicknessAxis, live, ends, count, _FINE_MEDIUM, _CROSS_MEDIUM) if live[1:] == () and name != "tint" else None
+        return _even(ThicknessAxis, live, ends, count, _FINER, _FINER_CROSS) if live[1:] == () and name != "tint" else None
     if name in ("tint", "thickness"):
         return _even(DepthAxis, live, (0.0, _DEEPEST / (_DEEPEST + HALF_DEPTH)), count)
     if name == "roughness":
@@ -109,14 +109,14 @@ def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
     if name == "sigma_deg":
         return _even(NumberAxis, live, (0.0, 90.0), count)
     if name == "reflectance":
-        return _even(ReflectanceAxis, live, tuple(map(float, of_reflectance(np.array(_REFLECTANCES)))), count)
+        return _even(ReflectanceAxis, live, tuple(map(float, of_reflectance(np.array(_REFLECTANCES)))), count, _FINER, _FINER_CROSS)
     if name == "film_thickness":
         # a second axis would need as many bakes for each of its knots; the minima of a metal are the sharpest
         computed = 2 if live[0].layer is None else 1
         ends, steps = (0.0, _THICKEST_PATH / live[0].element(stack)["film_ior"]), _FILM_KNOTS - 1
         return FilmAxis(live, *(Scale(*ends, steps * finer + 1) for finer in (1, computed * _FILM_FINE, computed))) if count == 1 else None
     if name == "edge_color":
-        return _even(EdgeAxis, live, (0.0, 1.0), count)
+        return _even(EdgeAxis, live, (0.0, 1.0), count, _FINER, _FINER_CROSS)
     return _even(IndexAxis, live, tuple((n - 1.0) / (n + 1.0) for n in _INDICES), count) if name == "ior" else None
 
 
