@@ -341,7 +341,7 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "base color energy": lambda: percent(max(column(rows("base_color"), "albedo_worst")), 1),
     "base color shape": lambda: plain(np.median(shape_over_own()), 1),
     "base color shape worst": lambda: plain(max(shape_over_own()), 1),
-    "two live with color shape": lambda: span([float(r["shape_median"]) / float(r["own_shape_median"]) for r in rows("live_values") if "and the color" in r["live"]], 1),
+    "two live with color shape": lambda: span([float(r["shape_median"]) / float(r["own_shape_median"]) for r in rows("live_values") if "and the color" in r["live"] and "film" not in r["live"]], 1),
     "medium energy": lambda: percent(max(cell("live_values", "albedo_worst", stack="milk over metal", live=f"the {name} of layer 0") for name in ("density", "scatter color")), 1),
     "medium shape": lambda: span([float(r["shape_median"]) / float(r["own_shape_median"]) for r in rows("live_values") if "milk" in r["stack"]], 1),
     "medium energy of both": lambda: percent(cell("live_values", "albedo_worst", stack="milk over paint"), 1),
