@@ -14,7 +14,6 @@ from ...reference_py.lobes.error_estimate import SOFT_LIGHT_DEG
 from ...reference_py.lobes.made import DEFAULT_TOLERANCE, Options
 from ...reference_py.lobes.methods import MAX_CLOSURES, glossy_of_each, require_bake_follows
 from ...reference_py.lobes.methods.auto import COMPUTED, Choice, choose, choose_brushed, with_anisotropy
-from ...reference_py.lobes.methods.bake_process import keep_memory
 from ...reference_py.lobes.methods.not_bakeable import bakeable, not_bakeable
 from ...reference_py.lobes.truth import truth_of
 from ...reference_py.material.coverage import Patch, patches
@@ -27,7 +26,6 @@ from .print_values import load_stack
 
 def explain(options) -> None:
     """Print every candidate's closures, cost and errors, and which is chosen, and why."""
-    keep_memory()
     stack = load_stack(options.stack)
     require_shader(stack, OSL)
     report = say(options.command)

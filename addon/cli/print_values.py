@@ -135,12 +135,10 @@ def light_grid(step: float) -> list[list[float]]:
 def shader(options) -> None:
     """The generated OSL text."""
     from ...reference_py.lobes.methods import DEFAULT_METHOD, make_lobe_set
-    from ...reference_py.lobes.methods.bake_process import keep_memory
     from ..material.backend import OSL
     from ..material.limits import require_shader
     from ..shader.osl.generate import generate
 
-    keep_memory()
     stack = load_stack(options.stack)
     require_shader(stack, OSL)
     lobe_set = make_lobe_set(stack, options.tier or DEFAULT_METHOD, progress=tenths(say(options.command)))

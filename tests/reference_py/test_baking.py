@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The baked tier against the truth it was fitted to, between the knots it was fitted at."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ from lamina.reference_py.lobes.baked.fit_lobes import non_negative
 from lamina.reference_py.lobes.closure import lobe_energy
 from lamina.reference_py.lobes.error_estimate import ErrorEstimator
 from lamina.reference_py.lobes.lobe import DiffuseLobe
-from lamina.reference_py.lobes.methods import bake_process, make_lobe_set
+from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.lobes.truth import truth_of
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
@@ -106,16 +104,6 @@ def test_progress_is_reported_and_can_cancel():
     with pytest.raises(KeyboardInterrupt):
         make_lobe_set(suite_stack("plastic_grey_0_2"), "baked", glossy=1, progress=cancel)
     assert shares == sorted(shares)
-
-
-def test_a_process_may_keep_its_memory_as_workers_do(monkeypatch):
-    kept = {}
-    monkeypatch.setattr(bake_process.ctypes, "CDLL", lambda name: SimpleNamespace(mallopt=kept.__setitem__))
-    bake_process.keep_memory()
-    asked = [int(size) for name, size in bake_process.ENVIRONMENT.items() if name.startswith("MALLOC")]
-    assert len(asked) == 2 and list(kept.values()) == asked
-    monkeypatch.setattr(bake_process.ctypes, "CDLL", lambda name: SimpleNamespace())
-    bake_process.keep_memory()  # of another library nothing is asked
 
 
 def test_non_negative_least_squares_beats_every_other_choice():

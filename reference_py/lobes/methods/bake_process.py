@@ -5,11 +5,9 @@ Reads requests from stdin, a line of JSON each; prints for each lines "progress 
 JSON", a packed `Sentence`. Stacks that are alike in part share what is computed. The process is started by `command` and needs nothing but this package and numpy.
 """
 
-import ctypes
 import json
 import sys
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
 
 from ...errors import LaminaError
@@ -19,11 +17,11 @@ from ..cache import keep_in
 
 MODULE = "lobes.methods.bake_process"
 _ROOT = Path(__file__).resolve().parents[3]
-# Where memory is glibc's, it is not given back between two of numpy's steps, which costs a fifteenth of a bake's time: variables, and
-# numbers of `mallopt`.
-_MALLOC = {"MALLOC_MMAP_THRESHOLD_": (-3, 64 << 20), "MALLOC_TRIM_THRESHOLD_": (-1, 256 << 20)}
-# A bake's matrices are small, and the window needs the other cores.
-ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **{name: str(size) for name, (_, size) in _MALLOC.items()}}
+# A bake's matrices are small, and the window needs the other cores. Where memory is glibc's, it is not given back between two of numpy's
+# steps, which costs a fifteenth of a bake's time.
+ENVIRONMENT = {
+    "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MALLOC_MMAP_THRESHOLD_": f"{64 << 20}", "MALLOC_TRIM_THRESHOLD_": f"{256 << 20}",
+}  # fmt: skip
 # The package may be installed under any name; here it is imported by its place.
 _START = """
 import importlib, importlib.util, sys
@@ -44,14 +42,6 @@ def request(stack: Stack, method: str, live: Sequence[Place], tolerance: float, 
     """A line that `main` reads."""
     kept = None if folder is None else str(folder)
     return json.dumps({"stack": stack.to_dict(), "method": method, "live": [place.pair() for place in live], "tolerance": tolerance, "folder": kept})
-
-
-def keep_memory() -> None:
-    """Let this process keep its memory as a worker does by ENVIRONMENT."""
-    with suppress(AttributeError, OSError, TypeError):  # another library than glibc
-        mallopt = ctypes.CDLL(None).mallopt
-        for option, size in _MALLOC.values():
-            mallopt(option, size)
 
 
 def main() -> None:
