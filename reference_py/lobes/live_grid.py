@@ -139,7 +139,7 @@ class LiveLobes:
             by_channel = [_blend(array[..., c : c + 1], [(i[c], t[c]) for i, t in places]) for c in range(3)]
             return interpolate(np.concatenate(by_channel, axis=-1), cos_theta_o)
 
-        def exponential(log: LogEnergy):
+        def energy(log: LogEnergy):
             along = sum(color(table, [place]) for table, place in zip(log.along, fine))
             total = along if log.rest is None else along + color(log.rest, cross)
             return np.exp(total) if log.is_log else total
@@ -147,19 +147,19 @@ class LiveLobes:
         def shared(array):
             return interpolate(_blend(array, one), cos_theta_o)
 
-        total = exponential(self.log_sum)
+        total = energy(self.log_sum)
         result = []
         for lobe in self.grid:
             if lobe.energy is None:
                 weight = np.ones_like(total)
             elif isinstance(lobe.energy, LogEnergy):
-                weight = exponential(lobe.energy)
+                weight = energy(lobe.energy)
             else:
                 weight = total * color(lobe.energy) / shared(lobe.unit)
             shape = None
             if lobe.is_diffuse and self.base is not None:
                 base = np.clip(self.stack.base["color"], 0.0, 1.0)
-                weight = weight + exponential(self.base.log_through) * base / (1.0 - exponential(self.base.log_back) * base)
+                weight = weight + energy(self.base.log_through) * base / (1.0 - energy(self.base.log_back) * base)
             if lobe.shape is not None:
                 shape = shared(lobe.shape)
             result.append((weight, shape))

@@ -167,7 +167,7 @@ class _Writer:
         table = self._array("color" if is_whole else "float", name, entries)
         return f"grid({table}, {self._place(which, axes, is_shared)})"
 
-    def _exponential(self, name: str, log: LogEnergy) -> str:
+    def _energy(self, name: str, log: LogEnergy) -> str:
         terms = [self._value(f"{name}{i}", table, "fine", (i,)) for i, table in enumerate(log.along)]
         if log.rest is not None:
             terms.append(self._value(f"{name}Rest", log.rest, "cross"))
@@ -178,17 +178,17 @@ class _Writer:
             self._about = self.frames[i]
             total = self._name(f"fitted{self._about.suffix}")
             if total not in self._said:
-                self._once(total, f"color {total} = {self._exponential('LogSum', lobe_set.log_sum)};")
+                self._once(total, f"color {total} = {self._energy('LogSum', lobe_set.log_sum)};")
             if lobe.energy is None:
                 weight = ""
             elif isinstance(lobe.energy, LogEnergy):
-                weight = self._exponential(f"Mirror{i}", lobe.energy)
+                weight = self._energy(f"Mirror{i}", lobe.energy)
             else:
                 weight = f"{total} * {self._value(f'Share{i}', lobe.energy)}"
                 if np.any(lobe.unit != 1.0):
                     weight += f" / {self._value(f'Unit{i}', lobe.unit)}"
             if lobe.is_diffuse and lobe_set.base is not None:
-                through, back = self._exponential("LogThrough", lobe_set.base.log_through), self._exponential("LogBack", lobe_set.base.log_back)
+                through, back = self._energy("LogThrough", lobe_set.base.log_through), self._energy("LogBack", lobe_set.base.log_back)
                 weight = f"({weight} + {through} * {base_color} / (color(1.0) - {back} * {base_color}))"
             self.closures.append(Closure(weight, *self._closure(i, lobe)))
 
