@@ -37,6 +37,8 @@ _OF_MEDIUM = 0.4
 _NEGLIGIBLE = 1e-3
 # With one lobe less a path is worth a look where its first error is at most so many times as large.
 _CLOSE = 2.0
+# Where a known lobe does so many times better than a fitted one in its place, it keeps that place with one lobe more: of 82 stacks one would lose it, for 3 % less error.
+_WORTH_ITS_PLACE = 2.2
 # Of the energy that is left for the fitted lobes, what they have in every channel before all is scaled.
 _LEAST_SHARE = 1e-3
 
@@ -122,6 +124,9 @@ class Baker:
             numbers = numbers[-1:]  # its normal is not that of what comes from below
         elif glossy > 2 and self._best_plan(glossy - 1)[0]:
             numbers = numbers[-1:]  # where the known lobe was worth its place it stays so: of 82 stacks in all
+        elif len(numbers) > 1 and free[-1] > 0:
+            alone, beside = (plan.branches(free[-1]).error for plan in self._plans)
+            numbers = numbers[-1:] if alone > _WORTH_ITS_PLACE * beside else numbers
         trials = [(number, self._plans[number].branches(free[number])) for number in numbers]
         return min(trials, key=lambda trial: trial[1].error) if trials else (0, self._plans[0].branches(0))
 
