@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from lamina.reference_py.lobes.closure import glossy_rates, unit_glossy
+from lamina.reference_py.lobes.closure import glossy_rates, glossy_values, unit_glossy
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.microfacet import BECKMANN, GGX, distribution_of
 
@@ -34,6 +34,22 @@ def test_rates_are_differences(distribution, theta_deg):
         # a light that the step takes below the lobe's horizon has no slope
         error = np.abs(rate - slope) / np.max(np.abs(slope))
         assert np.quantile(error, 0.99) < 1e-7, ("log alpha_x", "log alpha_y", "tilt")[i]
+
+
+@pytest.mark.parametrize("dtype,within", [(np.float64, 1e-12), (np.float32, 2e-4)])
+@pytest.mark.parametrize("theta_deg", [0.0, 20.0, 70.0, 86.0])
+@pytest.mark.parametrize("distribution", [GGX, BECKMANN])
+def test_fits_have_the_lobes_that_tables_are_judged_by(distribution, theta_deg, dtype, within):
+    wi, wo = lights(), spherical(np.radians(theta_deg), 0.0)
+    # a tilt from which the view stays above the lobe's horizon, and some of the lights do not
+    shape = 0.3, 0.15, -0.05
+    single = [np.array(value, dtype) for value in shape]
+    value = glossy_values(distribution, *single, tuple(wo[[0, 2]].astype(dtype)), tuple(wi.T.astype(dtype)))
+    rated = glossy_rates(distribution, *single, tuple(wo[[0, 2]].astype(dtype)), tuple(wi.T.astype(dtype)))[0]
+    expected = unit_glossy(distribution, *shape, np.broadcast_to(wo, wi.shape), wi)[0]
+    assert value.dtype == rated.dtype == dtype
+    for found in (value, rated):
+        np.testing.assert_allclose(found, expected, rtol=within, atol=within * np.max(expected))
 
 
 @pytest.mark.parametrize("distribution", [GGX, BECKMANN])

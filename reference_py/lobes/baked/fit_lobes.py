@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from ..closure import glossy_rates, lobe_f, unit_glossy
+from ..closure import glossy_rates, glossy_values, lobe_f
 from ..lobe import GlossyLobe
 from ..samples import Views
 
@@ -79,7 +79,8 @@ class ViewFits:
         low = np.stack([narrowest, narrowest, -np.minimum(away, _MAX_TILT)], axis=-1)[:, None]
         return cls(
             wo,
-            *np.ascontiguousarray(np.moveaxis(views.wi, -1, 0)),
+            *np.ascontiguousarray(np.moveaxis(views.wi, -1, 0)[:2]),
+            np.where(views.share > 0.0, views.wi[..., 2], 1.0),  # what has no measure is to have a number in single precision too
             sin_o,
             *map(np.ascontiguousarray, (truth, goal)),
             views.share[:, None] / albedo,
@@ -91,16 +92,22 @@ class ViewFits:
         """Fits at the views that an index chooses, which may name one several times."""
         return ViewFits(*(getattr(self, field.name)[chosen] for field in fields(self)))
 
-    def thinned(self, step: int) -> "ViewFits":
-        """Fits to every so many points."""
-        some = {name: getattr(self, name)[..., ::step] for name in ("x", "y", "z", "truth", "goal", "share", "floor")}
-        return replace(self, **{name: np.ascontiguousarray(values) for name, values in some.items()})
+    def draft(self, step: int) -> "ViewFits":
+        """Fits to every so many points by lobes in single precision: searches, of which only what they find is judged, in double.
+
+        Sums are in double precision here too: single does not solve the equations of three lobes that are much alike.
+        """
+        some = {name: getattr(self, name)[..., ::step] for name in ("truth", "goal", "share", "floor")}
+        directions = {name: getattr(self, name)[..., ::step].astype(np.float32) for name in ("x", "y", "z")}
+        return replace(self, **directions, **{name: np.ascontiguousarray(values) for name, values in some.items()})
 
     def columns(self, distributions: tuple[str, ...], shape: np.ndarray) -> np.ndarray:
         """f (V, k + 1, Q) of lobes of these shapes (V, k, 3) and weight 1, and of the Lambert lobe."""
-        wi = np.stack([self.x, self.y, self.z], axis=-1)
-        lobes = [unit_glossy(distribution, *self._parameters(shape[:, i]), self.wo, wi)[0] for i, distribution in enumerate(distributions)]
-        return np.stack([*lobes, np.full(self.x.shape, 1.0 / np.pi)], axis=1)
+        result = np.empty((len(shape), len(distributions) + 1, self.x.shape[1]))
+        for i, distribution in enumerate(distributions):
+            result[:, i] = glossy_values(distribution, *self._parameters(shape[:, i]), *self._directions)
+        result[:, -1] = 1.0 / np.pi
+        return result
 
     def fit(self, distributions: tuple[str, ...], start: np.ndarray, iterations: int) -> Mixtures:
         """The best mixtures that are found from `start` (V, k, 3)."""
@@ -143,20 +150,26 @@ class ViewFits:
         """What each point sends too little, over the truth's albedo, (V, C, Q)."""
         return self.share * self._residual(self.columns(distributions, mixtures.shape), mixtures.weight)
 
+    @property
+    def _directions(self) -> tuple[tuple[np.ndarray, ...], tuple[np.ndarray, ...]]:
+        """wo and wi as `glossy_rates` takes them."""
+        wo = self.wo.astype(self.x.dtype)
+        return (wo[:, :, 0], wo[:, :, 2]), (self.x, self.y, self.z)
+
     def _parameters(self, shape):
         """alpha_x, alpha_y and tilt, each (V, 1), of one lobe's shape (V, 3)."""
-        return np.exp(shape[:, :1]), np.exp(shape[:, 1:2]), np.arctan(shape[:, 2] * self.sin_o)[:, None]
+        parameters = np.exp(shape[:, :1]), np.exp(shape[:, 1:2]), np.arctan(shape[:, 2] * self.sin_o)[:, None]
+        return tuple(values.astype(self.x.dtype) for values in parameters)
 
     def _rows(self, distributions, shape) -> np.ndarray:
         """(V, 4 k + 1, Q): the derivatives of the lobes by their shapes, and their columns."""
-        wo, wi = (self.wo[:, :, 0], self.wo[:, :, 2]), (self.x, self.y, self.z)
         result = np.empty((len(shape), 4 * len(distributions) + 1, self.x.shape[1]))
         for i, distribution in enumerate(distributions):
-            value, *rates = glossy_rates(distribution, *self._parameters(shape[:, i]), wo, wi)
+            value, *rates = glossy_rates(distribution, *self._parameters(shape[:, i]), *self._directions)
             result[:, 3 * len(distributions) + i] = value
-            rates[2] *= (self.sin_o / (1.0 + np.square(shape[:, i, 2] * self.sin_o)))[:, None]
             for j, rate in enumerate(rates):
                 result[:, 3 * i + j] = rate
+            result[:, 3 * i + 2] *= (self.sin_o / (1.0 + np.square(shape[:, i, 2] * self.sin_o)))[:, None]
         result[:, -1] = 1.0 / np.pi
         return result
 

@@ -71,7 +71,7 @@ class Plan:
         self._distributions = sorted({distribution for distribution, _ in surfaces})
         self._alphas = _widths(surfaces)
         self.fits, self.middles = (ViewFits.at(some, known, least_alpha) for some in (views, middles))
-        self.fitted, self._coarse_fitted = Fitter(self.fits), Fitter(self.fits.of(COARSE).thinned(STRIDE))
+        self.fitted, self._coarse_fitted = Fitter(self.fits), Fitter(self.fits.of(COARSE).draft(STRIDE))
         self._found: dict[int, Branches] = {}
 
     def branches(self, free: int) -> Branches:
