@@ -16,6 +16,8 @@ _THETA_DEG = np.linspace(0.0, 85.0, 18)
 _LIGHT_DEG = np.linspace(-88.0, 88.0, 177)
 # Powers of ten that are shown below the largest value.
 _DECADES = 6
+# What a legend has room for beside a title, and beside lobes.
+_NAMED_IN_A_ROW, _NAMED_IN_A_COLUMN = 6, 8
 
 
 def albedo(model: Model) -> list[str]:
@@ -46,7 +48,7 @@ def lobes(values: Sequence[np.ndarray], views_deg: Sequence[float] = VIEWS_DEG) 
     shown = [np.where(mean >= 10.0 ** (top - _DECADES), np.log10(mean), np.nan) for mean in means]
     lines, title = list(zip(shown, _shades(means), _dashes(means))), "f cos in 1/sr, plane of incidence"
     x_label, x_ticks = "light, degrees; a mirror sends it to the right", (-60.0, -30.0, 0.0, 30.0, 60.0)
-    entries = list(zip((f"{view:g}" for view in views_deg), _shades(views_deg)))
+    entries = [(f"{view:g}", color) for view, color in _named(views_deg, _NAMED_IN_A_ROW)]
     return svg.axes((WIDTH, HEIGHT), title, _LIGHT_DEG, lines, x_label, x_ticks, ticks) + svg.legend(WIDTH - 10.0, 15.0, entries)
 
 
@@ -81,4 +83,11 @@ def _dashes(values: Sequence) -> list[bool]:
 
 
 def _legend(views_deg: Sequence[float]) -> list[str]:
-    return [svg.text(WIDTH - 10.0, 32.0 + 13.0 * i, f"view {view:g}", "end", color) for i, (view, color) in enumerate(zip(views_deg, _shades(views_deg)))]
+    named = _named(views_deg, _NAMED_IN_A_COLUMN)
+    return [svg.text(WIDTH - 10.0, 32.0 + 13.0 * i, f"view {view:g}", "end", color) for i, (view, color) in enumerate(named)]
+
+
+def _named(views_deg: Sequence[float], most: int) -> list[tuple[float, str]]:
+    """(view, color) of all views, or of every so many where a legend has no room for them."""
+    every = -(-len(views_deg) // most)
+    return list(zip(views_deg, _shades(views_deg)))[::every]
