@@ -23,6 +23,7 @@ from ...reference_py.material.schema import CONDUCTOR, SCHEMA, SCHEMA_VERSION
 from ...reference_py.material.stack import Stack
 from ..blender.versions import node_tree
 from ..shader.inputs import BASE, layer_owner
+from ..shader.nodes.node_groups import needs_eevee_output
 from ..shader.nodes.stock_nodes import closure_count, eevee_stock_tables, stock_tables
 from ..shader.osl.generate import generate
 from .backend import AUTO, NODES, OSL, branches_here, notice
@@ -183,7 +184,7 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
         _write_branches(surface, material, shown, owners, settle)
     _keep_facts(material.lamina, shown)
     hand_over(material, settle)
-    follow_eevee_output(material, surface_of(material))
+    _follow_eevee(material)
     arrange(material)
     keep_record(material)
 
@@ -252,8 +253,16 @@ def refresh_stock(material: bpy.types.Material, settle: bool = False) -> None:
     with replacing_branches(material) as surface:
         surface.keep(OSL)
         _make_stock(surface, material, owners, *lobes)
-    follow_eevee_output(material, surface_of(material))
+    _follow_eevee(material)
     keep_record(material)
+
+
+def _follow_eevee(material: bpy.types.Material) -> None:
+    """Bring EEVEE's output up to date; where it cannot have one, make the stock nodes anew as it needs them."""
+    follow_eevee_output(material, surface_of(material))
+    stock = node_with(material, NODES)
+    if stock is not None and node_with(material, EEVEE) is None and needs_eevee_output(stock.node_tree):
+        refresh_stock(material)
 
 
 def _stock_lobes(material: bpy.types.Material, settle: bool) -> tuple[Made | None, str]:

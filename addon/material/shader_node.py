@@ -110,8 +110,11 @@ class Surface:
         return node
 
     def stock(self, lobe_set: Tables, owners: dict[str, bpy.types.Node], role: str = NODES) -> bpy.types.Node:
-        """The group node of this lobe set, wired to the nodes of the values that it reads live; of a role, NODES or EEVEE."""
-        group = lobe_group(lobe_set)
+        """The group node of this lobe set, wired to the nodes of the values that it reads live; of a role, NODES or EEVEE.
+
+        EEVEE shows that of NODES too where it has no output of its own.
+        """
+        group = lobe_group(lobe_set, role == EEVEE or (self._old[NODES] is not None and self._old[EEVEE] is None))
         node = self._branch(role, lambda node: node.node_tree == group, lambda node: setattr(node, "node_tree", group))
         self._wire(node, group_inputs(lobe_set), owners)
         return node

@@ -8,6 +8,7 @@ bpy = pytest.importorskip("bpy")
 from lamina.addon.check import check
 from lamina.addon.exchange import conversion
 from lamina.addon.material import material as materials
+from lamina.addon.material.backend import NODES
 from lamina.addon.material.elements import node_of
 from lamina.addon.material.roles import EEVEE, EEVEE_OUTPUT, node_with
 from lamina.addon.material.shader_node import surface_of
@@ -86,3 +87,27 @@ def test_a_users_own_output_for_eevee_stays(blender):
 def test_a_principled_copy_has_none(owner):
     copy, _, _ = conversion.principled_copy(owner)
     assert len({output.name for output in outputs(copy)}) == 1 and node_with(copy, EEVEE) is None
+
+
+def lookups(node) -> set[str]:
+    """Kinds of the nodes that look up tables in a branch's group."""
+    return {n.bl_idname for n in node.node_tree.nodes if n.bl_idname.startswith("ShaderNodeTex")}
+
+
+def test_eevee_never_reads_tables_by_nodes_that_read_smaller_copies_of_them(blender):
+    owner = bpy.data.materials.new("owner")
+    materials.apply_stack(owner, Stack.from_dict({"layers": [{"kind": "dielectric", "roughness": 0.4}], "base": {"kind": "lambert"}}), "auto")
+    tree = owner.node_tree
+    tree.links.new(tree.nodes.new("ShaderNodeTexNoise").outputs[0], node_of(owner.lamina.layers[0]).inputs["Roughness"])
+    materials.refresh(owner, settle=True)
+    assert lookups(node_with(owner, EEVEE)) == {"ShaderNodeTexEnvironment"} and lookups(node_with(owner, NODES)) == {"ShaderNodeTexImage"}
+    mix = tree.nodes.new("ShaderNodeAddShader")
+    tree.links.new(surface_of(owner), mix.inputs[0])
+    tree.links.new(mix.outputs[0], outputs(owner)[0].inputs["Surface"])
+    materials.refresh_stock(owner)
+    assert outputs(owner)[2] == outputs(owner)[0] and lookups(node_with(owner, NODES)) == {"ShaderNodeTexEnvironment"} and not lags(owner)
+    tree.nodes.remove(mix)
+    tree.links.new(surface_of(owner), outputs(owner)[0].inputs["Surface"])
+    for _ in range(2):  # the first makes EEVEE's output
+        materials.refresh_stock(owner)
+    assert lookups(node_with(owner, NODES)) == {"ShaderNodeTexImage"} and not lags(owner)

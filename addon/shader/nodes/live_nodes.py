@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Numbers of lobes over live values as stock nodes: looked up in an image by the view and by the values that come in through sockets.
-
-The node that looks up is that of environments, as EEVEE reads its image without smaller copies of it: from one pixel to the next a
-place may jump. A direction of any length stands for a place: (cos p, sin p, tan t), with p around and t up.
-"""
+"""Numbers of lobes over live values as stock nodes: looked up in an image by the view and by the values that come in through sockets."""
 
 import math
 from collections.abc import Sequence
@@ -39,9 +35,11 @@ from .node_builder import Builder
 from .table_image import TableImage
 from .view_nodes import View, in_space
 
-assert POWER == 4, "see _powered"
+assert POWER == 4, "see _power"
 # Where numbers that all channels share are looked up.
 _SHARED = 3
+# Numbers that differ by less are one.
+_SAME = 1e-12
 
 
 class LiveNodes:
@@ -51,9 +49,9 @@ class LiveNodes:
     """
 
     def __init__(self, build: Builder, view: View, tables: LiveTables, owners: Sequence[str], plan: "_Plan | None" = None):
-        self._build, self._view, self._tables, self._owners = build, view, tables, owners
-        self._plan = plan or _Plan(tables)
-        self._vectors: dict[tuple[int, int], bpy.types.NodeSocket] = {}
+        self._build, self._view, self._tables, self._owners, self._lookup = build, view, tables, owners, view.lookup
+        self._plan = plan or _Plan(tables, view.lookup.numbers)
+        self._read: dict[tuple[int, int], list[bpy.types.Node]] = {}
         self._sockets: dict[tuple, bpy.types.NodeSocket] = {}
 
     def about(self, view: View) -> "LiveNodes":
@@ -96,17 +94,24 @@ class LiveNodes:
             return part.constant if part.axis is None else self._build.math("MAXIMUM", self._coordinates[part.axis][_SHARED], MIN_ALPHA**0.5)
         key = part.where, part.block, part.channel
         if key not in self._sockets:
-            vector = self._vector(part.where, part.block)
-            if all(self._plan.is_root[part.where, part.block]):
-                vector = self._powered_vector(part.where, part.block)
-            separate = self._build.node("ShaderNodeSeparateXYZ")
-            self._build.link(vector, separate.inputs[0])
-            for channel, socket in enumerate(separate.outputs):
-                self._sockets[part.where, part.block, channel] = socket
+            self._sockets |= {(part.where, part.block, channel): socket for channel, socket in enumerate(self._numbers(part.where, part.block))}
         socket = self._sockets[key]
         if part.is_root and not all(self._plan.is_root[part.where, part.block]):
             socket = self._power(key, socket)
         return socket
+
+    def _numbers(self, where: int, block: int) -> list[bpy.types.NodeSocket]:
+        """The numbers of a block; of roots alone their powers."""
+        vector, is_power = self._mixed(where, block, "Color", "VECTOR"), all(self._plan.is_root[where, block])
+        if is_power:
+            square = self._build.vector("MULTIPLY", vector, vector)
+            vector = self._build.vector("MULTIPLY", square, square)
+        separate = self._build.node("ShaderNodeSeparateXYZ")
+        self._build.link(vector, separate.inputs[0])
+        if len(self._plan.is_root[where, block]) == len(separate.outputs) + 1:
+            fourth = self._mixed(where, block, "Alpha", "FLOAT")
+            return [*separate.outputs, self._power((where, block, "fourth"), fourth) if is_power else fourth]
+        return list(separate.outputs)
 
     def _power(self, key, socket):
         if ("power", *key) not in self._sockets:
@@ -114,50 +119,45 @@ class LiveNodes:
             self._sockets["power", *key] = self._build.math("MULTIPLY", square, square)
         return self._sockets["power", *key]
 
-    def _powered_vector(self, where: int, block: int) -> bpy.types.NodeSocket:
-        vector = self._vector(where, block)
-        square = self._build.vector("MULTIPLY", vector, vector)
-        return self._build.vector("MULTIPLY", square, square)
-
-    def _vector(self, where: int, block: int) -> bpy.types.NodeSocket:
-        """The three numbers of a block."""
-        if (where, block) not in self._vectors:
-            up = self._up(where, block)
-            first, *second = (self._looked_up(around, up) for around in self._around(where))
-            self._vectors[where, block] = self._mixed(self._tile(where)[1], first, second[0]) if second else first
-        return self._vectors[where, block]
-
-    def _looked_up(self, around: tuple, up) -> bpy.types.NodeSocket:
-        node = self._build.node("ShaderNodeTexEnvironment")
-        node.image, node.interpolation, node.projection = self._plan.made, "Linear", "EQUIRECTANGULAR"
-        self._build.link(self._build.combined([*around, up]), node.inputs["Vector"])
-        return node.outputs["Color"]
-
-    def _mixed(self, share, first, second) -> bpy.types.NodeSocket:
+    def _mixed(self, where: int, block: int, output: str, kind: str) -> bpy.types.NodeSocket:
+        """What an output of a block's nodes has between the tiles."""
+        first, *second = (node.outputs[output] for node in self._read_at(where, block))
+        if not second:
+            return first
         node = self._build.node("ShaderNodeMix")
-        node.data_type, node.clamp_factor = "VECTOR", False
+        node.data_type, node.clamp_factor = kind, False
         sockets = {socket.identifier: socket for socket in (*node.inputs, *node.outputs)}
-        for source, name in ((share, "Factor_Float"), (first, "A_Vector"), (second, "B_Vector")):
+        for source, name in ((self._tile(where)[1], "Factor_Float"), (first, f"A_{kind.title()}"), (second[0], f"B_{kind.title()}")):
             self._build.link(source, sockets[name])
-        return sockets["Result_Vector"]
+        return sockets[f"Result_{kind.title()}"]
 
-    def _up(self, where: int, block: int):
-        """tan t of the row of a block."""
-        image, rows = self._plan.image, self._plan.image.rows
-        scale = math.pi / image.height
-        angle = self._build.math("MULTIPLY_ADD", self._place(0, where), (rows - 1) * scale, (block * rows + 0.5) * scale - 0.5 * math.pi)
-        return self._build.math("TANGENT", angle)
+    def _read_at(self, where: int, block: int) -> list[bpy.types.Node]:
+        """The nodes that read a block, one for each tile that the second axis is between."""
+        if (where, block) not in self._read:
+            up, places = self._up(where, block), self._across(where)
+            self._read[where, block] = [self._lookup.node(self._build, self._plan.made) for _ in places]
+            for node, across in zip(self._read[where, block], places):
+                self._build.link(self._build.combined([*across, up]), node.inputs["Vector"])
+        return self._read[where, block]
 
-    def _around(self, where: int) -> list[tuple]:
-        """(cos p, sin p) of the view, with two axes once for each of the tiles that the second one is between."""
-        key = "around", self._tile_key(where)
+    def _up(self, where: int, block: int) -> bpy.types.NodeSocket:
+        """The last part of the place of the row of a block."""
+        image, (scale, offset) = self._plan.image, self._lookup.up
+        scale /= image.height
+        share = self._build.math("MULTIPLY_ADD", self._place(0, where), (image.rows - 1) * scale, (block * image.rows + 0.5) * scale + offset)
+        return self._lookup.place_up(self._build, share)
+
+    def _across(self, where: int) -> list[tuple]:
+        """The first parts of the place of the view, with two axes once for each of the tiles that the second one is between."""
+        key = "across", self._tile_key(where)
         if key not in self._sockets:
-            step = -2.0 * math.pi / self._plan.image.width
-            angles = [self._build.math("MULTIPLY_ADD", self._view.root, (KNOTS - 1) * step, math.pi + 0.5 * step)]
+            scale, offset = self._lookup.across
+            scale /= self._plan.image.width
+            shares = [self._build.math("MULTIPLY_ADD", self._view.root, (KNOTS - 1) * scale, 0.5 * scale + offset)]
             if len(self._tables.axes) == 2:
-                first = self._build.math("MULTIPLY_ADD", self._tile(where)[0], KNOTS * step, angles[0])
-                angles = [first, self._build.math("ADD", first, KNOTS * step)]
-            self._sockets[key] = [(self._build.math("COSINE", angle), self._build.math("SINE", angle)) for angle in angles]
+                first = self._build.math("MULTIPLY_ADD", self._tile(where)[0], KNOTS * scale, shares[0])
+                shares = [first, self._build.math("ADD", first, KNOTS * scale)]
+            self._sockets[key] = [self._lookup.place_across(self._build, share) for share in shares]
         return self._sockets[key]
 
     def _tile(self, where: int) -> tuple:
@@ -248,18 +248,23 @@ class _Part:
 
 
 class _Plan:
-    """Which numbers of tables are where in an image: those of channels with coordinates of their own apart, one block for each, else all together."""
+    """Which numbers of tables are where in an image: those of channels with coordinates of their own apart, else all together.
 
-    def __init__(self, tables: LiveTables):
-        self.image = TableImage(*(scale.count for scale in tables.scales), *([1] if len(tables.scales) == 1 else []))
+    Channels of equal numbers share blocks, and differ in where they read them.
+    """
+
+    def __init__(self, tables: LiveTables, numbers: int):
+        self.image = TableImage(numbers, *(scale.count for scale in tables.scales), *([1] if len(tables.scales) == 1 else []))
         self._tables, self._numbers = tables, {where: [] for where in range(_SHARED + 1)}
         self._parts: dict[int, list[_Part]] = {where: [] for where in range(_SHARED + 1)}
         self.lobes = [self._lobe(table) for table in tables.tables]
         self.is_root: dict[tuple[int, int], list[bool]] = {}
+        known: list[tuple[list[np.ndarray], tuple[int, ...]]] = []
         for where, numbers in self._numbers.items():
-            blocks = self.image.add(numbers)
+            blocks = next((of for others, of in known if _are_equal(numbers, others)), None) or self.image.add(numbers)
+            known.append((numbers, blocks))
             for i, part in enumerate(self._parts[where]):
-                part.block, part.channel = blocks[i // 3], i % 3
+                part.block, part.channel = blocks[i // self.image.numbers], i % self.image.numbers
                 self.is_root.setdefault((where, part.block), []).append(part.is_root)
 
     @cached_property
@@ -272,12 +277,17 @@ class _Plan:
         for name in ("energy", "through", "back"):
             values = getattr(table, name)
             if values is not None:
-                lobe[name] = [self._part(c if self._tables.is_color else _SHARED, values[..., c], self._tables.is_rooted) for c in range(3)]
+                lobe[name] = [self._part(self._where(values[..., c], c), values[..., c], self._tables.is_rooted) for c in range(3)]
         if table.unit is not None:
             lobe["unit"] = [self._part(_SHARED, table.unit[..., 0], False)]
         if table.shape is not None:
             lobe["shape"] = [self._part(_SHARED, table.shape[..., column], False) for column in range(3)]
         return lobe
+
+    def _where(self, values: np.ndarray, channel: int) -> int:
+        """At whose coordinates numbers of a channel are looked up: at those of all where none of its own changes them."""
+        own = [number for number, axis in enumerate(self._tables.axes) if axis.is_color]
+        return channel if any(np.any(np.ptp(values, axis=number) > _SAME) for number in own) else _SHARED
 
     def _part(self, where: int, values: np.ndarray, is_root: bool) -> _Part:
         if np.ptp(values) == 0.0:
@@ -300,3 +310,7 @@ class _Plan:
             if isinstance(axis, NumberAxis) and np.allclose(values, np.maximum(scale.knots, MIN_ALPHA**0.5).reshape(shape), rtol=0.0, atol=1e-6):
                 return number
         return None
+
+
+def _are_equal(numbers: list[np.ndarray], others: list[np.ndarray]) -> bool:
+    return len(numbers) == len(others) and all(map(np.array_equal, numbers, others))

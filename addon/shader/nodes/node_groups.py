@@ -16,29 +16,29 @@ from .stock_nodes import SPACE_MARK, Tables, build_group
 GROUP_KEY = "lamina_network"
 # The working space that a group was made in.
 SPACE_KEY = "lamina_space"
-# What the groups of lobe sets were, by a digest of the lobe set and the working space: the many nodes of one that is there need not be built again.
+# What the groups of lobe sets were, by a digest of the lobe set, who shows it, and the working space: the many nodes of one that is there need not be built again.
 _MOST_BUILT = 256
-_built: dict[tuple[str, str], str] = {}
+_built: dict[tuple[str, bool, str], str] = {}
 
 
-def lobe_group(lobe_set: Tables) -> bpy.types.NodeTree:
-    """The node group of a lobe set that `tabulate` made: one output "BSDF", and `group_inputs`.
+def lobe_group(lobe_set: Tables, in_eevee: bool = False) -> bpy.types.NodeTree:
+    """The node group of a lobe set that `tabulate` made: one output "BSDF", and `group_inputs`. Cycles alone shows it unless `in_eevee`.
 
     Lobe sets of equal tables share one group of this file. A group that somebody edited is left alone.
     """
-    digest = _digest(lobe_set)
-    if tree := _group_with(_built.get((digest, working_space()))):
+    wanted = _digest(lobe_set), in_eevee, working_space()
+    if tree := _group_with(_built.get(wanted)):
         return tree
     tree = bpy.data.node_groups.new("Lamina Lobes", "ShaderNodeTree")
     try:
-        build_group(tree, lobe_set)
+        build_group(tree, lobe_set, in_eevee)
     except Exception:
         _remove(tree)
         raise
     content = _content(tree)
     if len(_built) >= _MOST_BUILT:
         _built.pop(next(iter(_built)))
-    _built[digest, working_space()] = content
+    _built[wanted] = content
     if other := _group_with(content):
         _remove(tree)
         return other
@@ -46,6 +46,11 @@ def lobe_group(lobe_set: Tables) -> bpy.types.NodeTree:
     for image in _images(tree):
         image.name = tree.name
     return tree
+
+
+def needs_eevee_output(tree: bpy.types.NodeTree) -> bool:
+    """Whether a group shows wrong numbers in EEVEE, where it reads smaller copies of the image of its tables."""
+    return GROUP_KEY in tree and any(node.bl_idname == "ShaderNodeTexImage" for node in tree.nodes)
 
 
 def tables_size(tree: bpy.types.NodeTree) -> int:

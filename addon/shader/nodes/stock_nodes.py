@@ -26,6 +26,7 @@ from ..inputs import BASE, TANGENT, TANGENT_INPUT, ShaderInput, base_color_input
 from ..working_space import REC709, into_working, out_of_working, primaries, working_space
 from .live_nodes import LiveNodes
 from .node_builder import Builder
+from .table_lookup import EnvironmentLookup, ImageLookup
 from .view_nodes import STEP, View, in_space, numbers, ramp
 
 # Lobe sets in tables, as `tabulate` makes them.
@@ -90,8 +91,8 @@ def _is_crowded(lobe_set: PatchLobes) -> bool:
     return sum(part.lobe_count for _, part in lobe_set.parts) > MAX_NODE_CLOSURES
 
 
-def build_group(tree: bpy.types.NodeTree, lobe_set: Tables) -> None:
-    """Fill an empty node group with what a lobe set that `tabulate` made does: one output "BSDF", and `group_inputs`."""
+def build_group(tree: bpy.types.NodeTree, lobe_set: Tables, in_eevee: bool) -> None:
+    """Fill an empty node group with what a lobe set that `tabulate` made does: one output "BSDF", and `group_inputs`. Cycles alone shows it unless `in_eevee`."""
     build = Builder(tree)
     inputs = group_inputs(lobe_set)
     for given in inputs:
@@ -100,7 +101,7 @@ def build_group(tree: bpy.types.NodeTree, lobe_set: Tables) -> None:
     if inputs:
         node = build.node("NodeGroupInput")
         sockets = {given.osl_name: node.outputs[given.osl_name] for given in inputs}
-    view = View(build, sockets.get(TANGENT), sockets)
+    view = View(build, EnvironmentLookup() if in_eevee else ImageLookup(), sockets.get(TANGENT), sockets)
     if not isinstance(lobe_set, PatchLobes):
         closure = _closure_of(build, view, lobe_set, _whole(lobe_set))
     else:

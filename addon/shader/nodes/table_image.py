@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tables over the view and rows of live values in one float image of a node group.
 
-A block holds three numbers, in red, green and blue: rows of one axis upwards, and from left to right the view, once for each row of a second axis.
+A block holds three numbers, in red, green and blue, or four with alpha: rows of one axis upwards, and from left to right the view, once for each
+row of a second axis.
 """
 
 import bpy
@@ -9,20 +10,18 @@ import numpy as np
 
 from ....reference_py.lobes.view_table import KNOTS
 
-_NUMBERS = 3
-
 
 class TableImage:
-    """Blocks of numbers on a grid of `rows` and `tiles` rows of the two axes, 1 where there is no second."""
+    """Blocks of so many `numbers`, 3 or 4, on a grid of `rows` and `tiles` rows of the two axes, 1 where there is no second."""
 
-    def __init__(self, rows: int, tiles: int):
-        self.rows, self.tiles = rows, tiles
+    def __init__(self, numbers: int, rows: int, tiles: int):
+        self.numbers, self.rows, self.tiles = numbers, rows, tiles
         self._blocks: list[list[np.ndarray]] = []
 
     def add(self, numbers: list[np.ndarray]) -> tuple[int, ...]:
-        """Blocks for numbers (rows[, tiles], KNOTS), three in each; their indices."""
+        """Blocks for numbers (rows[, tiles], KNOTS), as many in each as it holds; their indices."""
         first = len(self._blocks)
-        self._blocks += [numbers[i : i + _NUMBERS] for i in range(0, len(numbers), _NUMBERS)]
+        self._blocks += [numbers[i : i + self.numbers] for i in range(0, len(numbers), self.numbers)]
         return tuple(range(first, len(self._blocks)))
 
     @property
@@ -45,8 +44,9 @@ class TableImage:
 
     def make(self) -> bpy.types.Image:
         """The image in this file. It is packed, as Blender keeps pixels of no file in no save and in no undo."""
-        image = bpy.data.images.new("Lamina Tables", self.width, self.height, float_buffer=True, is_data=True)
-        image.use_half_precision = False
+        image = bpy.data.images.new("Lamina Tables", self.width, self.height, float_buffer=True, is_data=True, alpha=True)
+        # alpha is a number as the others are
+        image.use_half_precision, image.alpha_mode = False, "CHANNEL_PACKED"
         image.pixels.foreach_set(self._pixels())
         image.pack()
         return image

@@ -16,6 +16,7 @@ from ....reference_py.lobes.view_table import AZIMUTH_PLACES, KNOTS
 from ..inputs import BASE, ShaderInput, base_color_input
 from ..working_space import REC709, primaries, working_space
 from .node_builder import Builder
+from .table_lookup import Lookup
 
 RAMP_PLACES = 256
 # Places of a ramp from one knot to the next, the most that fit.
@@ -25,16 +26,20 @@ _SOME_DIRECTION = (5.7e-7, 3.1e-7, 7.6e-7)
 
 
 class View:
-    """What lobes need of the view, made when the first of them asks. They are about the surface's normal, or about the `own` one."""
+    """What lobes need of the view, made when the first of them asks. They are about the surface's normal, or about the `own` one.
+
+    `lookup` are the nodes by which tables over live values are read.
+    """
 
     def __init__(
         self,
         build: Builder,
+        lookup: Lookup,
         given_tangent: bpy.types.NodeSocket | None = None,
         sockets: Mapping[str, bpy.types.NodeSocket] = MappingProxyType({}),
         own: bpy.types.NodeSocket | None = None,
     ):
-        self._build, self.given_tangent, self._sockets, self._own = build, given_tangent, sockets, own
+        self._build, self.lookup, self.given_tangent, self._sockets, self._own = build, lookup, given_tangent, sockets, own
         self.base_owner = BASE
         self._about: dict[str, View] = {}
         self._base_colors: dict[str, bpy.types.NodeSocket] = {}
@@ -46,7 +51,7 @@ class View:
         if own is None:
             return self
         if own.osl_name not in self._about:
-            self._about[own.osl_name] = View(self._build, self.given_tangent, self._sockets, self.given(own))
+            self._about[own.osl_name] = View(self._build, self.lookup, self.given_tangent, self._sockets, self.given(own))
         other = self._about[own.osl_name]
         other.base_owner = self.base_owner
         return other
