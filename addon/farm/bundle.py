@@ -12,6 +12,7 @@ from ..batch.items import Item
 from ..batch.scene import Stage, own_texts
 from ..blender.blend_files import save_material
 from ..jobs.prefetch import prefetch
+from ..material.hand_over import WantedHandOver
 from ..material.state import Wanted
 from .bundle_names import ITEMS, SCRIPT
 from .scene_files import SceneFiles
@@ -33,7 +34,7 @@ def write_files(items: Sequence[Item], limit: float | None, allow_missing: bool,
     for name, source in _SCRIPTS.items():
         with replacing(folder / name) as temporary:
             shutil.copyfile(source, temporary)
-    prefetch([Wanted(item.stack, item.tier) for item in items], report)
+    prefetch([Wanted(item.stack, item.tier) for item in items], [WantedHandOver(item.stack, False) for item in items], report)
     stage, scenes, rows = Stage(), SceneFiles(folder, _digest, allow_missing, report), []
     scene_file = material_file = ""
     shown = material = None

@@ -150,7 +150,7 @@ def _collect() -> None:
         return
     _state.bake = None
     if bake.result is not None:
-        bake.wanted.put(bake.key, bake.result)
+        bake.wanted.put(bake.result)
         return
     for name, key in _state.debounced.items():
         if key == bake.key:

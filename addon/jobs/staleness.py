@@ -29,8 +29,10 @@ def make_ready(*_) -> None:
     _for_each(lambda material: True, reading.measure_means)
     if bpy.app.background:
         wanted: list[state.Wanted] = []
+        hand_overs: list[hand_over.WantedHandOver] = []
         _for_each(_is_unready, lambda material: wanted.extend(state.to_compute(material)))
-        prefetch.prefetch(wanted, lambda message: print(f"Lamina: {message}"))
+        _for_each(_is_unready, lambda material: hand_overs.append(hand_over.WantedHandOver.of(material)))
+        prefetch.prefetch(wanted, hand_overs, lambda message: print(f"Lamina: {message}"))
     _for_each(_is_unready, _make_ready)
     _for_each(_is_not_handed_over, lambda material: materials.hand_over(material, settle=bpy.app.background))
     _for_each(lambda material: not state.lags(material), record.keep_record)

@@ -8,16 +8,20 @@ base color takes up to a second to solve: until values rest it is the stack's ow
 
 import hashlib
 import json
+from dataclasses import dataclass
+from pathlib import Path
 
 import bpy
 import numpy as np
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.exchange.hand_over import HandOver, cached_hand_over, key_of, provisional, solved
+from ...reference_py.exchange import conversion_process
+from ...reference_py.exchange.hand_over import HandOver, cached_hand_over, key_of, provisional, put, solved
 from ...reference_py.exchange.principled import WRITTEN
 from ...reference_py.material.stack import Stack
 from ..shader.working_space import into_working, out_of_working
 from .principled_node import PRINCIPLED, has_linked_color, linked_places, show_stack
+from .reading import stack_of
 from .roles import ROLE, Roles, give
 
 MIX, VALUES = "hand-over", "principled"
@@ -25,6 +29,34 @@ _USD_TAKES = (PRINCIPLED, "ShaderNodeBsdfDiffuse")
 _APART, _BELOW = 160, 120
 # What there and back between working spaces changes a color by.
 _CONVERTED = 1e-4
+
+
+@dataclass(frozen=True)
+class WantedHandOver:
+    """What exporters are to find of a stack, before it is solved; `textured` as in `solved`."""
+
+    stack: Stack
+    textured: bool
+
+    @classmethod
+    def of(cls, material: bpy.types.Material) -> "WantedHandOver":
+        """That of a material. Raises LaminaError for bad values."""
+        return cls(stack_of(material), has_linked_color(material))
+
+    @property
+    def key(self) -> str:
+        return key_of(self.stack, self.textured)
+
+    def is_cached(self) -> bool:
+        return cached_hand_over(self.stack, self.textured) is not None
+
+    def request(self, folder: Path | None) -> str:
+        """What a process is asked for it, which also keeps it in the folder."""
+        return conversion_process.request(self.stack, self.textured, folder)
+
+    def put(self, packed: dict) -> None:
+        """Keep what another process solved."""
+        put(self.stack, self.textured, packed)
 
 
 def follow_hand_over(material: bpy.types.Material, closure: bpy.types.NodeSocket, stack: Stack, settle: bool = False) -> bpy.types.NodeSocket:

@@ -53,9 +53,9 @@ class Wanted:
         """What a process is asked for it, which also keeps it in the folder."""
         return bake_process.request(self.stack, self.method, self.live, self.tolerance, folder)
 
-    def put(self, key: str, packed: list[dict]) -> None:
+    def put(self, packed: list[dict]) -> None:
         """Keep what another process computed."""
-        methods.put(key, self.stack, self.method, packed)
+        methods.put(self.key, self.stack, self.method, packed)
 
 
 def wanted_lobes(material: bpy.types.Material) -> Wanted:

@@ -1,24 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solves one hand-over in a process of its own, as `lobe_set.worker` does with lobe sets, and tells it in the same way."""
+"""Solves hand-overs in a process of its own, as `bake_process` does with lobe sets, and tells them in the same way.
+
+It takes requests of bakes too: a hand-over that follows the bake of its stack shares what that computed.
+"""
 
 import json
 import sys
+from pathlib import Path
 
 from ..errors import LaminaError
+from ..lobes.methods import bake_process
 from ..material.stack import Stack
 from .hand_over import solved
 
 MODULE = "exchange.conversion_process"
 
 
-def request(stack: Stack, textured: bool) -> str:
-    """What `main` reads."""
-    return json.dumps({"stack": stack.to_dict(), "textured": textured})
+def request(stack: Stack, textured: bool, folder: Path | None) -> str:
+    """A line that `main` reads."""
+    return json.dumps({"stack": stack.to_dict(), "textured": textured, "folder": None if folder is None else str(folder)})
 
 
 def main() -> None:
-    """Serve one request."""
-    data = json.loads(sys.stdin.readline())
+    """Serve requests, those of `bake_process` among them, until there are no more."""
+    for line in sys.stdin:
+        data = json.loads(line)
+        (_serve if "textured" in data else bake_process.serve)(data)
+
+
+def _serve(data: dict) -> None:
+    bake_process.keep_what_is_computed(data)
     try:
         hand = solved(Stack.from_dict(data["stack"]), data["textured"])
     except LaminaError as error:

@@ -110,7 +110,7 @@ def _scene(study: str, n: int) -> dict:
     with tempfile.TemporaryDirectory() as folder:
         render_to(scene, Path(folder, "empty.exr"))  # what Cycles takes without materials
         seconds, clock, memory = _spent(), time.monotonic(), _resident()
-        prefetch([Wanted(stack, method) for stack in stacks if stack], lambda message: None)
+        prefetch([Wanted(stack, method) for stack in stacks if stack], [], lambda message: None)
         for i, stack in enumerate(stacks):
             material = bpy.data.materials.new("Scale")
             if stack is None:

@@ -12,13 +12,15 @@ pytest.importorskip("bpy")
 from lamina.addon.jobs import bakes, conversions, prefetch
 from lamina.addon.jobs.prefetch import Baker
 from lamina.addon.material import elements, material
-from lamina.addon.material.hand_over import MIX
+from lamina.addon.material.hand_over import MIX, is_handed_over
 from lamina.addon.material.live_values import live_values
+from lamina.addon.material.reading import stack_of
 from lamina.addon.material.roles import ROLE
 from lamina.addon.material.shader_node import shader_of
 from lamina.addon.material.state import Wanted, is_settled, is_stale, lags, wanted_lobes
 from lamina.addon.shader.nodes.node_groups import lobe_group
 from lamina.addon.shader.nodes.stock_nodes import eevee_stock_tables, stock_tables
+from lamina.reference_py.exchange import hand_over as solving
 from lamina.reference_py.lobes import cache
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.place import Place
@@ -137,13 +139,14 @@ def test_a_save_without_a_window_bakes_all_that_it_needs_in_as_many_processes_as
     monkeypatch.setattr(prefetch, "Baker", lambda left: started.append(Baker(left)) or started[-1])
     monkeypatch.setattr(Wanted, "request", lambda wanted, folder, own=Wanted.request: asked.append(wanted.key) or own(wanted, folder))
     monkeypatch.setattr(prefetch.os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(solving, "to_principled", None)  # they solve the hand-overs too, next to each stack's truth
     owners = [coated(window) for _ in range(4)]
     for i, owner in enumerate(owners):
         elements.node_of(owner.lamina.base).inputs["Color"].default_value = (0.5, 0.2, 0.1 * min(i, 2), 1.0)
     window.ops.wm.save_as_mainfile(filepath=str(tmp_path / "many.blend"))
     assert len(started) == 2 and all(baker.is_done for baker in started)
     assert len(set(asked)) == len(asked) == 3 and "3 of 3 bakes are done" in capsys.readouterr().out
-    assert all(is_settled(owner) and not is_live(owner) for owner in owners)
+    assert all(is_settled(owner) and not is_live(owner) and is_handed_over(owner, stack_of(owner)) for owner in owners)
 
 
 def test_a_bake_that_fails_leaves_the_next_to_its_process(window, monkeypatch):
@@ -151,7 +154,7 @@ def test_a_bake_that_fails_leaves_the_next_to_its_process(window, monkeypatch):
     own, wrong, told = Wanted.request, Wanted(COATED, "baked"), []
     right = Wanted(suite_stack("plastic_white_smooth"), "baked")
     monkeypatch.setattr(Wanted, "request", lambda one, folder: own(one, folder).replace('"baked"', '"none"' if one is wrong else '"baked"'))
-    prefetch.prefetch([wrong, right], told.append)
+    prefetch.prefetch([wrong, right], [], told.append)
     assert right.is_cached() and not wrong.is_cached() and told == ["1 of 2 bakes are done"]
 
 

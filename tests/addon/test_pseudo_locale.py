@@ -257,7 +257,7 @@ def test_the_report_of_a_conversion_is_translated(material, language, tmp_path, 
 WRONG = {"layers": [{"kind": "dielectric", "roughness": 7.0}], "base": {"kind": "lambert"}}
 REQUESTS = {
     bake_process.MODULE: {"stack": WRONG, "method": "analytic", "live": [], "tolerance": 0.01, "folder": None},
-    conversion_process.MODULE: {"stack": WRONG, "textured": False},
+    conversion_process.MODULE: {"stack": WRONG, "textured": False, "folder": None},
 }
 
 

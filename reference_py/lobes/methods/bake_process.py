@@ -47,13 +47,14 @@ def request(stack: Stack, method: str, live: Sequence[Place], tolerance: float, 
 def main() -> None:
     """Serve requests until there are no more."""
     for line in sys.stdin:
-        _serve(json.loads(line))
+        serve(json.loads(line))
 
 
-def _serve(data: dict) -> None:
+def serve(data: dict) -> None:
+    """Answer one request."""
     from . import packed
 
-    keep_in(Path(data["folder"]) if data["folder"] else None, lambda message: print(f"warning {message}", flush=True))
+    keep_what_is_computed(data)
     live = tuple(Place.of_pair(*pair) for pair in data["live"])
     try:
         result = packed(Stack.from_dict(data["stack"]), data["method"], live=live, tolerance=data["tolerance"], progress=_progress)
@@ -61,6 +62,11 @@ def _serve(data: dict) -> None:
         print(f"error {json.dumps(error.sentence.packed())}", flush=True)
         return
     print(f"result {json.dumps(result)}", flush=True)
+
+
+def keep_what_is_computed(data: dict) -> None:
+    """Keep it in the folder that a request names."""
+    keep_in(Path(data["folder"]) if data["folder"] else None, lambda message: print(f"warning {message}", flush=True))
 
 
 def _progress(share: float) -> None:
