@@ -4,7 +4,7 @@
 The Jacobian tells how far values may move in a straight line. Valleys are curved, so each value that may move far is also
 pinned at other places while the others are fitted again, on the stand-in plus its discrepancy (a profile likelihood), and so
 is each value that would be called determined, unless its error is too small for any curve: an edge color near 1 changes a metal so
-fast that derivatives there are sure of it, and .4 may fit as well. There may also be several valleys: what fits from other starts disagree on, though they are as good as far as the stand-in can tell, is not
+fast that derivatives there are sure of it, and .4 may fit as well. There may also be several valleys: what fits from other starts disagree on, though they are as good, is not
 determined either: else wrong ones are called determined below two layers (tests/reference_py/test_fit.py, "disagree").
 """
 
@@ -12,11 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .fitting import Fit, rough_fits
-from .forward import MODEL_ERROR, Forward, stand_in
+from .fitting import Fit, rough_solutions
+from .forward import MODEL_ERROR, Forward
 from .likeness import likeness
 from .metric import rms
 from .profile_likelihood import COHERENT_ERROR, pinned, straight, weakly_determined
+from .stand_in import stand_in
+from .starts import best_starts
 
 # A value is not determined when its standard error exceeds this part of it.
 OF_VALUE = 0.05
@@ -59,7 +61,7 @@ def certainty(fit: Fit) -> list[Value]:
     alike = pairs / independent_pairs(fit)
     deviation = np.sqrt(alike * rows / max(rows - p.size, 1)) * fit.error
     deviation = max(deviation, COHERENT_ERROR)
-    coarse, _ = stand_in(fit.model, p, fit.metric)
+    coarse, _ = stand_in(fit.model, p, fit.metric, fit.discrepancy)
     # derivatives of the model at one place and of the stand-in at another, together, are sure of what neither knows
     error = np.maximum(straight(fit.jacobian, deviation), straight(coarse.jacobian(fit.x), deviation))
     error = np.maximum(error, _reach(coarse, fit, error))
@@ -67,7 +69,7 @@ def certainty(fit: Fit) -> list[Value]:
     curved = np.repeat([g.is_color for g in p.groups], [len(g.index) for g in p.groups])
     spread = np.minimum(p.slopes(fit.x) * error + np.where(curved, widths * np.square(error), 0.0), widths)
     bound = (fit.x <= _AT_BOUND) | (fit.x >= 1.0 - _AT_BOUND)
-    spread = np.maximum(spread, _disagreement(fit))
+    spread = np.maximum(spread, _disagreement(coarse, fit))
     for i in np.flatnonzero((spread <= OF_VALUE * np.abs(values)) & (curved | (spread > _CERTAIN * OF_VALUE * np.abs(values)))):
         spread[i] = max(spread[i], _profile_error(coarse, fit, int(i), deviation))
     known = spread <= OF_VALUE * np.abs(values)
@@ -80,7 +82,7 @@ def _reach(coarse: Forward, fit: Fit, error: np.ndarray) -> np.ndarray:
     for group in fit.parameters.groups:
         which = np.intersect1d(weakly_determined(error), group.index)
         for place in _PLACES if len(which) else ():
-            found = pinned(coarse, fit.residual, fit.x, which, place)
+            found = pinned(coarse, fit.x, which, place)
             if rms(found.residual) <= np.hypot(fit.error, MODEL_ERROR):
                 reach = np.maximum(reach, np.abs(found.x - fit.x))
     return reach
@@ -95,15 +97,18 @@ def _profile_error(coarse: Forward, fit: Fit, i: int, deviation: float) -> float
     value, worst = float(fit.parameters.values(fit.x)[i]), 0.0
     for place in value * np.array(_PARTS):
         if group.range[0] <= place <= group.range[1] and worst <= OF_VALUE * abs(value):
-            found = pinned(coarse, fit.residual, fit.x, np.array([i]), float(group.coordinate(place)))
+            found = pinned(coarse, fit.x, np.array([i]), float(group.coordinate(place)))
             rise = found.cost - float(fit.residual @ fit.residual)
             worst = max(worst, abs(place - value) * min(deviation / np.sqrt(max(rise, 1e-30)), 1.0))
     return worst
 
 
-def _disagreement(fit: Fit) -> np.ndarray:
-    """(p,) how far values of fits from several starts lie apart, of those that are as good as far as the stand-in can tell."""
-    found = [solution for _, solution in rough_fits(fit.metric, [fit.structure], fit.model, _STARTS, np.random.default_rng(0))]
-    as_good = np.hypot(rms(found[0].residual), max(rms(fit.discrepancy), MODEL_ERROR))
-    near = [other.x for other in found if rms(other.residual) <= as_good]
+def _disagreement(coarse: Forward, fit: Fit) -> np.ndarray:
+    """(p,) how far values of the fit and of fits of the stand-in plus its discrepancy from several starts lie apart, of those that are as good.
+
+    The fit is one of them, as the prior's pull makes the others agree on what the data do not determine.
+    """
+    found = rough_solutions(coarse, best_starts(coarse, _STARTS, np.random.default_rng(0)))
+    as_good = np.hypot(rms(found[0].residual), MODEL_ERROR)
+    near = [fit.x, *(other.x for other in found if rms(other.residual) <= as_good)]
     return np.ptp([fit.parameters.values(x) for x in near], axis=0)

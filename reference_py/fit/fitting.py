@@ -14,7 +14,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..material.stack import Stack
-from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, Forward, require_fittable, stand_in
+from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, Forward, ModelForward, require_fittable
 from .likeness import likeness
 from .metric import Metric, percent, rms
 from .parameters import Parameters, Structure
@@ -22,6 +22,7 @@ from .prior import FINE, POLISHED, ROUGH, pulled
 from .profile_likelihood import pinned, straight, weakly_determined
 from .readers.measurement import Measurement, subsample
 from .solve import Solution
+from .stand_in import stand_in
 from .starts import are_apart, best_starts
 
 SAMPLES, STEPS = 500, 8
@@ -122,10 +123,16 @@ def rough_fits(
     found, begun = [], None
     for structure in structures:
         forward, _ = stand_in(model, Parameters(structure, metric.measurement.channels), few)
-        solved = [_solved(forward, x, ROUGH, _ROUGH_TOLERANCE, steps) for x in begun or best_starts(forward, starts, rng, known)]
+        solved = rough_solutions(forward, begun or best_starts(forward, starts, rng, known), steps)
         begun = begun or [solution.x for solution in solved]
         found += [(structure, solution) for solution in solved]
     return sorted(found, key=lambda option: option[1].cost)
+
+
+def rough_solutions(forward: Forward, starts: Sequence[np.ndarray], steps: int = _ROUGH_STEPS) -> list[Solution]:
+    """A fit of a stand-in from each start (p,), best first."""
+    solved = [_solved(forward, x, ROUGH, _ROUGH_TOLERANCE, steps) for x in starts]
+    return sorted(solved, key=lambda solution: solution.cost)
 
 
 def nearest(metric: Metric, found: Sequence[tuple[Structure, Solution]], model: str, options: Mapping = MappingProxyType({})) -> Start:
@@ -137,7 +144,7 @@ def nearest(metric: Metric, found: Sequence[tuple[Structure, Solution]], model: 
             return Start(structure, solution.x)
         is_new = all(structure != other.structure or are_apart(solution.x, other.x) for other in near)
         if is_new and solution.cost <= _AS_NEAR * found[0][1].cost and len(near) < _MOST_NEAR:
-            value = Forward(model, tuple(options.items()), parameters, metric).compressed(solution.x)
+            value = ModelForward(parameters, metric, model, options).compressed(solution.x)
             near.append(Start(structure, solution.x, value))
     return min(near, key=lambda start: rms(start.value - metric.target.ravel()))
 
@@ -166,7 +173,7 @@ def corrected(
         solved = _solved(coarse, x, POLISHED, 1e-6, _DIRECT_STEPS)
         slopes = coarse.jacobian(solved.x, solved.residual + coarse.target)
         return Fit(model, parameters, metric, solved.x, solved.residual, slopes, solved.steps, np.zeros(len(solved.residual)))
-    fine = Forward(model, tuple(options.items()), parameters, metric)
+    fine = ModelForward(parameters, metric, model, options)
     radius, pull = (_RADIUS, FINE) if slopes is None else (0.5 * _RADIUS, POLISHED)
     at, value, base = x, fine.compressed(x) if start.value is None else start.value, coarse.compressed(x)
     target = coarse.target
@@ -213,10 +220,9 @@ def polished(
     They cost as much as a third of their number of evaluations, since tints and colors share what their surfaces do. A
     fit that explains the data, but not to the last, is begun again, there and where weak values are pinned, as there may be a better one.
     """
-    coarse, is_other = stand_in(fit.model, fit.parameters, fit.metric)
-    if not is_other:
+    if not stand_in(fit.model, fit.parameters, fit.metric)[1]:
         return fit
-    quick = Forward(fit.model, tuple({**QUICK.get(fit.model, {}), **options}.items()), fit.parameters, fit.metric)
+    quick = ModelForward(fit.parameters, fit.metric, fit.model, {**QUICK.get(fit.model, {}), **options})
 
     def continued(x: np.ndarray, turn: int) -> Fit:
         part = share_of(progress, turn / (1 + len(_BEGINNINGS)), (turn + 1) / (1 + len(_BEGINNINGS)))
@@ -231,7 +237,8 @@ def polished(
         if not 2.0 * _EXACT < best.error < _NEAR:
             break
         which = weakly_determined(straight(best.jacobian))
-        x = best.x if place is None else pinned(coarse, best.residual, best.x, which, place).x
+        coarse, _ = stand_in(fit.model, fit.parameters, fit.metric, best.discrepancy)
+        x = best.x if place is None else pinned(coarse, best.x, which, place).x
         other = continued(x, turn)
         evaluations += other.evaluations
         best = min(best, other, key=lambda f: f.error)

@@ -18,11 +18,12 @@ from ..material.schema import CONDUCTOR, DIELECTRIC
 from . import AUTO
 from .certainty import independent_pairs, noise_and_misfit
 from .fitting import SAMPLES, Fit, Progress, Start, corrected, nearest, polished, rough_fits, share_of, space_mapping_step, subsampled
-from .forward import CLOUDY_MODEL, DEFAULT_MODEL, MODEL_ERROR, QUICK, require_fittable, stand_in
+from .forward import CLOUDY_MODEL, DEFAULT_MODEL, MODEL_ERROR, QUICK, require_fittable
 from .metric import Metric, percent
 from .parameters import BASES, Parameters, Structure
 from .readers.measurement import Measurement
 from .solve import Solution
+from .stand_in import stand_in
 
 DISTRIBUTIONS = DIELECTRIC.parameter("distribution").choices
 MOST_LAYERS, LEAST_SAMPLES = 8, 50

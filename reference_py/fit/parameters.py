@@ -14,7 +14,7 @@ import numpy as np
 
 from ..errors import LaminaError, Sentence
 from ..material.schema import COLOR, DIELECTRIC, SCATTERING, SCHEMA, Kind, Parameter
-from ..material.stack import Stack
+from ..material.stack import Base, Layer, Stack
 
 BASES = tuple(SCHEMA.bases)
 _METAL_BY = ("reflectance", "edge_color")
@@ -185,15 +185,30 @@ class Parameters:
 
     def stack(self, x: np.ndarray, name: str = "", source: str = "") -> Stack:
         """The stack at coordinates (p,)."""
-        s, values = self.structure, self.values(np.clip(x, 0.0, 1.0))
-        elements = [{"kind": DIELECTRIC.name} for _ in range(s.layers)] + [{"kind": s.base}]
+        elements = self._elements(x)
+        for element in elements:
+            element.update({name: value.tolist() for name, value in element.items() if isinstance(value, np.ndarray)})
+        kinds = [DIELECTRIC.name] * self.structure.layers + [self.structure.base]
+        *layers, base = ({"kind": kind, **element} for kind, element in zip(kinds, elements))
+        return Stack.from_dict({"name": name, "source": source, "layers": layers, "base": base}, "fit")
+
+    def together(self, x: np.ndarray) -> Stack:
+        """The stacks at coordinates (B, p) as one, whose numbers are (B, 1) and colors (B, 1, 3): none is checked."""
+        *layers, base = ({name: value if isinstance(value, str) else value[:, None] for name, value in e.items()} for e in self._elements(x))
+        fixed = {name: DIELECTRIC.parameter(name).default for name in _FIXED}
+        return Stack(tuple(Layer(DIELECTRIC.name, fixed | layer) for layer in layers), Base(self.structure.base, base))
+
+    def _elements(self, x: np.ndarray) -> list[dict]:
+        """What the layers from the top and the base have, by name: distributions, numbers (...), and colors (..., 3), at coordinates (..., p)."""
+        s, x = self.structure, np.clip(x, 0.0, 1.0)
+        elements: list[dict] = [{} for _ in range(s.layers + 1)]
         for element, distribution in zip(elements, s.distributions):
             element["distribution"] = distribution
         for g in self.groups:
             here = elements[-1] if g.where == "the base" else elements[int(g.where.split()[1])]
-            value = values[list(g.index)].tolist()
-            here[g.parameter.name] = (value if self.channels == 3 else value * 3) if g.is_color else value[0]
-        return Stack.from_dict({"name": name, "source": source, "layers": elements[:-1], "base": elements[-1]}, "fit")
+            value = g.value(x[..., g.index])
+            here[g.parameter.name] = np.broadcast_to(value, (*value.shape[:-1], 3)) if g.is_color else value[..., 0]
+        return elements
 
 
 def _free(kind: Kind) -> list[Parameter]:

@@ -29,12 +29,11 @@ def weakly_determined(errors: np.ndarray) -> np.ndarray:
     return np.flatnonzero(errors > _WEAK)
 
 
-def pinned(coarse: Forward, residual: np.ndarray, x: np.ndarray, which: np.ndarray, place: float) -> Solution:
-    """The other values fitted again while coordinates `which` (k,) are pinned at `place`; `residual` (m,) is that at x (p,).
+def pinned(coarse: Forward, x: np.ndarray, which: np.ndarray, place: float) -> Solution:
+    """The other values fitted again, from x (p,), while coordinates `which` (k,) are pinned at `place`.
 
-    On the stand-in plus its discrepancy at x: its own curves reach farther than the model's derivatives at one point.
+    `coarse` is the stand-in plus its discrepancy at x: its own curves reach farther than the model's derivatives at one point.
     """
-    fixed = residual - coarse.compressed(x)
     low, high = np.zeros(len(x)), np.ones(len(x))
     low[which] = high[which] = place
-    return least_squares(lambda y: coarse.compressed(y) + fixed, lambda y, r: coarse.jacobian(y, r - fixed), x, low, high, _STEPS, _TOLERANCE)
+    return least_squares(coarse.residual, lambda y, r: coarse.jacobian(y, r + coarse.target), x, low, high, _STEPS, _TOLERANCE)

@@ -24,7 +24,7 @@ def best_starts(forward: Forward, count: int, rng: np.random.Generator, known: S
     guesses = [_guess(parameters, diffuse, rng) for _ in range(_GUESSES // (2 if known else 1))]
     for old, x, above in known:
         guesses += [_taken_over(old, x, above, parameters, _guess(parameters, diffuse, rng)) for _ in range(_GUESSES // (2 * len(known)))]
-    errors = [rms(forward.residual(x)) for x in guesses]
+    errors = [rms(value - forward.target) for value in forward.compressed_at(np.array(guesses))]
     chosen: list[np.ndarray] = []
     for i in np.argsort(errors):
         if all(are_apart(guesses[i], other) for other in chosen):

@@ -33,7 +33,7 @@ class DiffuseBase:
     @property
     def channels(self) -> int:
         """Length of the colour axis."""
-        return len(self.color)
+        return self.color.shape[-1]
 
     def channel_key(self, channel: int):
         """Equal for channels that this base treats alike."""
@@ -47,8 +47,8 @@ class DiffuseBase:
 
     def albedo(self, cos_theta_o: np.ndarray) -> np.ndarray:
         """Directional albedo (..., channels)."""
-        if self.sigma_deg == 0.0:
-            return np.broadcast_to(self.color, (*np.shape(cos_theta_o), self.channels))
+        if np.all(self.sigma_deg == 0.0):
+            return np.broadcast_to(self.color, np.broadcast_shapes((*np.shape(cos_theta_o), self.channels), np.shape(self.color)))
         return oren_nayar_albedo(cos_theta_o, self.color, self.sigma_deg)
 
 
@@ -70,7 +70,7 @@ class ConductorBase:
     @property
     def channels(self) -> int:
         """Length of the colour axis."""
-        return len(self.eta)
+        return self.eta.shape[-1]
 
     @property
     def is_specular(self) -> bool:
@@ -80,7 +80,8 @@ class ConductorBase:
     @property
     def relative_index(self) -> tuple[np.ndarray, np.ndarray]:
         """eta and k over the index of the medium above, each (channels,)."""
-        return self.eta / self.n_above, self.k / self.n_above
+        n = np.asarray(self.n_above)[..., None]
+        return self.eta / n, self.k / n
 
     def facet(self, channel: int) -> ConductorFacet:
         """What a facet reflects in a channel."""

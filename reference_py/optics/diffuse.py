@@ -45,13 +45,13 @@ def oren_nayar(wi: np.ndarray, wo: np.ndarray, color: np.ndarray, sigma_deg: flo
     color = np.asarray(color, float)
     sigma = fujii_roughness(sigma_deg)
     cos_i, cos_o = np.maximum(wi[..., 2], 0.0), np.maximum(wo[..., 2], 0.0)
-    if sigma == 0.0:
+    if np.all(sigma == 0.0):
         return np.broadcast_to(color / np.pi, np.broadcast_shapes(cos_i.shape, cos_o.shape) + color.shape).copy()
     a = 1.0 / (np.pi + sigma * _G0)
     b = sigma * a
     t = dot(wi, wo) - cos_i * cos_o
     t = np.where(t > 0.0, t / np.maximum(np.maximum(cos_i, cos_o), 1e-30), t)
-    mean = a * np.pi + (2.0 * np.pi - 5.6) / 3.0 * b
+    mean = np.asarray(a * np.pi + (2.0 * np.pi - 5.6) / 3.0 * b)[..., None]
     multiple = color**power * (mean / (1.0 - mean)) / (np.pi * (1.0 - color * (1.0 - mean)))
     lost_o = 1.0 - (a * np.pi + b * _directional_g(cos_o))
     lost_i = 1.0 - (a * np.pi + b * _directional_g(cos_i))
@@ -74,15 +74,15 @@ def oren_nayar_color(cos_theta_o: np.ndarray, albedo: np.ndarray, sigma_deg: flo
     return color
 
 
-def _single_albedo(cos_theta_o: np.ndarray, sigma_deg: float) -> tuple[np.ndarray, float]:
-    """Albedo (..., 1) of white in light that meets one facet, and its mean over all views."""
+def _single_albedo(cos_theta_o: np.ndarray, sigma_deg: float) -> tuple[np.ndarray, np.ndarray]:
+    """Albedo (..., 1) of white in light that meets one facet, and its mean (..., 1) over all views."""
     sigma = fujii_roughness(sigma_deg)
     a = 1.0 / (np.pi + sigma * _G0)
     b = sigma * a
-    return (a * np.pi + b * _directional_g(np.asarray(cos_theta_o, float)))[..., None], a * np.pi + (2.0 * np.pi - 5.6) / 3.0 * b
+    return (a * np.pi + b * _directional_g(np.asarray(cos_theta_o, float)))[..., None], np.asarray(a * np.pi + (2.0 * np.pi - 5.6) / 3.0 * b)[..., None]
 
 
-def _albedo_and_slope(color: np.ndarray, single: np.ndarray, mean: float, power: int) -> tuple[np.ndarray, np.ndarray]:
+def _albedo_and_slope(color: np.ndarray, single: np.ndarray, mean: np.ndarray, power: int) -> tuple[np.ndarray, np.ndarray]:
     """The albedo, and how it grows with the color."""
     rest = 1.0 - color * (1.0 - mean)
     multiple = mean * (1.0 - single) * color ** (power - 1) / rest
@@ -96,7 +96,7 @@ def oren_nayar_shares(color: np.ndarray, sigma_deg: float) -> tuple[np.ndarray, 
     """
     color = np.asarray(color, float)
     sigma = fujii_roughness(sigma_deg)
-    mean = (np.pi + (2.0 * np.pi - 5.6) / 3.0 * sigma) / (np.pi + sigma * _G0)
+    mean = np.asarray((np.pi + (2.0 * np.pi - 5.6) / 3.0 * sigma) / (np.pi + sigma * _G0))[..., None]
     white = color**2 * mean / (1.0 - color * (1.0 - mean))
     return white, color - white
 

@@ -42,7 +42,7 @@ class Microfacets:
     @classmethod
     def of(cls, element: Layer | Base) -> "Microfacets":
         """Those of a layer or base, in Blender's convention of anisotropy. Cycles takes no alpha above 1."""
-        alpha = float(alpha_from_roughness(element["roughness"]))
+        alpha = alpha_from_roughness(element["roughness"])
         if not element.has(ANISOTROPY):
             return cls(element["distribution"], alpha)
         aspect = float(np.sqrt(1.0 - 0.9 * element["anisotropy"]))

@@ -83,11 +83,11 @@ class OpticalStack:
             n = interfaces[-1].n_below
         base = BASES[stack.base.kind].of(stack.base, n)
         for i, interface in enumerate(interfaces):
-            if len(interface.tau) != base.channels:
+            if interface.tau.shape[-1] != base.channels:
                 raise LaminaError(
                     "layer {number} has {count} channels and the base {channels}; choose one number for all (optics.spectral)",
                     number=i,
-                    count=len(interface.tau),
+                    count=interface.tau.shape[-1],
                     channels=base.channels,
                 )
         is_rgb = base.channels == 3 and not isinstance(stack, SpectralStack)

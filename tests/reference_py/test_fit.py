@@ -14,7 +14,7 @@ from lamina.reference_py.fit.baseline_fits import BASELINE_MODELS, fit_baseline
 from lamina.reference_py.fit.certainty import certainty, independent_pairs, noise_and_misfit
 from lamina.reference_py.fit.dense import evaluate_all
 from lamina.reference_py.fit.fitting import Fit, Start, corrected, fit_structure, nearest, subsampled
-from lamina.reference_py.fit.forward import QUICK, stand_in
+from lamina.reference_py.fit.forward import QUICK
 from lamina.reference_py.fit.layer_count import select
 from lamina.reference_py.fit.metric import Metric, shape_error
 from lamina.reference_py.fit.outcome import outcome
@@ -23,6 +23,7 @@ from lamina.reference_py.fit.profile_likelihood import COHERENT_ERROR
 from lamina.reference_py.fit.readers.measurement import checked, spread_pairs
 from lamina.reference_py.fit.readers.sampled import sample_model
 from lamina.reference_py.fit.solve import Solution, least_squares
+from lamina.reference_py.fit.stand_in import stand_in
 from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import half_vector
@@ -163,7 +164,7 @@ def coated_metal(pairs=150):
 
 def test_a_value_that_may_as_well_be_another_has_a_large_error():
     fit = coated_metal()
-    coarse, _ = stand_in("adding", fit.parameters, fit.metric)
+    coarse, _ = stand_in("adding", fit.parameters, fit.metric, fit.discrepancy)
     for i, (name, value) in enumerate(zip(fit.parameters.names, fit.parameters.values(fit.x))):
         error = certainties._profile_error(coarse, fit, i, COHERENT_ERROR) / value
         if name.endswith("edge_color of the base"):
@@ -174,7 +175,7 @@ def test_a_value_that_may_as_well_be_another_has_a_large_error():
 
 def test_derivatives_that_are_sure_of_all_are_not_believed(monkeypatch):
     # derivatives at two places, or updates of a last short step, added up, know everything
-    monkeypatch.setattr(certainties, "_disagreement", lambda fit: 0.0)
+    monkeypatch.setattr(certainties, "_disagreement", lambda *about: 0.0)
     monkeypatch.setattr(certainties, "_profile_error", lambda *about: 0.0)
     fit = coated_metal()
     values = certainty(replace(fit, jacobian=1e3 * np.eye(len(fit.residual), fit.count)))

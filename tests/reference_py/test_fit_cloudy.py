@@ -11,7 +11,7 @@ import pytest
 
 from lamina.addon.cli.main import run
 from lamina.reference_py.errors import LaminaError
-from lamina.reference_py.fit import fitting, forward, layer_count
+from lamina.reference_py.fit import fitting, layer_count, stand_in
 from lamina.reference_py.fit.fitting import Start, corrected
 from lamina.reference_py.fit.metric import Metric
 from lamina.reference_py.fit.parameters import Parameters, Structure
@@ -27,7 +27,7 @@ TRUE = {"ior": 1.5, "roughness": 0.5, "scatter_color": [0.7] * 3, "density": 0.8
 
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch):
-    monkeypatch.setattr(forward, "_COARSE", COARSE)
+    monkeypatch.setattr(stand_in, "_COARSE", COARSE)
     monkeypatch.setattr(fitting, "_DIRECT_STEPS", 5)
 
 

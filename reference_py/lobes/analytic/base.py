@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What layers and the base exchange: uniform light below the layers, and the lobe of a metal base.
 
-For a diffuse base the exact total is R(o) + T(o) rho T_d / (1 - rho R_d), with T_d and R_d of uniform light from below.
+Numbers of many stacks are arrays, as in `beam.Crossing`. For a diffuse base the exact total is R(o) + T(o) rho T_d / (1 - rho R_d), with T_d and R_d of uniform light from below.
 T_d follows from the same T(o) by reciprocity; without absorption R_d = 1 - T_d, so a white stack is exactly white.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, reduce
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from .calibration import (
     RETAINED_ORDER,
     RETAINED_SCALE,
 )
+from .interface_tables import side
 
 # Gauss nodes over the cosine outside, over the light trapped below, and over the lobe of a base.
 ESCAPING, TRAPPED = 4, 3
@@ -42,34 +43,46 @@ def gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
     return 0.5 * (x + 1.0), 0.5 * w
 
 
-def uniform_below(down: Sequence[Crossing], up: Sequence[Crossing], n_base: float) -> tuple[np.ndarray, np.ndarray]:
-    """(R_d, T_d), each (3,), of the layers for uniform light from below.
+def uniform_below(down: Sequence[Crossing], up: Sequence[Crossing], n_base) -> tuple[np.ndarray, np.ndarray]:
+    """(R_d, T_d), each (1, 3), of the layers for uniform light from below.
 
     `up` are the crossings from the base; its first tau is that of the medium above the base, where a beam starts.
     """
     u, w = gauss(ESCAPING)
     p = np.sqrt(1.0 - u * u)
-    transmitted = np.sum((2.0 * w * u)[:, None] * through(down, p, np.zeros_like(p)).transmitted, axis=0) / n_base**2
+    transmitted = _total((2.0 * w * u)[:, None] * through(down, p, np.zeros_like(p)).transmitted) / np.asarray(n_base**2)[..., None]
     if not any(np.any(c.tau) for c in down):
         return 1.0 - transmitted, transmitted
     p, weight = _streams(up, n_base)
     back, out = from_base(up, n_base, p, np.zeros_like(p))
-    absorbed = np.sum(weight[:, None] * (1.0 - back - out), axis=0)
+    absorbed = _total(weight[..., None] * (1.0 - back - out))
     return np.maximum(1.0 - transmitted - np.maximum(absorbed, 0.0), 0.0), transmitted
 
 
-def _streams(up: Sequence[Crossing], n_base: float):
-    """p (n,) and weights (n,) of uniform light in the medium above the base: what may escape, then what is trapped."""
-    least = min([1.0] + [c.n_other for c in up])
+def _total(shares: np.ndarray) -> np.ndarray:
+    """(..., 1, 3): the sum over beams (..., n, 3)."""
+    return np.sum(shares, axis=-2, keepdims=True)
+
+
+def _least(up: Sequence[Crossing]):
+    """The least index of those that light from the base comes through."""
+    return reduce(np.minimum, [c.n_other for c in up], 1.0)
+
+
+def _streams(up: Sequence[Crossing], n_base):
+    """p (..., n) and weights (..., n) of uniform light in the medium above the base: what may escape, then what is trapped."""
+    least = _least(up)
     u, w = gauss(ESCAPING)
-    p, weight = least * np.sqrt(1.0 - u * u), 2.0 * w * u * (least / n_base) ** 2
-    critical = np.sqrt(max(1.0 - (least / n_base) ** 2, 0.0))
+    p, weight = least * np.sqrt(1.0 - u * u), 2.0 * w * u * np.square(least / n_base)
+    critical = np.sqrt(np.maximum(1.0 - np.square(least / n_base), 0.0))
     u, w = gauss(TRAPPED)
     c = critical * u
-    return np.concatenate([p, n_base * np.sqrt(1.0 - c * c)]), np.concatenate([weight, 2.0 * w * critical * c])
+    trapped = n_base * np.sqrt(1.0 - c * c)
+    p = np.broadcast_to(p, (*np.shape(trapped)[:-1], ESCAPING))
+    return np.concatenate([p, trapped], axis=-1), np.concatenate([weight, 2.0 * w * critical * c], axis=-1)
 
 
-def from_base(up: Sequence[Crossing], n_base: float, p, variance) -> tuple[np.ndarray, np.ndarray]:
+def from_base(up: Sequence[Crossing], n_base, p, variance) -> tuple[np.ndarray, np.ndarray]:
     """Shares (..., 3) that return and that escape of beams (...) that leave the base; `up[0].tau` is of their own medium."""
     left = attenuation(up[0].tau, p, 0.0, n_base)
     shifted = [replace(c, tau=up[i + 1].tau if i + 1 < len(up) else np.zeros(3)) for i, c in enumerate(up)]
@@ -81,43 +94,48 @@ def from_base(up: Sequence[Crossing], n_base: float, p, variance) -> tuple[np.nd
 class Below:
     """The layers for light from below: polynomials through the nodes of light that may escape and of trapped light."""
 
-    least: float
-    n_base: float
+    least: float | np.ndarray
+    n_base: float | np.ndarray
     escaping: tuple[np.ndarray, np.ndarray]
-    """Coefficients (ESCAPING, 3) of the shares that return and that escape, over the cosine in the thinnest medium."""
+    """Coefficients (..., ESCAPING, 3) of the shares that return and that escape, over the cosine in the thinnest medium."""
     trapped: tuple[np.ndarray, np.ndarray]
-    """(TRAPPED, 3), over the cosine below, from 0 at grazing to 1 at the critical angle."""
+    """(..., TRAPPED, 3), over the cosine below, from 0 at grazing to 1 at the critical angle."""
     uniform: tuple[np.ndarray, np.ndarray]
-    """Shares (3,) of uniform light."""
+    """Shares (..., 1, 3) of uniform light."""
 
     def at(self, p, width) -> tuple[np.ndarray, np.ndarray]:
-        """Shares (..., 3) that return and that escape of beams of transverse momentum p and some width (...)."""
-        u = np.sqrt(np.maximum(1.0 - np.square(p / self.least), 0.0))
+        """Shares (..., Q, 3) that return and that escape of beams of transverse momentum p and some width (..., Q)."""
+        least, n_base = (np.asarray(n)[..., None] for n in (self.least, self.n_base))
+        u = np.sqrt(np.maximum(1.0 - np.square(p / least), 0.0))
         inside = [_polynomial(c, u) for c in self.escaping]
-        if not self.least < self.n_base:
+        if not np.any(least < n_base):
             return tuple(inside)
-        critical2 = 1.0 - (self.least / self.n_base) ** 2
-        v = np.sqrt(np.clip((1.0 - np.square(p / self.n_base)) / critical2, 0.0, 1.0))
-        beyond = np.clip(0.5 + (p - self.least) / np.maximum(width, 1e-4), 0.0, 1.0)[..., None]
+        critical2 = np.maximum(1.0 - np.square(least / n_base), 1e-12)
+        v = np.sqrt(np.clip((1.0 - np.square(p / n_base)) / critical2, 0.0, 1.0))
+        beyond = np.clip(0.5 + (p - least) / np.maximum(width, 1e-4), 0.0, 1.0)[..., None]
         return tuple(i + beyond * (_polynomial(c, v) - i) for i, c in zip(inside, self.trapped))
 
 
 def _polynomial(coefficients, x):
-    total = np.zeros(np.shape(x) + (3,))
-    for c in coefficients[::-1]:
-        total = total * np.asarray(x)[..., None] + c
-    return np.clip(total, 0.0, 1.0)
+    """(..., n, Q, 3) of coefficients (..., count, 3) at x (..., n, Q)."""
+    x = x[..., None]
+    parts = [coefficients[..., k, None, None, :] for k in reversed(range(coefficients.shape[-2]))]
+    total = parts[0] * x
+    for c in parts[1:-1]:
+        total += c
+        total *= x
+    total += parts[-1]
+    return np.clip(total, 0.0, 1.0, out=total)
 
 
-def layers_below(up: Sequence[Crossing], n_base: float) -> Below:
+def layers_below(up: Sequence[Crossing], n_base) -> Below:
     """The layers for light from below; `up` are the crossings from the base, which lies in a medium of index `n_base`."""
-    least = min([1.0] + [c.n_other for c in up])
     p, weight = _streams(up, n_base)
     shares = from_base(up, n_base, p, np.zeros_like(p))
     inside, beyond = polynomial_fit(ESCAPING), polynomial_fit(TRAPPED)
     return Below(
-        least, n_base, tuple(inside @ s[:ESCAPING] for s in shares), tuple(beyond @ s[ESCAPING:] for s in shares),
-        tuple(weight @ s for s in shares),
+        _least(up), n_base, tuple(inside @ s[..., :ESCAPING, :] for s in shares), tuple(beyond @ s[..., ESCAPING:, :] for s in shares),
+        tuple(_total(weight[..., None] * s) for s in shares),
     )  # fmt: skip
 
 
@@ -147,15 +165,15 @@ class MetalLobe:
     """After more of them."""
 
 
-def bare_metal(cos_theta, alpha: float, distribution: str, eta: np.ndarray, k: np.ndarray, facets: Facets) -> np.ndarray:
+def bare_metal(cos_theta, alpha, distribution: str, eta: np.ndarray, k: np.ndarray, facets: Facets) -> np.ndarray:
     """Directional albedo (..., 3) of a lossless-faceted metal without layers."""
     p = np.sqrt(1.0 - np.square(cos_theta))
     single, multi, _ = _reflected(p, 0.0 * p, 1.0, alpha, distribution, distribution, eta, k, facets)
     return np.sum(single, axis=-2) + multi
 
 
-def metal_lobe(up: Sequence[Crossing], n_base: float, p, variance, alpha: float, distribution: str, eta, k, seen: Facets) -> MetalLobe:
-    """The base's lobe for beams (...) that reach it and see its facets; eta, k (3,) are relative to the medium above it.
+def metal_lobe(up: Sequence[Crossing], n_base, p, variance, alpha, distribution: str, eta, k, seen: Facets) -> MetalLobe:
+    """The base's lobe for beams (...) that reach it and see its facets; eta, k (..., 3) are relative to the medium above it.
 
     The lobe is carried out through the layers at a few of its directions. Its later orders return along the
     directions that were reflected, mixed with uniform light the more the wider the lobe is.
@@ -172,8 +190,8 @@ def metal_lobe(up: Sequence[Crossing], n_base: float, p, variance, alpha: float,
     back = np.sum(returned, axis=-2)
     scale = np.maximum(back, 1e-12)
     out_again, back_again = (np.sum(returned * part, axis=-2) / scale for part in (escapes, returns))
-    roughest = max(c.alpha if c.n_own != c.n_other else 0.0 for c in up)
-    retained = out_again * (1.0 - RETAINED_ORDER * roughest / (roughest + RETAINED_SCALE))
+    roughest = reduce(np.maximum, [c.alpha for c in up if side(c.n_other / c.n_own)], 0.0)
+    retained = out_again * (1.0 - RETAINED_ORDER * np.asarray(roughest / (roughest + RETAINED_SCALE))[..., None])
     back_again = back_again + out_again - retained
     width = total_alpha**REMIX_POWER
     remixed, remixed_back = ((width / (width + scale))[..., None] for scale in (REMIX_SCALE, REMIX_BACK))
@@ -182,20 +200,20 @@ def metal_lobe(up: Sequence[Crossing], n_base: float, p, variance, alpha: float,
     return MetalLobe(first, (back + facets * back_d) * albedo * out_again / (1.0 - albedo * back_again))
 
 
-def _reflected(p, widened, n: float, alpha: float, distribution: str, distribution_above: str, eta, k, facets: Facets):
+def _reflected(p, widened, n, alpha, distribution: str, distribution_above: str, eta, k, facets: Facets):
     """What a metal reflects: by one facet, per node (..., Q, 3), by more of them (..., 3), and p of the nodes (..., Q)."""
     seen, hidden, p_out, cos_om = _lobe_nodes(p, widened, n, distribution, distribution_above, facets)
-    fresnel = fresnel_conductor(cos_om[..., None], eta, k)
+    fresnel = fresnel_conductor(cos_om[..., None], eta[..., None, :], k[..., None, :])
     again = np.sum(hidden[..., None] * fresnel, axis=-2)
     later = _later_facets(alpha, eta, k)
     later = later + facets.gap * (_later_anisotropic(again, 1.0 - facets.white[..., None]) - later)
     return seen[..., None] * fresnel, again * later, p_out
 
 
-def _later_facets(alpha: float, eta, k) -> np.ndarray:
-    """Share (3,) of light that leaves a metal after it met one facet and was not let go (after Kulla and Conty 2017)."""
-    mean = np.sum(MEAN_WEIGHTS[:, None] * fresnel_conductor(MEAN_COSINES[:, None], eta, k), axis=0)
-    retained = BASE_LOSS * alpha * alpha / (1.0 + (1.0 + BASE_LOSS) * alpha * alpha)
+def _later_facets(alpha, eta, k) -> np.ndarray:
+    """Share (..., 3) of light that leaves a metal after it met one facet and was not let go (after Kulla and Conty 2017)."""
+    mean = np.sum(MEAN_WEIGHTS[:, None] * fresnel_conductor(MEAN_COSINES[:, None], eta[..., None, :], k[..., None, :]), axis=-2)
+    retained = np.asarray(BASE_LOSS * alpha * alpha / (1.0 + (1.0 + BASE_LOSS) * alpha * alpha))[..., None]
     return mean * (1.0 - retained) / (1.0 - mean * retained)
 
 
@@ -207,6 +225,7 @@ def _later_anisotropic(again: np.ndarray, hidden: np.ndarray) -> np.ndarray:
     return mean * (1.0 - retained) / (1.0 - mean * retained)
 
 
+@cache
 def lobe_nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(u, weight, cos, sin of the azimuth, range of slopes for alpha 1), each (Q,), of points of a cap.
 
@@ -221,7 +240,7 @@ def lobe_nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.nda
     )  # fmt: skip
 
 
-def _lobe_nodes(p, widened, n: float, distribution: str, distribution_above: str, facets: Facets):
+def _lobe_nodes(p, widened, n, distribution: str, distribution_above: str, facets: Facets):
     """(seen, hidden, p, cosine on the facet), each (..., Q): directions of a metal's lobe from its visible facets.
 
     `seen` is the share of light that one facet lets go, `hidden` that which meets another.
@@ -253,4 +272,4 @@ def _lobe_nodes(p, widened, n: float, distribution: str, distribution_above: str
     hidden = hidden * (1.0 - energy) / np.maximum(np.sum(hidden, axis=-1, keepdims=True), 1e-9)
     seen = node_weight * seen
     seen = seen * energy / np.sum(seen, axis=-1, keepdims=True)
-    return seen, hidden, n * np.minimum(np.sqrt(ix * ix + iy * iy), MOST_LOBE_SHARE), np.minimum(cos_om, 1.0)
+    return seen, hidden, np.asarray(n)[..., None] * np.minimum(np.sqrt(ix * ix + iy * iy), MOST_LOBE_SHARE), np.minimum(cos_om, 1.0)

@@ -34,16 +34,19 @@ from .calibration import (
     TRAPPED_COS,
     TRAPPED_SPREAD,
 )
-from .interface_tables import diffuse_reflectance, reflectance
+from .interface_tables import diffuse_reflectance, reflectance, side
 
 
 @dataclass(frozen=True)
 class Crossing:
-    """One interface in the order of travel and the medium behind it; `tau` (3,) per perpendicular crossing."""
+    """One interface in the order of travel and the medium behind it; `tau` (3,) per perpendicular crossing.
 
-    n_own: float
-    n_other: float
-    alpha: float
+    Of many stacks at once the numbers are (B, 1), `tau` is (B, 1, 3), and all of them refract alike (`interface_tables.side`).
+    """
+
+    n_own: float | np.ndarray
+    n_other: float | np.ndarray
+    alpha: float | np.ndarray
     distribution: str
     tau: np.ndarray
 
@@ -64,14 +67,14 @@ class Passage:
     """p and its variance (...) of what is transmitted."""
 
 
-def cosine(p, n: float) -> np.ndarray:
+def cosine(p, n) -> np.ndarray:
     """Cosine of a beam in a medium of index n; a floor keeps trapped ones finite."""
     return np.sqrt(np.maximum(1.0 - np.square(p / n), 0.0) + LEAST_COS2)
 
 
-def widened_reflectance(cos_theta, variance, n_own: float, eta: float, alpha: float, distribution: str) -> np.ndarray:
+def widened_reflectance(cos_theta, variance, n_own, eta, alpha, distribution: str) -> np.ndarray:
     """Reflectance (...) of an interface for a beam: that of a rougher interface, towards that of uniform light when wide."""
-    if eta == 1.0:
+    if side(eta) == 0:
         return np.zeros(np.shape(cos_theta))
     spread = SPREAD_INCIDENCE * variance / np.square(n_own * cos_theta)
     wide = np.square(spread / (spread + SPREAD_HALF))
@@ -80,7 +83,7 @@ def widened_reflectance(cos_theta, variance, n_own: float, eta: float, alpha: fl
     return narrow + wide * (diffuse_reflectance(alpha, eta, distribution) - narrow)
 
 
-def attenuation(tau: np.ndarray, p, variance, n: float) -> np.ndarray:
+def attenuation(tau: np.ndarray, p, variance, n) -> np.ndarray:
     """Share (..., 3) that one crossing of a medium leaves of a beam: the mean of its two sides."""
     step = TAU_SPREAD * np.sqrt(variance)
     low = cosine(np.abs(p - step), n)[..., None]
@@ -115,7 +118,7 @@ def through(crossings: Sequence[Crossing], p: np.ndarray, variance: np.ndarray, 
     before = None
     for index, crossing in enumerate(crossings):
         n1, eta = crossing.n_own, crossing.n_other / crossing.n_own
-        if eta != 1.0:
+        if side(eta):
             c1 = cosine(p, n1)
             seen = crossing if index or seen_alpha is None else replace(crossing, alpha=seen_alpha)
             r12 = widened_reflectance(c1, variance, n1, eta, seen.alpha, crossing.distribution)
@@ -154,9 +157,9 @@ def _returned_reflectance(before: Crossing, crossing: Crossing, c1, variance, r1
     variance = variance + BACK_SPREAD * np.square(2.0 * n1 * c1 * crossing.alpha)
     eta_back = before.n_own / before.n_other
     r21 = widened_reflectance(c1, variance, n1, eta_back, before.alpha, before.distribution)
-    if eta < 1.0:
+    if side(eta) < 0:
         total = np.clip((r12 - fresnel_dielectric(c1, eta)) / np.maximum(r12, 1e-9), 0.0, 1.0)
-        trapped_cos = np.full(np.shape(c1), TRAPPED_COS * np.sqrt(1.0 - eta * eta))
+        trapped_cos = np.broadcast_to(TRAPPED_COS * np.sqrt(1.0 - eta * eta), np.shape(c1))
         trapped = widened_reflectance(trapped_cos, TRAPPED_SPREAD * variance, n1, eta_back, before.alpha, before.distribution)
         r21 = r21 + total * np.maximum(trapped - r21, 0.0)
     return r21

@@ -58,19 +58,28 @@ def tables() -> dict[str, dict[str, np.ndarray]]:
     }
 
 
-def reflectance(cos_theta, alpha, eta: float, distribution: str) -> np.ndarray:
+def side(eta) -> int:
+    """1 where light meets an interface of relative index eta from its thinner side, -1 from its denser one, 0 where it does nothing.
+
+    Of many interfaces, eta (...), all are alike in it.
+    """
+    first = eta.flat[0] if isinstance(eta, np.ndarray) else eta
+    return int(first > 1.0) - int(first < 1.0)
+
+
+def reflectance(cos_theta, alpha, eta, distribution: str) -> np.ndarray:
     """Directional reflectance (...) of a rough interface, lossless; light at cosines (...) in the medium it comes from."""
-    if eta == 1.0:
+    if side(eta) == 0:
         return np.zeros(np.broadcast_shapes(np.shape(cos_theta), np.shape(alpha)))
     cos_theta = np.clip(cos_theta, 0.0, 1.0)
-    if eta > 1.0:
+    if side(eta) > 0:
         remainder = _trilinear(tables()[distribution]["thin"], eta, alpha, np.sqrt(cos_theta) * (len(T) - 1))
     else:
         remainder = _trilinear(tables()[distribution]["dense"], eta, alpha, (critical_variable(cos_theta, eta) + 1.0) * 0.5 * (len(V) - 1))
     return np.clip(fresnel_dielectric(cos_theta, eta) + remainder, 0.0, 1.0)
 
 
-def critical_variable(cos_theta, eta: float) -> np.ndarray:
+def critical_variable(cos_theta, eta) -> np.ndarray:
     """v in -1..1 of light on the denser side (eta < 1): -1 at grazing, 0 at the critical angle, 1 at the normal."""
     cos2, critical2 = np.square(cos_theta), 1.0 - eta * eta
     beyond = -np.sqrt(np.maximum(1.0 - cos2 / critical2, 0.0))
@@ -83,17 +92,17 @@ def cosine_of_critical_variable(v, eta: float) -> np.ndarray:
     return np.sqrt(np.where(v < 0.0, critical2 * (1.0 - np.square(v)), critical2 + np.square(v) * eta * eta))
 
 
-def diffuse_reflectance(alpha, eta: float, distribution: str) -> np.ndarray:
+def diffuse_reflectance(alpha, eta, distribution: str) -> np.ndarray:
     """Reflectance of a rough interface for uniform light; from the denser side by reciprocity."""
-    if eta == 1.0:
+    if side(eta) == 0:
         return 0.0
     table = tables()[distribution]["diffuse"]
     (i, f), (j, g) = _surface_cell(eta, alpha)
     thin = (1.0 - f) * ((1.0 - g) * table[i, j] + g * table[i, j + 1]) + f * ((1.0 - g) * table[i + 1, j] + g * table[i + 1, j + 1])
-    return thin if eta > 1.0 else 1.0 - (1.0 - thin) * eta * eta
+    return thin if side(eta) > 0 else 1.0 - (1.0 - thin) * eta * eta
 
 
-def top_gain(cos_theta_o, alpha, eta: float, distribution: str) -> np.ndarray:
+def top_gain(cos_theta_o, alpha, eta, distribution: str) -> np.ndarray:
     """Energy (...) of an interface seen from its thinner side over that of the closure with its exact Fresnel curve."""
     return 1.0 + _trilinear(tables()[distribution]["gain"], eta, alpha, np.sqrt(np.clip(cos_theta_o, 0.0, 1.0)) * (len(T) - 1))
 
@@ -150,7 +159,7 @@ def _lagrange(x, places: list) -> list:
     return result
 
 
-def _surface_cell(eta: float, alpha):
+def _surface_cell(eta, alpha):
     rho = abs(eta - 1.0) / (eta + 1.0)
     return _square_cell(rho / MOST_RHO, RHO_CELLS), _square_cell(np.asarray(alpha, float), ALPHA_CELLS)
 

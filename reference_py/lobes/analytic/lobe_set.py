@@ -76,7 +76,7 @@ class AnalyticLobes:
         top = self._down[0]
         eta = top.n_other / top.n_own
         weight = top_gain(cos_o, top.alpha if seen_alpha is None else seen_alpha, eta, top.distribution)[..., None] * np.ones(3)
-        alpha = np.full(cos_o.shape, top.alpha)
+        alpha = np.asarray(top.alpha) * np.ones_like(cos_o)
         return GlossyLobe(top.distribution, weight, alpha, alpha, fresnel=DielectricCurve(eta))
 
     def _base_lobes(self, cos_o, passage, base_facets) -> list[GlossyLobe | DiffuseLobe]:
@@ -92,10 +92,10 @@ class AnalyticLobes:
         energy = own
         if self._down:
             u, w = gauss(ALBEDO_NODES)
-            mean = np.sum((2.0 * w * u)[:, None] * base.albedo(u), axis=0)
+            mean = np.sum((2.0 * w * u)[:, None] * base.albedo(u), axis=-2, keepdims=True)
             back, out = uniform_below(self._down, self._up, n)
             energy = passage.transmitted * own * out / (1.0 - mean * back)
-        if base.sigma_deg == 0.0:
+        if np.all(base.sigma_deg == 0.0):
             return [DiffuseLobe(energy)]
         return oren_nayar_lobes(energy / np.maximum(base.albedo(cos_o), 1e-12), base.color, base.sigma_deg)
 
