@@ -18,7 +18,7 @@ nodes   | none     | directions from the normal to grazing in the thinnest mediu
 modes   | none     | azimuthal modes of f, a whole number from 1 to 512; none is 64
 draft   | 0        | a whole number from 0 to 1; 1 is f for fits, three to ten times faster, with energies as ever: in the
         |          | worst view of a stack of the suite .4 % of what is reflected lies elsewhere in the median, 6 % at most,
-        |          | and 18 % where f itself is blurred (narrow over narrow). Not with nodes or modes
+        |          | and 18 % where f itself is blurred (narrow over narrow). It chooses nodes and modes that are not given
 
 >>> model = make_model("adding", presets.load("glazed_mug"), nodes=16)
 >>> model.albedo(spherical(0.5, 0.0)).round(3).tolist()
@@ -26,7 +26,7 @@ draft   | 0        | a whole number from 0 to 1; 1 is f for fits, three to ten t
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 from math import ceil
 
@@ -107,20 +107,22 @@ class Adding:
 
     def __init__(self, stack: Stack, surface: str = MULTIPLE, nodes: int | None = None, modes: int | None = None, draft: int = 0):
         self.stack, self.surface = stack, one_of(f"model {self.name}", "surface", surface, SURFACES)
-        if _whole("draft", draft, 0, 1) and not nodes is modes is None:
-            raise LaminaError("model adding: draft=1 chooses nodes and modes itself; leave them out")
         optics = OpticalStack.of(stack, self)
         self.channels, self._effective = optics.channels, EffectiveStack.of(optics)
         self._mixture = LobeMixture.of(optics.rough_surfaces())
         self._width, self._unresolved = self._effective.narrowest_lobe(), nodes is modes is None
         fine = _NODES_PER_WIDTH / max(self._width, _NODES_PER_WIDTH / _MOST_NODES)
+        draft = _whole("draft", draft, 0, 1)
         if draft:
-            nodes, shape_nodes, self._shape = _NODES, *self._draft(fine)
+            shape_nodes, self._shape = self._draft(fine)
         else:
-            modes = _MODES if modes is None else _whole("modes", modes, 1, 512)
-            shape_nodes = max(_NODES, ceil(fine)) if nodes is None else _whole("nodes", nodes, 8, 512)
-            nodes = _NODES if nodes is None else shape_nodes
-            self._shape = Resolution(modes, across=max(24, modes // 2), along=48)
+            shape_nodes, self._shape = max(_NODES, ceil(fine)), _fine(_MODES)
+        if modes is not None:
+            modes = _whole("modes", modes, 1, 512)
+            self._shape = replace(self._shape, modes=modes) if draft else _fine(modes)
+        if nodes is not None:
+            shape_nodes = _whole("nodes", nodes, 8, 512)
+        nodes = _NODES if nodes is None else shape_nodes
         self._grid, self._shape_grid = self._effective.grid(nodes), self._effective.grid(shape_nodes)
         self._depths: dict[tuple[DielectricFacet, ...], tuple[list[InterfaceOperators], Resolution]] = {}
 
@@ -318,6 +320,10 @@ class Adding:
             density = (whole - np.diag(specular) - direct) / self._shape_grid.weights(1.0)
             remainder[channel] = 0.5 * (density + np.swapaxes(density, -1, -2))
         return remainder
+
+
+def _fine(modes: int) -> Resolution:
+    return Resolution(modes, across=max(24, modes // 2), along=48)
 
 
 def _parts(views: np.ndarray, count: int) -> list[slice]:
