@@ -51,9 +51,17 @@ class _Parser(argparse.ArgumentParser):
         raise LaminaError(f"{message} (see `{self.prog} --help`)")
 
 
+class _Version(argparse.Action):
+    """argparse's own would read the manifest for every command."""
+
+    def __call__(self, parser, *_) -> None:
+        print(f"lamina {version()}")
+        parser.exit()
+
+
 def build_parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="lamina", description="Layered materials for Blender's Cycles, with the error stated.")
-    parser.add_argument("--version", action="version", version=f"lamina {version()}")
+    parser.add_argument("--version", action=_Version, nargs=0, default=argparse.SUPPRESS, help="show program's version number and exit")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
     presets = _command(commands, "presets", "print_values", "list the presets")

@@ -57,7 +57,7 @@ class Scale:
 
 @dataclass(frozen=True)
 class Axis(ABC):
-    """One axis: the live values that it follows, all of one layer or of the base, and its scales.
+    """One axis: the live values that it follows, all of one layer or of the base, and its scales. Subclasses add no fields, so they need no decorator.
 
     `knots` are those of shapes and shares, of which the first `before` continue the next two, `fine` those of energies along this
     axis, `cross` those of how energies depend on two axes.
@@ -96,7 +96,6 @@ class Axis(ABC):
         return float(np.mean(coordinate))
 
 
-@dataclass(frozen=True)
 class NumberAxis(Axis):
     """A roughness or a slope deviation."""
 
@@ -109,14 +108,12 @@ class NumberAxis(Axis):
         return self.live[0].with_value(stack, float(coordinate))
 
 
-@dataclass(frozen=True)
 class FilmAxis(NumberAxis):
     """The thickness of a thin film: energies go up and down with it as waves do."""
 
     has_waves = True
 
 
-@dataclass(frozen=True)
 class IndexAxis(Axis):
     """The index of a layer, as the amplitude that it would reflect below vacuum."""
 
@@ -130,7 +127,6 @@ class IndexAxis(Axis):
         return self.live[0].with_value(stack, float((1.0 + coordinate) / (1.0 - coordinate)))
 
 
-@dataclass(frozen=True)
 class ThicknessAxis(Axis):
     """The thickness of a medium that scatters, or its density, as a share of all."""
 
@@ -151,7 +147,6 @@ class ThicknessAxis(Axis):
         return self.live[0].with_value(stack, float(min(value, _MOST[self.live[0].name])))
 
 
-@dataclass(frozen=True)
 class DepthAxis(Axis):
     """The optical depth of a layer's medium, of which its tint, its thickness or both are live, as a share of all depths.
 
@@ -182,7 +177,6 @@ def of_reflectance(reflectance: np.ndarray) -> np.ndarray:
     return np.log((reflectance + REFLECTANCE_OFFSET) / (1.0 + BRIGHT_OFFSET - reflectance))
 
 
-@dataclass(frozen=True)
 class ReflectanceAxis(Axis):
     """A metal's reflectance, by the logarithm of what it is over what it is short of 1: the energies of dark metals and of bright ones change fast."""
 
@@ -199,7 +193,6 @@ class ReflectanceAxis(Axis):
         return self.live[0].with_value(stack, (value,) * 3)
 
 
-@dataclass(frozen=True)
 class EdgeAxis(Axis):
     """A metal's edge color; near 1 its index is small, and reflections change fast."""
 
@@ -214,7 +207,6 @@ class EdgeAxis(Axis):
         return self.live[0].with_value(stack, (float(1.0 - (1.0 - coordinate) ** 2),) * 3)
 
 
-@dataclass(frozen=True)
 class ScatterColorAxis(Axis):
     """The color of a medium that scatters, by what two media of equal reflectance have in common: 0 is black, 1 white (van de Hulst)."""
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Beckmann's distribution: a Gaussian of slopes (Walter07). Visible normals are exact, by rejection."""
 
+from functools import cache
 from math import erfc, exp, pi, sqrt
 
 import numpy as np
@@ -73,17 +74,22 @@ def _tail(b: float) -> float:
     return 0.5 * (1.0 / _SQRT_PI - b * exp(b * b) * erfc(b))
 
 
-# numpy has no erf; this tail is smooth in 1 / (1 + b), so a linear table is good to 1e-8.
 _TAIL_CELLS = 8192
-_TAIL = np.array([0.0] + [_tail(_TAIL_CELLS / i - 1.0) for i in range(1, _TAIL_CELLS + 1)])
-_TAIL_RISE = np.diff(_TAIL, append=_TAIL[-1])
+
+
+@cache
+def _tail_cells() -> tuple[np.ndarray, np.ndarray]:
+    """The tail at evenly spread 1 / (1 + b) and its rise to the next, (_TAIL_CELLS + 1,) each. numpy has no erf, and a linear table is good to 1e-8."""
+    tail = np.array([0.0] + [_tail(_TAIL_CELLS / i - 1.0) for i in range(1, _TAIL_CELLS + 1)])
+    return tail, np.diff(tail, append=tail[-1])
 
 
 def _tail_table(b: np.ndarray) -> np.ndarray:
+    tail, rise = _tail_cells()
     # np.interp searches its grid and takes four times as long
     place = _TAIL_CELLS / (1.0 + b)
     cell = place.astype(np.intp)
-    return _TAIL.take(cell) + (place - cell) * _TAIL_RISE.take(cell)
+    return tail.take(cell) + (place - cell) * rise.take(cell)
 
 
 def _visible_normals(w: np.ndarray, alpha, rng: np.random.Generator) -> np.ndarray:
