@@ -2,6 +2,7 @@
 """Measured reflectance: pairs of directions with f, checked, and what was found on the way."""
 
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
 
@@ -60,9 +61,11 @@ def checked(
     above = (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
     if not above.any():
         raise LaminaError("{where}: all {pairs} directions are below the horizon; angles are from the normal, in degrees below 90", where=where, pairs=len(f))
-    finite = np.isfinite(f).all(axis=1)
-    total = np.where(finite[:, None], f, 0.0)
-    positive = (total.sum(axis=1) > 0.0) | (total.min(axis=1) >= 0.0)
+    # channel after channel: tables have a million rows
+    finite = reduce(np.logical_and, (np.isfinite(channel) for channel in f.T))
+    total = f if finite.all() else np.where(finite[:, None], f, 0.0)
+    least = reduce(np.minimum, total.T)
+    positive = (reduce(np.add, total.T) > 0.0) | (least >= 0.0)
     good = above & finite & positive
     count = int(above.sum())
     for bad, what in ((above & ~finite, Sentence("not finite")), (above & finite & ~positive, Sentence("negative"))):
@@ -78,10 +81,12 @@ def checked(
         )
     if (~above).any():
         notes.append(Sentence("below the horizon and left out: {count}", count=int((~above).sum())))
-    if (limited := good & (total.min(axis=1) < 0.0)).any():
+    if (limited := good & (least < 0.0)).any():
         told = {"limited": int(limited.sum()), "count": count, "where": _by_angle(wi, wo, limited)}
         notes.append(Sentence("{limited} of {count} values have a channel below 0, outside Rec.709 or noise: it counts as 0: {where}", **told))
-    f, wi, wo = np.maximum(f[good], 0.0), wi[good], wo[good]
+    if not good.all():
+        f, wi, wo = f[good], wi[good], wo[good]
+    f = np.maximum(f, 0.0)
     if np.max(f) <= 0.0:
         raise LaminaError("{where}: all {pairs} values are 0: a black measurement tells nothing", where=where, pairs=len(f))
     f, color_notes = _as_color(f, wavelength_nm, only_nm, where)
@@ -129,7 +134,7 @@ def _by_angle(wi: np.ndarray, wo: np.ndarray, rows: np.ndarray) -> Sentence:
 
 def _shadow(wi: np.ndarray, wo: np.ndarray, f: np.ndarray) -> np.ndarray:
     """Rows that are exactly 0 while those next to them, by half and difference angle, are not small."""
-    black = np.max(f, axis=1) == 0.0
+    black = reduce(np.maximum, f.T) == 0.0
     if not black.any():
         return black
     theta_h, theta_d, phi_d = half_angles(wi, wo)
@@ -192,14 +197,14 @@ def _as_color(f, wavelength_nm, only_nm, where) -> tuple[np.ndarray, tuple[Sente
 def half_angles(wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(theta_h, theta_d, phi_d), each (n,) in radians, of Rusinkiewicz 1998; phi_d in 0 to pi, as reciprocity allows."""
     wh = half_vector(wi, wo)
+    (x, y, z), (hx, hy, hz) = wi.T, wh.T
     theta_d = np.arccos(np.clip(dot(wi, wh), -1.0, 1.0))
-    sin_h = np.hypot(wh[:, 0], wh[:, 1])
+    sin_h = np.hypot(hx, hy)
     # the half vector's meridian; x of the world where it is the normal
-    azimuth = np.where(sin_h > 1e-9, np.arctan2(wh[:, 1], wh[:, 0]), 0.0)
-    tangent = np.stack([wh[:, 2] * np.cos(azimuth), wh[:, 2] * np.sin(azimuth), -sin_h], axis=-1)
-    bitangent = np.stack([-np.sin(azimuth), np.cos(azimuth), np.zeros(len(wh))], axis=-1)
-    phi_d = np.arctan2(dot(wi, bitangent), dot(wi, tangent)) % np.pi
-    return np.arctan2(sin_h, wh[:, 2]), theta_d, phi_d
+    safe = np.where(sin_h > 1e-9, sin_h, np.inf)
+    cos_a, sin_a = np.where(sin_h > 1e-9, hx / safe, 1.0), hy / safe
+    phi_d = np.arctan2(y * cos_a - x * sin_a, hz * (x * cos_a + y * sin_a) - sin_h * z) % np.pi
+    return np.arctan2(sin_h, hz), theta_d, phi_d
 
 
 def subsample(measurement: Measurement, count: int, rng: np.random.Generator) -> Measurement:
@@ -208,13 +213,16 @@ def subsample(measurement: Measurement, count: int, rng: np.random.Generator) ->
         return measurement
     theta_h, theta_d, phi_d = half_angles(measurement.wi, measurement.wo)
     places = (np.sqrt(theta_h / (0.5 * np.pi)), theta_d / (0.5 * np.pi), phi_d / np.pi)
-    cell = np.ravel_multi_index([np.minimum((p * n).astype(int), n - 1) for p, n in zip(places, _CELLS)], _CELLS)
+    cell = np.ravel_multi_index([np.minimum((p * n).astype(int), n - 1) for p, n in zip(places, _CELLS)], _CELLS).astype(np.uint8)
     order = rng.permutation(len(cell))
     order = order[np.argsort(cell[order], kind="stable")]
-    sorted_cells = cell[order]
-    first = np.searchsorted(sorted_cells, sorted_cells)
-    turn = np.arange(len(order)) - first  # the how-manieth of its cell each row is
-    chosen = order[np.lexsort((rng.random(len(order)), turn))[:count]]
+    filled = np.bincount(cell)
+    turn = np.arange(len(order)) - np.repeat(np.cumsum(filled) - filled, filled)  # the how-manieth of its cell each row is
+    tie = rng.random(len(order))
+    # turns that hold enough: the others need no order
+    most = 1 + int(np.searchsorted(np.cumsum(np.bincount(turn)), count))
+    early = np.flatnonzero(turn < most)
+    chosen = order[early[np.lexsort((tie[early], turn[early]))[:count]]]
     return measurement.subset(np.sort(chosen))
 
 
@@ -230,9 +238,10 @@ def spread_pairs(count: int, rng: np.random.Generator) -> tuple[np.ndarray, np.n
 
 
 def directions_of(theta_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """wi, wo (n, 3) of half and difference angles in radians, the half vector in the plane y = 0."""
+    """wi, wo (..., 3) of half and difference angles (...) in radians, the half vector in the plane y = 0."""
     x, y, z = np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d), np.cos(theta_d)
     cos_h, sin_h = np.cos(theta_h), np.sin(theta_h)
-    wi = np.stack([cos_h * x + sin_h * z, y, cos_h * z - sin_h * x], axis=-1)
-    wo = np.stack([-cos_h * x + sin_h * z, -y, cos_h * z + sin_h * x], axis=-1)
+    wi, wo = (np.empty((*np.broadcast_shapes(np.shape(x), np.shape(cos_h)), 3)) for _ in range(2))
+    wi[..., 0], wi[..., 1], wi[..., 2] = cos_h * x + sin_h * z, y, cos_h * z - sin_h * x
+    wo[..., 0], wo[..., 1], wo[..., 2] = sin_h * z - cos_h * x, -y, cos_h * z + sin_h * x
     return wi, wo

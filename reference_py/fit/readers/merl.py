@@ -46,14 +46,16 @@ def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | N
     _require_order(path, sizes, table, above)
     # cells below the horizon belong to the format; they are no fault of the file
     found = (Sentence("MERL table of {sizes}: theta_h, theta_d, phi_d", sizes=" x ".join(map(str, sizes))),)
-    return checked(wi[above], wo[above], (table.T * SCALES)[above], str(path), found, only_nm=wavelength_nm, steepest_deg=steepest_deg)
+    f = np.stack([channel[above] * scale for channel, scale in zip(table, SCALES)], axis=-1)
+    return checked(wi[above], wo[above], f, str(path), found, only_nm=wavelength_nm, steepest_deg=steepest_deg)
 
 
 def cell_directions(sizes: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
     """wi, wo (n, 3) at the middle of every cell, in the file's order."""
     h, d, p = ((np.arange(n) + 0.5) / n for n in sizes)
-    theta_h, theta_d, phi_d = np.meshgrid(np.square(h) * 0.5 * np.pi, d * 0.5 * np.pi, p * np.pi, indexing="ij")
-    return directions_of(theta_h.ravel(), theta_d.ravel(), phi_d.ravel())
+    angles = np.meshgrid(np.square(h) * 0.5 * np.pi, d * 0.5 * np.pi, p * np.pi, indexing="ij", sparse=True)
+    wi, wo = directions_of(*angles)
+    return wi.reshape(-1, 3), wo.reshape(-1, 3)
 
 
 def _sizes(path: Path, head: bytes) -> tuple[int, int, int]:
