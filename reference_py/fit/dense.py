@@ -7,7 +7,8 @@ from ..material.stack import Stack
 from ..optics.frame import spherical
 from ..registry import make_model
 
-_CHUNK = 50_000
+# So many at once stay in a processor's cache.
+_CHUNK = 10_000
 # Below this count models are asked directly.
 _FEW = 20_000
 _THETAS, _PHIS = 46, 46
@@ -32,14 +33,15 @@ def evaluate_all(model: str, stack: Stack, wo: np.ndarray, wi: np.ndarray) -> np
 
 
 def _remainder(adding) -> np.ndarray:
-    """(theta_o, theta_i, phi, 3): f less its part in closed form."""
+    """(theta_o, theta_i, phi, 3): f less its part in closed form, which is reciprocal."""
     theta = np.linspace(0.0, 0.5 * np.pi, _THETAS)
     theta[-1] -= 1e-4
     phi = np.linspace(0.0, np.pi, _PHIS)
-    to, ti, p = (a.ravel() for a in np.meshgrid(theta, theta, phi, indexing="ij"))
-    wo, wi = spherical(to, 0.0), spherical(ti, p)
-    f = adding.f(wo, wi) - adding.direct_f(wo, wi)
-    return f.reshape(_THETAS, _THETAS, _PHIS, 3)
+    o, i = np.triu_indices(_THETAS)
+    f = adding.smooth_f(np.repeat(spherical(theta[o], 0.0), _PHIS, axis=0), spherical(theta[i][:, None], phi).reshape(-1, 3))
+    table = np.empty((_THETAS, _THETAS, _PHIS, 3))
+    table[o, i] = table[i, o] = f.reshape(len(o), _PHIS, 3)
+    return table
 
 
 def _interpolated(table: np.ndarray, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
@@ -54,9 +56,11 @@ def _interpolated(table: np.ndarray, wo: np.ndarray, wi: np.ndarray) -> np.ndarr
         i = np.minimum((u * (n - 1)).astype(int), n - 2)
         low.append(i)
         share.append(u * (n - 1) - i)
+    cells, first = table.reshape(-1, 3), (low[0] * _THETAS + low[1]) * _PHIS + low[2]
     result = np.zeros((len(wo), 3))
-    for corner in range(8):
-        bits = [(corner >> k) & 1 for k in range(3)]
-        weight = np.prod([s if b else 1.0 - s for s, b in zip(share, bits)], axis=0)
-        result += weight[:, None] * table[tuple(i + b for i, b in zip(low, bits))]
+    for to, ti, p in np.ndindex(2, 2, 2):
+        weight = np.ones(())
+        for s, far in zip(share, (to, ti, p)):
+            weight = weight * (s if far else 1.0 - s)
+        result += weight[:, None] * cells.take(first + (to * _THETAS + ti) * _PHIS + p, axis=0)
     return result

@@ -164,7 +164,7 @@ def _residual_maps(figure, places, measurement, fit, evaluator) -> None:
         bar.ax.tick_params(labelsize=6)
         bar.set_label("of log f cos", fontsize=7)
     axis = figure.add_subplot(places[2])
-    bands = metric.bands(f)
+    bands = metric.bands(metric.residual(f))
     axis.barh(list(bands), [100.0 * v for v in bands.values()], color="tab:gray")
     axis.invert_yaxis()
     style(axis, "error per region", "RMS residual (%)", "", legend=False)

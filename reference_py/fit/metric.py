@@ -15,6 +15,7 @@ import numpy as np
 
 from ..errors import Sentence
 from ..optics.error_measure import worst_share
+from ..optics.frame import dot
 from .readers.measurement import STEEPEST_DEG, Measurement
 
 FLOOR = 0.1
@@ -64,19 +65,19 @@ class Metric:
         """RMS residual."""
         return rms(self.residual(f))
 
-    def bands(self, f: np.ndarray) -> dict[Sentence, float]:
-        """RMS residual per band of the larger of view and light angle, in its highlight, and towards the light."""
-        m, residual = self.measurement, self.residual(f)
+    def bands(self, residual: np.ndarray) -> dict[Sentence, float]:
+        """RMS of residuals (n, c) per band of the larger of view and light angle, in its highlight, and towards the light."""
+        m, mean_square = self.measurement, np.mean(np.square(residual.T), axis=0)
         steepest = np.degrees(np.arccos(np.clip(np.minimum(m.wi[:, 2], m.wo[:, 2]), 0.0, 1.0)))
         masks = {
             Sentence("{low:g}-{high:g} deg", low=low, high=high): (steepest >= low) & (steepest < high + 1e-6 * (high == STEEPEST_DEG))
             for low, high in zip(BANDS_DEG, BANDS_DEG[1:])
         }
         wh = m.wi + m.wo
-        cos_h = wh[:, 2] / np.linalg.norm(wh, axis=1)
+        cos_h = wh[:, 2] / np.sqrt(dot(wh, wh))
         masks[Sentence("near the mirror direction")] = cos_h > np.cos(np.radians(10.0))
-        masks[Sentence("towards the light")] = np.sum(m.wi * m.wo, axis=1) > np.cos(np.radians(20.0))
-        return {name: rms(residual[mask]) for name, mask in masks.items() if mask.any()}
+        masks[Sentence("towards the light")] = dot(m.wi, m.wo) > np.cos(np.radians(20.0))
+        return {name: float(np.sqrt(np.mean(mean_square[mask]))) for name, mask in masks.items() if mask.any()}
 
     def hidden(self, f: np.ndarray) -> tuple[float, float]:
         """What the floor hides beside a bright highlight: the share of values, below it and yet not dark, at which f is off

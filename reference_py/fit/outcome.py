@@ -10,7 +10,7 @@ from ..material.stack import Stack
 from .certainty import OF_VALUE, certainty, noise_and_misfit
 from .dense import evaluate_all
 from .layer_count import UNEXPLAINED, Selection
-from .metric import Metric, shape_error
+from .metric import Metric, rms, shape_error
 from .readers.measurement import Measurement
 
 # Where so much of the data is off and hidden by a highlight, people are warned.
@@ -23,7 +23,8 @@ def outcome(measurement: Measurement, selection: Selection) -> dict:
     m = measurement
     f = evaluate_all(fit.model, fit.stack, m.wo, m.wi)[:, : m.channels]
     metric = Metric(m, fit.metric.kind)
-    error = metric.error(f)
+    residual = metric.residual(f)
+    error = rms(residual)
     explains = bool(error < UNEXPLAINED)
     # of data that the stack does not explain its values say nothing
     values = [v if explains else replace(v, determined=False) for v in certainty(fit)]
@@ -39,7 +40,7 @@ def outcome(measurement: Measurement, selection: Selection) -> dict:
         "noise": noise,
         "misfit": misfit,
         "shape_error": shape_error(f, m.f, m.wi[:, 2]),
-        "error_by_region": metric.bands(f),
+        "error_by_region": metric.bands(residual),
         "explains": explains,
         "warnings": _warnings(metric, f),
         "reason": selection.reason,

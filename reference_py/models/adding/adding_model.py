@@ -266,7 +266,7 @@ class Adding:
         result = np.zeros((len(wo), self.channels))
         wo, wi = wo[visible], wi[visible]
         if len(wo):
-            value = self.direct_f(wo, wi) + self._interpolated(wo, wi)
+            value = self.direct_f(wo, wi) + self.smooth_f(wo, wi)
             result[visible] = np.maximum(value, 0.0)  # a cut Fourier series may undershoot
         return result
 
@@ -284,7 +284,8 @@ class Adding:
         """The part (n, 3) of f that is in closed form, for directions (n, 3) above the surface."""
         return direct_f(self._effective, self.surface, wo, wi, self._shape_grid, self._shape)
 
-    def _interpolated(self, wo, wi) -> np.ndarray:
+    def smooth_f(self, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+        """The rest (n, 3) of f, from the grid, for directions (n, 3) above the surface; reciprocal, and below 0 where the series undershoots."""
         cos_o, which_o = np.unique(np.minimum(wo[:, 2], 1.0), return_inverse=True)
         cos_i, which_i = np.unique(np.minimum(wi[:, 2], 1.0), return_inverse=True)
         at_o, at_i = self._shape_grid.interpolation(1.0, cos_o), self._shape_grid.interpolation(1.0, cos_i)

@@ -40,6 +40,8 @@ def direct_f(effective: EffectiveStack, surface: str, wo: np.ndarray, wi: np.nda
 
 def _inside(w, n):
     """The direction with the same s in a medium of index n."""
+    if n == 1.0:
+        return w
     return np.concatenate([w[:, :2] / n, cos_theta_t(w[:, 2:], n)], axis=-1)
 
 
@@ -52,7 +54,10 @@ class _SmoothRun:
     def __init__(self, effective: EffectiveStack, cos_theta: np.ndarray):
         run = list(takewhile(lambda i: is_specular(i.alpha), effective.interfaces))
         cosines = [cos_theta, *(cos_theta_t(cos_theta, i.n_below) for i in run)]
-        crossing = [np.exp(-tau / np.maximum(c, 1e-12)[:, None]) for tau, c in zip((effective.tau_above, *effective.taus), cosines)]
+        crossing = [
+            np.exp(-tau / np.maximum(c, 1e-12)[:, None]) if np.any(tau) else np.ones((len(c), len(tau)))
+            for tau, c in zip((effective.tau_above, *effective.taus), cosines)
+        ]
         reflectances = [i.reflectance(cosine) for cosine, i in zip(cosines, run)]
         self.depth = len(run)
         self.mirrored = np.zeros((len(cos_theta), effective.base.channels))

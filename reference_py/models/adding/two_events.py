@@ -47,12 +47,19 @@ class TwoReflections:
         i, weight_i = _around(_place(cos_i, self.alpha), self.log_f.shape[1])
         turn = np.arccos(np.clip(cos_turn, -1.0, 1.0)) / np.pi * (self.log_f.shape[2] - 1)
         cell = np.minimum(turn.astype(int), self.log_f.shape[2] - 2)
-        result = np.zeros((len(cos_o), self.log_f.shape[3]))
-        for step, share in ((0, 1.0 - (turn - cell)), (1, turn - cell)):
-            for a in range(4):
-                for b in range(4):
-                    weight = share * weight_o[a] * weight_i[b]
-                    result += weight[:, None] * self.log_f[o + a, i + b, cell + step]
+        # curve by curve, at places in a row: gathering is most of it
+        across, along, curves = self.log_f.strides[0] // 8, self.log_f.strides[1] // 8, self.log_f.shape[3]
+        first, share = o * across + i * along + cell * curves, turn - cell
+        result = np.zeros((len(cos_o), curves))
+        for a in range(4):
+            for b in range(4):
+                weight = weight_o[a] * weight_i[b]
+                for curve in range(curves):
+                    here = self.log_f.ravel()[a * across + b * along + curve :]
+                    low = here.take(first)
+                    low += share * (here[curves:].take(first) - low)
+                    low *= weight
+                    result[:, curve] += low
         fading = _fading(smith_lambda(cos_o, self.alpha, self.distribution), smith_lambda(cos_i, self.alpha, self.distribution))
         return np.exp(result) / fading[:, None]
 
