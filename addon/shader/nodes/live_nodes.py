@@ -35,7 +35,7 @@ from .node_builder import Builder
 from .table_image import TableImage
 from .view_nodes import View, in_space
 
-assert POWER == 4, "see _power"
+assert POWER == 4, "see _energy"
 # Where numbers that all channels share are looked up.
 _SHARED = 3
 # Numbers that differ by less are one.
@@ -63,13 +63,11 @@ class LiveNodes:
         table, plan = self._tables.tables[number], self._plan.lobes[number]
         if table.energy is None:
             return (*map(float, into_working(np.ones(3))), 1.0)
-        weight = self._build.combined([self._number(part) for part in plan["energy"]])
+        weight = self._energy(plan["energy"])
         if "through" in plan:
             color = self._view.base_color
-            back = self._build.combined([self._number(part) for part in plan["back"]])
-            left = self._build.vector("MULTIPLY_ADD", self._build.vector("MULTIPLY", color, back), (-1.0,) * 3, 1.0)
-            once = self._build.vector("DIVIDE", color, left)
-            weight = self._build.vector("MULTIPLY_ADD", once, self._build.combined([self._number(part) for part in plan["through"]]), weight)
+            left = self._build.vector("MULTIPLY_ADD", self._build.vector("MULTIPLY", color, self._energy(plan["back"])), (-1.0,) * 3, 1.0)
+            weight = self._build.vector("MULTIPLY_ADD", self._build.vector("DIVIDE", color, left), self._energy(plan["through"]), weight)
         if "unit" in plan:
             weight = self._build.vector("DIVIDE", weight, self._build.combined([self._number(plan["unit"][0])] * 3))
         if not isinstance(weight, bpy.types.NodeSocket):
@@ -95,29 +93,23 @@ class LiveNodes:
         key = part.where, part.block, part.channel
         if key not in self._sockets:
             self._sockets |= {(part.where, part.block, channel): socket for channel, socket in enumerate(self._numbers(part.where, part.block))}
-        socket = self._sockets[key]
-        if part.is_root and not all(self._plan.is_root[part.where, part.block]):
-            socket = self._power(key, socket)
-        return socket
+        return self._sockets[key]
+
+    def _energy(self, parts: list["_Part"]):
+        """Three energies: a socket, or numbers."""
+        roots = self._build.combined([self._number(part) for part in parts])
+        if not self._tables.is_rooted:
+            return roots
+        if not isinstance(roots, bpy.types.NodeSocket):
+            return tuple(root**POWER for root in roots)
+        multiply = self._build.math if roots.type == "VALUE" else self._build.vector
+        square = multiply("MULTIPLY", roots, roots)
+        return multiply("MULTIPLY", square, square)
 
     def _numbers(self, where: int, block: int) -> list[bpy.types.NodeSocket]:
-        """The numbers of a block; of roots alone their powers."""
-        vector, is_power = self._mixed(where, block, "Color", "VECTOR"), all(self._plan.is_root[where, block])
-        if is_power:
-            square = self._build.vector("MULTIPLY", vector, vector)
-            vector = self._build.vector("MULTIPLY", square, square)
-        separate = self._build.node("ShaderNodeSeparateXYZ")
-        self._build.link(vector, separate.inputs[0])
-        if len(self._plan.is_root[where, block]) == len(separate.outputs) + 1:
-            fourth = self._mixed(where, block, "Alpha", "FLOAT")
-            return [*separate.outputs, self._power((where, block, "fourth"), fourth) if is_power else fourth]
-        return list(separate.outputs)
-
-    def _power(self, key, socket):
-        if ("power", *key) not in self._sockets:
-            square = self._build.math("MULTIPLY", socket, socket)
-            self._sockets["power", *key] = self._build.math("MULTIPLY", square, square)
-        return self._sockets["power", *key]
+        """The numbers of a block."""
+        first = self._separate(self._mixed(where, block, "Color", "VECTOR"))
+        return first if self._plan.image.count(block) <= len(first) else [*first, self._mixed(where, block, "Alpha", "FLOAT")]
 
     def _mixed(self, where: int, block: int, output: str, kind: str) -> bpy.types.NodeSocket:
         """What an output of a block's nodes has between the tiles."""
@@ -201,50 +193,55 @@ class LiveNodes:
             value = build.math("MAXIMUM", first, 0.0)
             return [build.math("DIVIDE", value, build.math("ADD", value, axis.half(self._tables.stack)))] * 4
         if isinstance(axis, DepthAxis):
-            channels = [build.math("DIVIDE", depth, build.math("ADD", depth, HALF_DEPTH)) for depth in self._depths(axis)]
-            short = build.vector("SUBTRACT", (1.0,) * 3, build.combined(channels))
+            depths = self._depths(axis)
+            coordinates = build.vector("DIVIDE", depths, build.vector("ADD", depths, (HALF_DEPTH,) * 3))
+            short = build.vector("SUBTRACT", (1.0,) * 3, coordinates)
             counts = build.vector("MULTIPLY_ADD", short, short, (LEAST_COUNT,) * 3)
-            total, seen = (build.vector("DOT_PRODUCT", counts, of) for of in ((1.0,) * 3, build.combined(channels)))
-            return [*channels, build.math("DIVIDE", seen, total)]
+            total, seen = (build.vector("DOT_PRODUCT", counts, of) for of in ((1.0,) * 3, coordinates))
+            return [*self._separate(coordinates), build.math("DIVIDE", seen, total)]
+        color = self._view.bounded(first)
         if isinstance(axis, ReflectanceAxis):
-            over = [(build.math("ADD", c, REFLECTANCE_OFFSET), build.math("SUBTRACT", 1.0 + BRIGHT_OFFSET, c)) for c in self._channels(first)]
-            channels = [build.math("LOGARITHM", build.math("DIVIDE", *parts), math.e) for parts in over]
+            over = build.vector("ADD", color, REFLECTANCE_OFFSET), build.vector("SUBTRACT", (1.0 + BRIGHT_OFFSET,) * 3, color)
+            channels = [build.math("LOGARITHM", ratio, math.e) for ratio in self._separate(build.vector("DIVIDE", *over))]
         elif isinstance(axis, EdgeAxis):
-            channels = [build.math("SUBTRACT", 1.0, build.math("SQRT", build.math("SUBTRACT", 1.0, c))) for c in self._channels(first)]
+            short = self._separate(build.vector("SUBTRACT", (1.0,) * 3, color))
+            channels = [build.math("SUBTRACT", 1.0, build.math("SQRT", c)) for c in short]
         elif isinstance(axis, ScatterColorAxis):
-            channels = [self._whiteness(c) for c in self._channels(first)]
+            channels = self._whiteness(color)
         else:
             raise LaminaError(f"no stock nodes follow the axis {type(axis).__name__}")
         return [*channels, build.math("MULTIPLY", reduce(lambda a, b: build.math("ADD", a, b), channels), 1.0 / 3.0)]
 
-    def _whiteness(self, color):
-        """`ScatterColorAxis` of one channel."""
+    def _whiteness(self, color: bpy.types.NodeSocket) -> list:
+        """`ScatterColorAxis` of the channels."""
         build, (a, b) = self._build, FIT
-        middle = build.math("MULTIPLY_ADD", color, b, 1.0 + a)
-        under_root = build.math("MULTIPLY_ADD", middle, middle, build.math("MULTIPLY_ADD", color, 4.0 * a, -4.0 * a))
-        return build.math("MULTIPLY_ADD", build.math("SUBTRACT", middle, build.math("SQRT", under_root)), -0.5 / a, 1.0)
+        middle = build.vector("MULTIPLY_ADD", color, b, 1.0 + a)
+        under_root = build.vector("MULTIPLY_ADD", middle, middle, build.vector("MULTIPLY_ADD", color, 4.0 * a, -4.0 * a))
+        root = build.combined([build.math("SQRT", c) for c in self._separate(under_root)])
+        return self._separate(build.vector("MULTIPLY_ADD", build.vector("SUBTRACT", middle, root), -0.5 / a, 1.0))
 
-    def _depths(self, axis: DepthAxis) -> list:
+    def _depths(self, axis: DepthAxis) -> bpy.types.NodeSocket:
+        """Optical depths of the channels."""
         build, (tint, thickness) = self._build, (Place(axis.layer, name) for name in ("tint", "thickness"))
         layer = tint.element(self._tables.stack)
-        long = self._input(thickness) if thickness in axis.live else float(layer["thickness"])
-        if tint not in axis.live:
-            return [build.math("MULTIPLY", long, float(depth)) for depth in optical_depth(layer["tint"], 1.0)]
-        less = build.math("MULTIPLY", long, -1.0)
-        return [build.math("MULTIPLY", build.math("LOGARITHM", build.math("MAXIMUM", c, TINT_FLOOR), math.e), less) for c in self._channels(self._input(tint))]
+        depth = tuple(map(float, optical_depth(layer["tint"], 1.0)))
+        if tint in axis.live:
+            left = build.vector("MAXIMUM", self._view.bounded(self._input(tint)), TINT_FLOOR)
+            logarithms = build.combined([build.math("LOGARITHM", c, math.e) for c in self._separate(left)])
+            depth = build.vector("MULTIPLY", logarithms, -1.0)
+        return build.vector("SCALE", depth, scale=self._input(thickness) if thickness in axis.live else float(layer["thickness"]))
 
-    def _channels(self, color: bpy.types.NodeSocket) -> list:
-        """Red, green and blue of Rec.709, 0 to 1, of a color of the working space."""
+    def _separate(self, vector: bpy.types.NodeSocket) -> list:
         separate = self._build.node("ShaderNodeSeparateXYZ")
-        self._build.link(self._view.bounded(color), separate.inputs[0])
+        self._build.link(vector, separate.inputs[0])
         return list(separate.outputs)
 
 
 class _Part:
     """Where a number is: a constant, the coordinate of an axis, or in a block of the image."""
 
-    def __init__(self, constant: float = 0.0, axis: int | None = None, where: int = _SHARED, block: int | None = None, channel: int = 0, is_root: bool = False):
-        self.constant, self.axis, self.where, self.block, self.channel, self.is_root = constant, axis, where, block, channel, is_root
+    def __init__(self, constant: float = 0.0, axis: int | None = None, where: int = _SHARED, block: int | None = None, channel: int = 0):
+        self.constant, self.axis, self.where, self.block, self.channel = constant, axis, where, block, channel
 
 
 class _Plan:
@@ -258,14 +255,12 @@ class _Plan:
         self._tables, self._numbers = tables, {where: [] for where in range(_SHARED + 1)}
         self._parts: dict[int, list[_Part]] = {where: [] for where in range(_SHARED + 1)}
         self.lobes = [self._lobe(table) for table in tables.tables]
-        self.is_root: dict[tuple[int, int], list[bool]] = {}
         known: list[tuple[list[np.ndarray], tuple[int, ...]]] = []
         for where, numbers in self._numbers.items():
             blocks = next((of for others, of in known if _are_equal(numbers, others)), None) or self.image.add(numbers)
             known.append((numbers, blocks))
             for i, part in enumerate(self._parts[where]):
                 part.block, part.channel = blocks[i // self.image.numbers], i % self.image.numbers
-                self.is_root.setdefault((where, part.block), []).append(part.is_root)
 
     @cached_property
     def made(self) -> bpy.types.Image:
@@ -291,14 +286,13 @@ class _Plan:
 
     def _part(self, where: int, values: np.ndarray, is_root: bool) -> _Part:
         if np.ptp(values) == 0.0:
-            value = float(values.flat[0])
-            return _Part(value**POWER if is_root else value)
+            return _Part(float(values.flat[0]))
         if not is_root and (axis := self._axis_of(values)) is not None:
             return _Part(axis=axis)
         for known, part in zip(self._numbers[where], self._parts[where]):
-            if part.is_root == is_root and np.array_equal(known, values):
+            if np.array_equal(known, values):
                 return part
-        part = _Part(where=where, is_root=is_root)
+        part = _Part(where=where)
         self._numbers[where].append(values)
         self._parts[where].append(part)
         return part

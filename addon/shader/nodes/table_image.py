@@ -24,6 +24,10 @@ class TableImage:
         self._blocks += [numbers[i : i + self.numbers] for i in range(0, len(numbers), self.numbers)]
         return tuple(range(first, len(self._blocks)))
 
+    def count(self, block: int) -> int:
+        """How many numbers a block has."""
+        return len(self._blocks[block])
+
     @property
     def width(self) -> int:
         """Texels from left to right."""
