@@ -4,7 +4,7 @@
 import bpy
 
 from ..addon.blender.versions import node_tree
-from ..addon.material.material import apply_stack, refresh
+from ..addon.material.material import apply_stack
 from ..reference_py.lobes.methods import DEFAULT_METHOD
 from ..reference_py.material import presets
 from ..reference_py.material.stack import Stack
@@ -13,9 +13,7 @@ from ..reference_py.material.stack import Stack
 def stack_material(name: str, stack: Stack, tier: str = DEFAULT_METHOD, settle: bool = True) -> bpy.types.Material:
     """New material with a stack; what its tier bakes is done when this returns, unless told not to `settle`."""
     material = bpy.data.materials.new(name)
-    apply_stack(material, stack, tier)
-    if settle:
-        refresh(material, settle=True)
+    apply_stack(material, stack, tier, settle=settle)
     return material
 
 

@@ -10,7 +10,7 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.version import version
 from ..jobs.staleness import shown_wrong
 from ..material.holders import give, holder_named, slots_of
-from ..material.material import apply_stack, make_renderable, refresh
+from ..material.material import apply_stack, make_renderable
 from ..material.shader_node import remove_material
 from ..rendering.studio import build_ball_scene
 from .estimate import estimate
@@ -78,8 +78,7 @@ class Stage:
     def _made(self, item: Item) -> bpy.types.Material:
         material = bpy.data.materials.new(item.look)
         try:
-            apply_stack(material, item.stack, item.tier, item.backend)
-            refresh(material, settle=True)
+            apply_stack(material, item.stack, item.tier, item.backend, settle=True)
             make_renderable(material, self.scene)
         except Exception:
             bpy.data.materials.remove(material)

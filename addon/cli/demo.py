@@ -39,15 +39,14 @@ def _render(stacks, sheet: Path, options, report) -> dict[str, float]:
     """Render the page; returns wall seconds per preset."""
     import bpy
 
-    from ..material.material import apply_stack, refresh
+    from ..material.material import apply_stack
     from ..rendering.sheet import Tile, render_sheet
 
     tiles = []
     for i, (name, stack) in enumerate(stacks.items()):
         report(f"{100 * i // len(stacks):3} % of the bakes, {name}")
         material = bpy.data.materials.new(name)
-        apply_stack(material, stack)
-        refresh(material, settle=True)
+        apply_stack(material, stack, settle=True)
         layers = f"{len(stack.layers)} layer{'s' * (len(stack.layers) != 1)} over {stack.base.kind.replace('_', '-')}"
         tiles.append(Tile(presets.label(name), material, layers))
     marks = [time.monotonic()]

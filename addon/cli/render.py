@@ -57,11 +57,10 @@ def _tier(options) -> str:
 def _material(stack, tier, backend, report):
     import bpy
 
-    from ..material.material import apply_stack, refresh
+    from ..material.material import apply_stack
 
     material = bpy.data.materials.new(stack.name or "Lamina")
-    apply_stack(material, stack, tier, backend)
-    refresh(material, settle=True, progress=tenths(report))
+    apply_stack(material, stack, tier, backend, settle=True, progress=tenths(report))
     if material.lamina.note:
         report(f"tier {tier}: {material.lamina.note}")
     if sentence := notice(backend):

@@ -50,14 +50,16 @@ def apply_stack(
     tier: str = DEFAULT_METHOD,
     backend: str | None = None,
     finish: Callable[[bpy.types.Material], None] | None = None,
+    settle: bool = False,
+    progress: Callable[[float], None] | None = None,
 ) -> None:
     """Make `material` show `stack`, in place of what it showed. Without `backend` (a key of BACKENDS) its own one stays.
 
-    `finish` may link textures to the new nodes before the shader is made.
+    `finish` may link textures to the new nodes before the shader is made; `settle` and `progress` are those of `refresh`.
     """
     method_of(tier)
     branches_here(backend or material.lamina.backend)
-    with changing(material) as tree:
+    with changing(material, settle, progress) as tree:
         lamina = material.lamina
         lamina.backend = backend or lamina.backend
         lamina.stack_name, lamina.source, lamina.unknown = stack.name, stack.source, json.dumps(dict(stack.unknown))
@@ -130,8 +132,8 @@ def structure_changed(group: bpy.types.PropertyGroup, name: str) -> None:
 
 
 @contextmanager
-def changing(material: bpy.types.Material) -> Iterator[bpy.types.NodeTree]:
-    """Change the structure in the block; then the shader follows, or, on an error, all is as before."""
+def changing(material: bpy.types.Material, settle: bool = False, progress: Callable[[float], None] | None = None) -> Iterator[bpy.types.NodeTree]:
+    """Change the structure in the block; then the shader follows as `refresh` makes it, or, on an error, all is as before."""
     require_editable(material)
     lamina, tree = material.lamina, node_tree(material)
     before, nodes_before, former = snapshot(lamina), _value_nodes(lamina), backend_of(material)
@@ -139,7 +141,7 @@ def changing(material: bpy.types.Material) -> Iterator[bpy.types.NodeTree]:
         with quietly():
             yield tree
             lamina.keep_problem(None)
-            refresh(material)
+            refresh(material, settle, progress)
     except Exception:
         remove_with_masks(tree, _value_nodes(lamina) - nodes_before)
         with quietly():

@@ -149,6 +149,13 @@ def test_a_save_without_a_window_bakes_all_that_it_needs_in_as_many_processes_as
     assert all(is_settled(owner) and not is_live(owner) and is_handed_over(owner, stack_of(owner)) for owner in owners)
 
 
+def test_nothing_stands_in_for_a_bake_that_is_waited_for(window, monkeypatch):
+    monkeypatch.setattr(material, "provisional", None)
+    made = window.data.materials.new("coated")
+    material.apply_stack(made, COATED, "auto", settle=True)
+    assert is_settled(made) and is_handed_over(made, stack_of(made))
+
+
 def test_a_bake_that_fails_leaves_the_next_to_its_process(window, monkeypatch):
     monkeypatch.setattr(prefetch.os, "cpu_count", lambda: 1)
     own, wrong, told = Wanted.request, Wanted(COATED, "baked"), []

@@ -123,7 +123,7 @@ def test_a_change_that_fails_leaves_animation_as_it_was(blender, monkeypatch):
     keyed(base_inputs(owner)["Color"], {1: 0.2, 11: 0.4}, index=0)
     before = curves_of(owner.node_tree)
 
-    def fail(_material):
+    def fail(*_):
         raise RuntimeError("no")
 
     monkeypatch.setattr(material, "refresh", fail)

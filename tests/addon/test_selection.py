@@ -128,7 +128,7 @@ def test_the_ends_and_a_change_that_fails(blender, monkeypatch):
     assert owner.lamina.active_layer == 2
     layers.remove_layer(owner, 2)
     assert owner.lamina.active_layer == 1
-    monkeypatch.setattr(material, "refresh", lambda _: 1 / 0)
+    monkeypatch.setattr(material, "refresh", lambda *_: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         layers.add_layer(owner, "dielectric", 0)
     assert owner.lamina.active_layer == 1
