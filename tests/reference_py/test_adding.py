@@ -445,6 +445,15 @@ def test_two_reflections_are_the_integral_over_the_direction_between_them(alpha)
     assert found[0, 0] == pytest.approx(float(exact), rel=0.02)
 
 
+@pytest.mark.parametrize("alpha", [0.1, 0.15, 0.2])
+def test_gaussian_facets_turn_no_light_back_twice(alpha):
+    """Rounding of the table's Fourier transforms, to whose logarithm a cubic was fitted, had f of 188 there, where the lobe itself has 9."""
+    rng, n = np.random.default_rng(1), 200_000
+    lobe = two_reflections(alpha, "beckmann", (ConductorFacet(1.0, 1e-9, 1e9),))
+    back = lobe(rng.uniform(1e-3, 1.0, n), rng.uniform(1e-3, 1.0, n), np.cos(rng.uniform(0.5 * np.pi, np.pi, n)))
+    assert np.max(back) < 1e-6
+
+
 def facets_lambda(cos, alpha):
     return facets.smith_lambda(cos, alpha, "ggx")
 

@@ -17,8 +17,8 @@ import numpy as np
 
 from ...optics import microfacet
 from ...optics.facet_reflectance import Facet
+from ...optics.gauss import gauss_legendre
 from .bounces import ENERGY, NARROW_ALPHA, Microsurface
-from .direction_grid import gauss_legendre
 from .facets import smith_lambda
 
 # Directions of the table from the normal to grazing and azimuths of the half circle, for surfaces narrower than this and for others.
@@ -29,7 +29,8 @@ _NEAR, _NODES = 3, 6
 _CELLS = 4096
 # The last direction of the table: closer to grazing f changes no more.
 _LAST = 1e-3
-_LEAST = 1e-60
+# What is less than this share of f at its best azimuth is rounding, whose logarithm a cubic must not follow.
+_NOISE, _LEAST = 1e-12, 1e-60
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,8 @@ def two_reflections(alpha: float, distribution: str, facets: tuple[Facet, ...]) 
         spectrum = half + half.swapaxes(-1, -2)
         f = np.fft.irfft(spectrum, axis=0)[: azimuths + 1] * (np.pi / azimuths) * scale
         further = _further(cos, alpha, distribution, facet)
-        tables.append(np.log(np.maximum(np.moveaxis(f * (1.0 + further[:, None] * further), 0, -1), _LEAST)))
+        f = np.moveaxis(f * (1.0 + further[:, None] * further), 0, -1)
+        tables.append(np.log(np.maximum(f, _NOISE * np.max(f, axis=-1, keepdims=True) + _LEAST)))
     return TwoReflections(alpha, distribution, np.stack(tables, axis=-1))
 
 
