@@ -22,6 +22,8 @@ _BEFORE, _AFTER, _PASSES = np.maximum(np.arange(len(COARSE)) - 1, 0), np.minimum
 _TRIAL, _MORE, _FILL, _CONTINUED = 5, 8, 5, 5
 # How often knots of a path begin anew between their neighbours: one pass leaves gold by three lobes a jump of 4 %.
 _SMOOTHED = 2
+# Of paths without a jump the sum of errors at and between knots is two to three times that of those at knots.
+_JUMPS = 7.0
 # Branches that a path may take.
 _BRANCHES = 3
 # Widths that starts are chosen from.
@@ -168,6 +170,11 @@ class Path:
     distributions: tuple[str, ...]
     mixtures: Mixtures
     cost: float
+
+    @property
+    def jumps(self) -> bool:
+        """Whether it is good at the knots and much worse between some, which are of different branches."""
+        return self.cost > _JUMPS * float(np.sum(_felt(self.mixtures.error)))
 
 
 def best_path(plan: Plan, found: Branches) -> Path:
