@@ -12,7 +12,7 @@ import numpy as np
 
 from ..optics.diffuse import oren_nayar
 from ..optics.fresnel import fresnel_dielectric
-from ..optics.ggx import ggx_visible_columns, turn_of
+from ..optics.ggx import turn_of
 from ..optics.microfacet import GGX, anisotropic_distribution, distribution_of, is_specular, smith_lambda_stretched
 from ..optics.quadrature import GOLDEN, cosine_directions, points
 from ..optics.thin_film import film_reflectance
@@ -217,7 +217,9 @@ def unit_energy(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, rul
     if is_specular_lobe(lobe):
         return fresnel(lobe, cos_o) * np.ones(3)
     points, weights = _rings(*rule)
-    energy, cos_ih = _throughput(lobe.distribution, _shapes(lobe, cos_o), _views(lobe, cos_o, phi), points)
+    energy, cos_ih = _throughput(lobe, _shapes(lobe, cos_o), _views(lobe, cos_o, phi), points)
+    if cos_ih is None:
+        return (energy @ weights)[:, None] / np.sum(weights) * np.ones(3)
     return ((energy * weights)[:, None] @ fresnel(lobe, cos_ih))[:, 0] / np.sum(weights) * np.ones(3)
 
 
@@ -238,7 +240,9 @@ def fresnel_share(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -
     specular = is_specular(np.sqrt(alpha_x * alpha_y))
     points, weights = _rings(*_SHARE_RULE)
     alphas = np.where(specular, 1.0, alpha_x), np.where(specular, 1.0, alpha_y)
-    energy, cos_ih = _throughput(lobe.distribution, np.stack([*alphas, tilt]), _views(lobe, cos_o, phi), points)
+    energy, cos_ih = _throughput(lobe, np.stack([*alphas, tilt]), _views(lobe, cos_o, phi), points)
+    if cos_ih is None:
+        return at_view
     energy *= weights
     share = (energy[:, None] @ fresnel(lobe, cos_ih))[:, 0] / np.sum(energy, axis=1)[:, None]
     return np.where(specular[:, None], at_view, share)
@@ -246,13 +250,14 @@ def fresnel_share(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -
 
 @cache
 def _rings(rings: int, places: int) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
-    """Points of the unit square, the second coordinate as `turn_of` has it, and their weights, not to be written to: Gauss' rule of rings.
+    """Points of the unit square, places by rings: the first coordinate (rings,), the second (places, rings) as `turn_of` has it, and their weights
+    (places * rings,), not to be written to: Gauss' rule of rings.
 
     Each is turned from the one before, so that few of them meet a horizon alike.
     """
     nodes, weights = np.polynomial.legendre.leggauss(rings)
-    turns = (np.arange(rings)[:, None] * GOLDEN + np.arange(places) + 0.5) / places
-    return (np.repeat(0.5 - 0.5 * nodes, places), *turn_of(turns.ravel() % 1.0)), np.repeat(weights, places)
+    turns = (np.arange(rings) * GOLDEN + np.arange(places)[:, None] + 0.5) / places
+    return (0.5 - 0.5 * nodes, *turn_of(turns % 1.0)), np.tile(weights, places)
 
 
 def _shapes(lobe: GlossyLobe, cos_o: np.ndarray) -> np.ndarray:
@@ -267,34 +272,78 @@ def _views(lobe: GlossyLobe, cos_o: np.ndarray, phi) -> np.ndarray:
     return np.stack([sin_o * np.cos(turn), sin_o * np.sin(turn), cos_o], axis=-1)
 
 
-def _throughput(distribution: str, shapes: np.ndarray, wo: np.ndarray, points: tuple[np.ndarray, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """What light carries of a lobe's energy that GGX visible normals for `points` of `_rings` (m,) mirror to views (n, 3), and its cosine to
-    these normals, both (n, m). The lobe has weight 1 and no curve; `shapes` (3, n) are as `_shapes` has them."""
-    energy, cos_ih = np.empty((len(wo), len(points[0]))), np.empty((len(wo), len(points[0])))
-    at_once = max(1, _IN_CACHE // len(points[0]))
+def _throughput(lobe: GlossyLobe, shapes: np.ndarray, wo: np.ndarray, points: tuple[np.ndarray, ...]) -> tuple[np.ndarray, np.ndarray | None]:
+    """What light carries of a lobe's energy that GGX visible normals for the points of `_rings` mirror to views (n, 3), and, if the lobe has a curve,
+    its cosine to these normals, both (n, points). The lobe has weight 1 and no curve; `shapes` (3, n) are as `_shapes` has them."""
+    size = points[1].size
+    energy, cos_ih = np.empty((len(wo), size)), np.empty((len(wo), size)) if lobe.fresnel else None
+    at_once = max(1, _IN_CACHE // size)
     for i in range(0, len(wo), at_once):
         part = slice(i, i + at_once)
-        energy[part], cos_ih[part] = _throughput_at_once(distribution, *shapes[:, part], wo[part], points)
+        energy[part], cosines = _throughput_at_once(lobe, *shapes[:, part], wo[part], points)
+        if cos_ih is not None:
+            cos_ih[part] = cosines
     return energy, cos_ih
 
 
-def _throughput_at_once(distribution: str, alpha_x, alpha_y, tilt, wo: np.ndarray, points: tuple[np.ndarray, ...]):
-    alpha_x, alpha_y, tilt, ox, oy, oz = (column[:, None] for column in (alpha_x, alpha_y, tilt, *wo.T))
+def _throughput_at_once(lobe: GlossyLobe, alpha_x, alpha_y, tilt, wo: np.ndarray, points: tuple[np.ndarray, ...]):
+    law = distribution_of(lobe.distribution)
+    u1, cos_turn, sin_turn = points
+    alpha_x, alpha_y, tilt, ox, oy, oz = (column[:, None, None] for column in (alpha_x, alpha_y, tilt, *wo.T))
     cos_t, sin_t = np.cos(tilt), np.sin(tilt)
     ox, oz = cos_t * ox - sin_t * oz, cos_t * oz + sin_t * ox
-    mx, my, mz = ggx_visible_columns(ox, oy, oz, alpha_x, alpha_y, *points)
-    cos_om = ox * mx + oy * my + oz * mz
-    ix, iy, iz = 2.0 * cos_om * mx - ox, 2.0 * cos_om * my - oy, 2.0 * cos_om * mz - oz
-    stretched_o, stretched_i = (np.square(alpha_x * x) + np.square(alpha_y * y) for x, y in ((ox, oy), (ix, iy)))
-    lambda_o = _lambda(stretched_o, oz, GGX)
-    if distribution == GGX:
-        throughput = (1.0 + lambda_o) / (1.0 + lambda_o + _lambda(stretched_i, iz, GGX))
-    else:
-        slope2 = (np.square(mx / alpha_x) + np.square(my / alpha_y)) / np.maximum(np.square(mz), 1e-20)
-        ratio = distribution_of(distribution).slope_density(slope2) / distribution_of(GGX).slope_density(slope2)
-        throughput = ratio * (1.0 + lambda_o) / (1.0 + _lambda(stretched_o, oz, distribution) + _lambda(stretched_i, iz, distribution))
-    seen = (oz > 0.0) & (iz > 0.0) & (cos_t * iz > sin_t * ix)
-    return np.where(seen, throughput, 0.0), cos_om
+    # normals as `ggx_visible_columns` has them, but of any length: of z a ring has one
+    along, aside = alpha_x * ox, alpha_y * oy
+    stretched_o = along * along + aside * aside
+    scale = 1.0 / np.sqrt(stretched_o + oz * oz)
+    hz = (1.0 - u1) * (1.0 + oz * scale)
+    cap_z = hz - oz * scale
+    sin = np.sqrt(np.maximum(1.0 - cap_z * cap_z, 0.0))
+    hx, hy = sin * cos_turn, sin * sin_turn
+    hx += along * scale
+    hy += aside * scale
+    ratio = None if lobe.distribution == GGX else _slope_ratio(law, hx, hy, hz)
+    hx *= alpha_x
+    hy *= alpha_y
+    length2 = hx * hx
+    length2 += hy * hy
+    length2 += hz * hz
+    turned = ox * hx
+    turned += oy * hy
+    turned += oz * hz
+    cosines = turned / np.sqrt(length2) if lobe.fresnel else None
+    turned /= length2
+    turned *= 2.0
+    hx *= turned
+    hx -= ox
+    hy *= turned
+    hy -= oy
+    iz = np.multiply(turned, hz, out=turned)
+    iz -= oz
+    seen = (oz > 0.0) & (iz > 0.0) & (cos_t * iz > sin_t * hx)
+    hx *= alpha_x
+    hx *= hx
+    hy *= alpha_y
+    hy *= hy
+    hx += hy
+    iz *= iz
+    hx /= np.maximum(iz, 1e-30, out=iz)
+    lost = law.smith_lambda(hx)
+    stretched_o = stretched_o / np.maximum(oz * oz, 1e-30)
+    lost += 1.0 + law.smith_lambda(stretched_o)
+    throughput = np.divide(1.0 + distribution_of(GGX).smith_lambda(stretched_o), lost, out=lost)
+    if ratio is not None:
+        throughput *= ratio
+    throughput[~seen] = 0.0
+    return (values if values is None else values.reshape(len(wo), -1) for values in (throughput, cosines))
+
+
+def _slope_ratio(law, x, y, z):
+    """Density of a distribution's slopes over GGX's at normals of x and y in units of their alpha."""
+    slope2 = x * x
+    slope2 += y * y
+    slope2 /= z * z
+    return law.slope_density(slope2) / distribution_of(GGX).slope_density(slope2)
 
 
 def lobe_energy(lobe: GlossyLobe | DiffuseLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -> np.ndarray:
