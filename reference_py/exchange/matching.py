@@ -16,12 +16,13 @@ from ..material.schema import ANISOTROPY, NORMAL, THIN_FILM
 from ..material.stack import Base, LayerOrBase, Stack
 from ..optics.colour import ciede2000, lab_of_linear
 from ..optics.frame import spherical
+from ..optics.gauss import gauss_legendre
 from ..optics.interface import Microfacets
 from ..registry import make_model
 from .report import Match
 from .slots import Slots, is_body
 
-_X, _W = np.polynomial.legendre.leggauss(6)
+_X, _W = gauss_legendre(6)
 COSINES = 0.5 * (_X + 1.0)
 """Cosines of the views that albedos are compared at, Gauss points; weighted by twice the cosine."""
 _WEIGHTS = COSINES * _W

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..optics.diffuse import oren_nayar
 from ..optics.fresnel import fresnel_dielectric
+from ..optics.gauss import gauss_legendre
 from ..optics.ggx import turn_of
 from ..optics.microfacet import GGX, anisotropic_distribution, distribution_of, is_specular, smith_lambda_stretched
 from ..optics.quadrature import GOLDEN, cosine_directions, points
@@ -255,7 +256,7 @@ def _rings(rings: int, places: int) -> tuple[tuple[np.ndarray, ...], np.ndarray]
 
     Each is turned from the one before, so that few of them meet a horizon alike.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(rings)
+    nodes, weights = gauss_legendre(rings)
     turns = (np.arange(rings) * GOLDEN + np.arange(places)[:, None] + 0.5) / places
     return (0.5 - 0.5 * nodes, *turn_of(turns % 1.0)), np.tile(weights, places)
 

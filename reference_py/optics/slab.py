@@ -16,6 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .gauss import gauss_legendre
+
 # Of the scaling: sums are within this of 1, or the rounds are over.
 _SUMS_TO, _ROUNDS = 1e-14, 200
 
@@ -87,7 +89,7 @@ def half_space_albedo(albedo: np.ndarray, g: float, nodes: int = 24) -> np.ndarr
 
     Its light is uniform. Isotropic: the H functions of Chandrasekhar60 give the same (tests/reference_py/test_slab.py).
     """
-    u, gauss = np.polynomial.legendre.leggauss(nodes)
+    u, gauss = gauss_legendre(nodes)
     psi = 0.25 * np.pi * (u + 1.0)
     cos_theta, weights = np.cos(psi), 0.25 * np.pi * np.sin(psi) * gauss
     terms = 2 * nodes

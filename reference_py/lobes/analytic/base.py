@@ -12,6 +12,7 @@ from functools import cache, reduce
 import numpy as np
 
 from ...optics.fresnel import fresnel_conductor
+from ...optics.gauss import gauss_legendre
 from ...optics.microfacet import GGX, distribution_of, smith_lambda_stretched
 from .beam import Crossing, attenuation, cosine, through
 from .calibration import (
@@ -39,7 +40,7 @@ MEAN_COSINES, MEAN_WEIGHTS = np.array([0.35, 0.6, 0.85, 1.0]), np.array([0.2, 0.
 @cache
 def gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights (count,) of Gauss-Legendre on 0..1."""
-    x, w = np.polynomial.legendre.leggauss(count)
+    x, w = gauss_legendre(count)
     return 0.5 * (x + 1.0), 0.5 * w
 
 

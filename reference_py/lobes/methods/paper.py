@@ -18,6 +18,7 @@ from ...material.stack import Stack
 from ...optics import microfacet
 from ...optics.bases import ConductorBase, DiffuseBase
 from ...optics.diffuse import fujii_roughness
+from ...optics.gauss import gauss_legendre
 from ...optics.microfacet import masking_g2
 from ...optics.optical_stack import OpticalStack, supports
 from ..lobe import DiffuseLobe, GlossyLobe, oren_nayar_lobes, surface_lobe, top_curve
@@ -33,7 +34,7 @@ def nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
     All integrands are even in azimuth, so half of it is enough.
     """
-    x, w = np.polynomial.legendre.leggauss(NODE_ORDER)
+    x, w = gauss_legendre(NODE_ORDER)
     phi = np.pi * (np.arange(NODE_ORDER) + 0.5) / NODE_ORDER
     u, azimuth = np.meshgrid(0.5 * (x + 1.0), phi, indexing="ij")
     weight = np.repeat(0.5 * w, NODE_ORDER) / NODE_ORDER

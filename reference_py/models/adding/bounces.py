@@ -18,7 +18,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ...optics.facet_reflectance import DielectricFacet, Facet
-from .direction_grid import chebyshev, gauss_legendre, legendre
+from ...optics.gauss import gauss_legendre
+from .direction_grid import chebyshev, legendre, to_nodes
 from .facets import MULTIPLE, Facets, smith_lambda, visible_facets
 
 # Quadrature over heights along a ray.
@@ -246,17 +247,17 @@ class _Rays:
 
     def at_directions(self, weights: np.ndarray) -> np.ndarray:
         """(azimuths, I, directions): weights of the direction nodes, half of them up and half down, for rays of weights (I, Q)."""
-        half = self._detail.directions // 2
-        basis = self._polar * np.take_along_axis(weights, self._order, axis=1)
-        moments = np.empty((2, len(self._z), len(self._turns), half))
-        for i, (rising, filled) in enumerate(zip(*self._ends)):
-            for moment, rays in zip(moments, (slice(rising), slice(rising, filled))):
-                np.matmul(self._turns[:, i, rays], basis[:, i, rays].T, out=moment[i])
-        return np.swapaxes(np.concatenate(moments @ _to_nodes(half), axis=-1), 0, 1)
+        weights = np.take_along_axis(weights, self._order, axis=1)
+        rising = np.where(self._z < 0.0, 0.0, weights)
+        turns = np.swapaxes(self._turns, 0, 1)
+        moments = np.stack([turns @ np.moveaxis(self._polar * part, 0, -1) for part in (rising, weights - rising)])
+        return np.swapaxes(np.concatenate(moments @ to_nodes(self._detail.directions // 2), axis=-1), 0, 1)
 
     def leaving(self, weights: np.ndarray) -> np.ndarray:
         """(azimuths, I, heights, moments): what leaves directly from the heights' nodes, of rays of weights (I, Q)."""
         free, shapes = self._free * np.take_along_axis(weights, self._order, axis=1), self._shapes
+        if len(self._turns) == 1:
+            return (np.swapaxes(free, 0, 1) @ np.moveaxis(shapes, 0, -1))[None]
         left = np.empty((len(self._z), len(self._turns), len(free) * len(shapes)))
         for i, rising in enumerate(self._ends[0]):
             both = (free[:, None, i, :rising] * shapes[:, i, :rising]).reshape(left.shape[-1], rising)
@@ -315,10 +316,4 @@ def _ascent(start, cos_theta, surface: Microsurface) -> np.ndarray:
 def _at_heights(c, heights: int) -> np.ndarray:
     """(..., heights) weights that interpolate values at the heights' nodes at c."""
     y = 4.0 / np.pi * np.arcsin(np.sqrt(np.clip(c, 0.0, 1.0))) - 1.0
-    return np.moveaxis(legendre(y, heights), 0, -1) @ _to_nodes(heights)
-
-
-def _to_nodes(count: int) -> np.ndarray:
-    """(count, count): from values of the Legendre polynomials at a point to weights of Gauss nodes."""
-    nodes, gauss = gauss_legendre(count)
-    return legendre(nodes, count) * gauss * (np.arange(count) + 0.5)[:, None]
+    return np.moveaxis(legendre(y, heights), 0, -1) @ to_nodes(heights)

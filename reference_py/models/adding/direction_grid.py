@@ -14,6 +14,8 @@ from math import ceil
 
 import numpy as np
 
+from ...optics.gauss import gauss_legendre
+
 # Of a panel: stacks of many indices have many short ones.
 FEWEST_NODES = 4
 # Moments that `chebyshev_moments` makes at once.
@@ -110,7 +112,7 @@ class _Medium:
         panel = self._panel(1.0 - cos2)
         for p, (start, end) in enumerate(zip(self.starts, self.starts[1:])):
             here = panel == p
-            rows[here, start:end] = self._basis(p, 1.0 - cos2[here], cos2[here]).T @ self._to_nodes(p)
+            rows[here, start:end] = self._basis(p, 1.0 - cos2[here], cos2[here]).T @ to_nodes(end - start)
         return rows
 
     def project(self, directions: np.ndarray, modes: int, *weights: np.ndarray) -> list[np.ndarray]:
@@ -139,7 +141,7 @@ class _Medium:
                 basis = bases[p][:, columns[i, p] - counts[i, p] : columns[i, p]]
                 for moment, weight in zip(moments[p], weights):
                     moment[:, i] = turns[:, here.start - first : here.stop - first] @ (basis * weight[here]).T
-        rows = np.concatenate([moment @ self._to_nodes(p) for p, moment in enumerate(moments)], axis=-1)
+        rows = np.concatenate([moment @ to_nodes(moment.shape[-1]) for moment in moments], axis=-1)
         return list(rows)
 
     def _panel(self, sin2: np.ndarray) -> np.ndarray:
@@ -153,23 +155,17 @@ class _Medium:
         fall = np.sqrt(np.maximum(b * b - n * n + n * n * cos2, 0.0))
         return legendre(4.0 / np.pi * np.arctan2(rise, fall) - 1.0, len(nodes))
 
-    def _to_nodes(self, p: int) -> np.ndarray:
-        """(nodes, nodes) from polynomials on panel p to the basis of its nodes."""
-        # Gauss nodes: coefficient k of the interpolant is (k + 1/2) sum_j w_j P_k(x_j) g_j
-        _, _, nodes, gauss = self._panels[p]
-        return legendre(nodes, len(nodes)) * gauss * (np.arange(len(nodes)) + 0.5)[:, None]
-
 
 def _psi(x: np.ndarray) -> np.ndarray:
     return 0.25 * np.pi * (x + 1.0)
 
 
 @lru_cache(maxsize=128)
-def gauss_legendre(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes and weights on [-1, 1]; read only."""
-    nodes, weights = np.polynomial.legendre.leggauss(count)
-    nodes.flags.writeable = weights.flags.writeable = False
-    return nodes, weights
+def to_nodes(count: int) -> np.ndarray:
+    """(count, count), not to be written to: from values of the Legendre polynomials at a point to weights of Gauss nodes."""
+    # coefficient k of the interpolant is (k + 1/2) sum_j w_j P_k(x_j) g_j
+    nodes, gauss = gauss_legendre(count)
+    return legendre(nodes, count) * gauss * (np.arange(count) + 0.5)[:, None]
 
 
 def legendre(x: np.ndarray, count: int) -> np.ndarray:

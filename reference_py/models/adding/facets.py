@@ -14,9 +14,9 @@ import numpy as np
 
 from ...optics import microfacet
 from ...optics.facet_reflectance import DielectricFacet
+from ...optics.gauss import gauss_legendre
 from ...optics.microfacet import GGX, distribution_of
 from ...optics.sampling import projected_area
-from .direction_grid import gauss_legendre
 
 SINGLE, MULTIPLE = "single", "multiple"
 SURFACES = (MULTIPLE, SINGLE)

@@ -17,11 +17,12 @@ from ...optics.diffuse import oren_nayar
 from ...optics.facet_reflectance import ConductorFacet, DielectricFacet
 from ...optics.frame import spherical
 from ...optics.fresnel import cos_theta_t
+from ...optics.gauss import gauss_legendre
 from ...optics.microfacet import is_specular
 from ...optics.slab import slab
 from .assembly import Layers, ScatteringMedium
 from .bounces import NARROW_ALPHA, Microsurface, detail_of
-from .direction_grid import Grid, chebyshev_moments, gauss_legendre, legendre
+from .direction_grid import Grid, chebyshev_moments, legendre
 from .facets import MULTIPLE, dielectric_reflected, dielectric_refracted, seen_by_both, visible_facets
 
 # Azimuths of the quadrature of an Oren-Nayar base over the half circle.

@@ -12,6 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from ...optics.fresnel import fresnel_dielectric
+from ...optics.gauss import gauss_legendre
 from ...optics.microfacet import BECKMANN, GGX, is_specular
 from .energy import facets_seen, mean_fresnel, reflected_share
 from .parts import COS_82, Fresnel, Lobe, conductor, dielectric, dielectric_f0, f82
@@ -53,7 +54,7 @@ def _turned_out(cosines: tuple[float, ...], alpha: float) -> tuple[np.ndarray, n
 def _energy_column(index: int) -> tuple[np.ndarray, float]:
     """Energy at the table's cosines for its roughness node `index`, and the cosine-weighted mean of it."""
     alpha = _nodes(_ENERGY_NODES)[index] ** 2
-    x, w = np.polynomial.legendre.leggauss(_ORDER)
+    x, w = gauss_legendre(_ORDER)
     cos = 0.5 * (x + 1.0)
     return _ggx_energy(_nodes(_ENERGY_NODES), alpha), float(np.sum(w * cos * _ggx_energy(cos, alpha)))
 
