@@ -183,10 +183,13 @@ def prepare() -> None:
 @cache
 def _code() -> str:
     """A digest of the reference's own text and data."""
-    root = Path(__file__).resolve().parents[1]
-    digest = hashlib.sha256()
-    for file in sorted(f for f in root.rglob("*") if f.suffix in (".py", ".json") and "presets" not in f.parts):
-        digest.update(file.read_bytes())
+    files, digest = [], hashlib.sha256()
+    for folder, folders, names in os.walk(Path(__file__).resolve().parents[1]):  # in half the time of `Path.rglob`
+        folders[:] = [name for name in folders if name != "presets"]
+        files += [os.path.join(folder, name) for name in names if name.endswith((".py", ".json"))]
+    for file in sorted(files):
+        with open(file, "rb", buffering=0) as text:
+            digest.update(text.read())
     return digest.hexdigest()
 
 

@@ -194,8 +194,9 @@ def ramp(build: Builder, place: bpy.types.NodeSocket, places: Sequence[int], tab
     elements = node.color_ramp.elements
     for _ in range(len(places) - len(elements)):
         elements.new(1.0)
-    # each color that is set by itself makes Blender look through the whole tree
+    # what is set by assignment makes Blender look through the whole tree, which the link does in any case
     elements.foreach_set("position", np.asarray(places, np.float32) / RAMP_PLACES)
-    elements.foreach_set("color", np.asarray(table, np.float32).ravel())
+    for element, color in zip(elements, np.asarray(table, np.float32)):
+        element.color.foreach_set(color)
     build.link(place, node.inputs[0])
     return node
