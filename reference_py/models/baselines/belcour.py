@@ -34,6 +34,7 @@ from ...optics.fresnel import cos_theta_t
 from ...optics.interface import Interface
 from ...optics.microfacet import GGX, SPECULAR_ALPHA, distribution, is_specular, masking_g2
 from ...optics.optical_stack import supports
+from ...optics.quadrature import points
 from ..adding import Adding
 from .energy import Curve, facets_seen, reflected_share
 from .parts import Baseline, Fresnel, dielectric, metal_lobe
@@ -112,7 +113,7 @@ def _alpha(variance):
 
 def _reflectance(cos, alpha, fresnel: Fresnel) -> np.ndarray:
     """(N, channels) directional albedo of a single-scattering GGX lobe."""
-    cos_om, cos_i = facets_seen(cos, alpha, _FACETS)
+    cos_om, cos_i = facets_seen(cos, alpha, *points(_FACETS))
     return np.mean(fresnel(cos_om) * reflected_share(cos_i, cos, alpha)[..., None], axis=1)
 
 

@@ -14,14 +14,13 @@ import numpy as np
 from ...optics.fresnel import fresnel_dielectric
 from ...optics.gauss import gauss_legendre
 from ...optics.microfacet import BECKMANN, GGX, is_specular
-from .energy import facets_seen, mean_fresnel, reflected_share
+from .energy import facet_points, facets_seen, mean_fresnel, reflected_share
 from .parts import COS_82, Fresnel, Lobe, conductor, dielectric, dielectric_f0, f82
 
 MULTI_GGX = "multi_ggx"
 _FLOOR = 1e-4  # of the tables' first nodes
 _ENERGY_NODES, _RISE_NODES = 32, 16
 _ORDER = 24
-_FACETS = 4096
 
 
 def _nodes(count: int) -> np.ndarray:
@@ -38,16 +37,18 @@ def _between(x: float, count: int) -> tuple[int, int, float]:
 def _ggx_energy(cos_o: np.ndarray, alpha: float) -> np.ndarray:
     """(N,) albedo of a lossless single-scattering GGX lobe."""
     alphas = np.full(len(cos_o), alpha)
-    _, cos_i = facets_seen(cos_o, alphas, _FACETS)
-    return np.mean(reflected_share(cos_i, cos_o, alphas), axis=1)
+    *places, weights = facet_points()
+    _, cos_i = facets_seen(cos_o, alphas, *places)
+    return reflected_share(cos_i, cos_o, alphas) @ weights
 
 
 @lru_cache(maxsize=16)
 def _turned_out(cosines: tuple[float, ...], alpha: float) -> tuple[np.ndarray, np.ndarray]:
-    """Of facets that views (N,) see, their cosine to the view and the share of light that leaves, both (N, 2 _FACETS); not to be written to."""
+    """Of facets that views (N,) see, their cosine to the view and what leaves by each of a light of 1, both (N, n); not to be written to."""
     cos_o, alphas = np.array(cosines), np.full(len(cosines), alpha)
-    cos_om, cos_i = facets_seen(cos_o, alphas, 2 * _FACETS)
-    return cos_om, reflected_share(cos_i, cos_o, alphas)
+    *places, weights = facet_points()
+    cos_om, cos_i = facets_seen(cos_o, alphas, *places)
+    return cos_om, reflected_share(cos_i, cos_o, alphas) * weights
 
 
 @lru_cache(maxsize=_ENERGY_NODES)
@@ -72,10 +73,11 @@ def _rise_column(rough: int, depth: int) -> np.ndarray:
     cos_o = _nodes(_RISE_NODES)
     z2 = np.clip(_nodes(_RISE_NODES)[depth], _FLOOR, 0.99) ** 2
     eta = (1.0 + z2) / (1.0 - z2)
-    cos_om, cos_i = facets_seen(cos_o, np.full(len(cos_o), _nodes(_RISE_NODES)[rough] ** 2), _FACETS)
+    *places, weights = facet_points()
+    cos_om, cos_i = facets_seen(cos_o, np.full(len(cos_o), _nodes(_RISE_NODES)[rough] ** 2), *places)
     f0 = dielectric_f0(eta)
     rise = np.clip((fresnel_dielectric(cos_om, eta) - f0) / (1.0 - f0), 0.0, 1.0)
-    return np.mean(np.where(cos_i > 0.0, rise, 0.0), axis=1)
+    return np.where(cos_i > 0.0, rise, 0.0) @ weights
 
 
 def _rise(alpha: float, eta: float) -> np.ndarray:
@@ -123,7 +125,7 @@ class Closure:
         if is_specular(self.lobe.alpha):
             return self.specular_albedo(cos_o)
         cos_om, share = _turned_out(tuple(cos_o.tolist()), self.lobe.alpha)
-        return self.gain(cos_o) * np.mean(share[..., None] * self.lobe.fresnel(cos_om), axis=1)
+        return self.gain(cos_o) * np.sum(share[..., None] * self.lobe.fresnel(cos_om), axis=1)
 
     def left(self, cos_o: np.ndarray) -> np.ndarray:
         """What Cycles leaves for the closures below, (..., 1): 1 - the largest channel of the estimated albedo."""

@@ -2,14 +2,18 @@
 """Energies that baselines need: directional albedo as a function of the view, means over it, and facets that a view sees."""
 
 from collections.abc import Callable, Sequence
+from functools import cache
 
 import numpy as np
 
 from ...optics.frame import spherical
 from ...optics.ggx import ggx_visible_columns, turn_of
 from ...optics.microfacet import GGX, masking_g1, masking_g2
-from ...optics.quadrature import directional_albedo, points
+from ...optics.quadrature import directional_albedo
 from .parts import Fresnel
+
+# Of `facet_points`.
+_RINGS_AND_TURNS = 64, 24
 
 
 class Curve:
@@ -44,13 +48,23 @@ def albedo_curve(f: Callable, widths: Sequence[tuple[str, float]], specular_albe
     return Curve(albedo)
 
 
-def facets_seen(cos_o: np.ndarray, alpha: np.ndarray, each: int) -> tuple[np.ndarray, np.ndarray]:
-    """GGX facets that views at cosines (N,) see, alpha (N,): their cosine to the view and that of the mirrored light.
+@cache
+def facet_points() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """u1, u2 and weights (n,) of facets for `facets_seen`: Gauss points, dense where the mirrored light meets the horizon.
 
-    Both (N, each); all facets count alike. A mirrored light below the horizon has a negative cosine.
+    Their energies are .5e-4 off in the mean, those of 4096 `points` 1.7e-4.
     """
-    # A grid would meet the horizon in steps. The far half of the azimuth mirrors the near one.
-    u1, u2 = points(each)
+    rings, turns = ((0.5 * (x + 1.0), 0.5 * w) for x, w in map(np.polynomial.legendre.leggauss, _RINGS_AND_TURNS))
+    u1, weight = 1.0 - np.square(1.0 - rings[0]), 2.0 * (1.0 - rings[0]) * rings[1]
+    return np.repeat(u1, len(turns[0])), np.tile(turns[0], len(u1)), np.outer(weight, turns[1]).ravel()
+
+
+def facets_seen(cos_o: np.ndarray, alpha: np.ndarray, u1: np.ndarray, u2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """GGX facets that views at cosines (N,) see, alpha (N,), at uniform u1, u2 (n,): their cosine to the view and that of the mirrored light.
+
+    Both (N, n). A mirrored light below the horizon has a negative cosine.
+    """
+    # the far half of the azimuth mirrors the near one
     cos_o, alpha = cos_o[:, None], alpha[:, None]
     sin_o = np.sqrt(np.maximum(1.0 - cos_o * cos_o, 0.0))
     x, _, z = ggx_visible_columns(sin_o, 0.0, cos_o, alpha, alpha, u1, *turn_of(0.5 * u2))
