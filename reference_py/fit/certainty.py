@@ -44,13 +44,13 @@ class Value:
 
 def independent_pairs(fit: Fit) -> float:
     """How many independent pairs the residuals are worth: n (1 - r) / (1 + r), r being the correlation of neighbours."""
-    r = likeness(fit.metric.measurement, fit.residual)
+    r = likeness(fit.metric, fit.residual)
     return len(fit.metric.measurement.f) * (1.0 - r) / (1.0 + r)
 
 
 def noise_and_misfit(fit: Fit) -> tuple[float, float]:
     """The parts of a fit's error, whose squares add up to its: what differs from pair to pair, and what neighbours share."""
-    r = likeness(fit.metric.measurement, fit.residual)
+    r = likeness(fit.metric, fit.residual)
     return fit.error * float(np.sqrt(1.0 - r)), fit.error * float(np.sqrt(r))
 
 
@@ -78,14 +78,10 @@ def certainty(fit: Fit) -> list[Value]:
 
 def _reach(coarse: Forward, fit: Fit, error: np.ndarray) -> np.ndarray:
     """(p,) how far coordinates move where weakly determined ones are pinned and the data are met as well, as far as models go."""
-    reach = np.zeros(len(error))
-    for group in fit.parameters.groups:
-        which = np.intersect1d(weakly_determined(error), group.index)
-        for place in _PLACES if len(which) else ():
-            found = pinned(coarse, fit.x, which, place)
-            if rms(found.residual) <= np.hypot(fit.error, MODEL_ERROR):
-                reach = np.maximum(reach, np.abs(found.x - fit.x))
-    return reach
+    weak = [np.intersect1d(weakly_determined(error), group.index) for group in fit.parameters.groups]
+    pins = [(which, place) for which in weak if len(which) for place in _PLACES]
+    as_good = [found.x for found in pinned(coarse, fit.x, pins) if rms(found.residual) <= np.hypot(fit.error, MODEL_ERROR)]
+    return np.max([np.zeros(len(error)), *(np.abs(x - fit.x) for x in as_good)], axis=0)
 
 
 def _profile_error(coarse: Forward, fit: Fit, i: int, deviation: float) -> float:
@@ -97,7 +93,7 @@ def _profile_error(coarse: Forward, fit: Fit, i: int, deviation: float) -> float
     value, worst = float(fit.parameters.values(fit.x)[i]), 0.0
     for place in value * np.array(_PARTS):
         if group.range[0] <= place <= group.range[1] and worst <= OF_VALUE * abs(value):
-            found = pinned(coarse, fit.x, np.array([i]), float(group.coordinate(place)))
+            (found,) = pinned(coarse, fit.x, [(np.array([i]), float(group.coordinate(place)))])
             rise = found.cost - float(fit.residual @ fit.residual)
             worst = max(worst, abs(place - value) * min(deviation / np.sqrt(max(rise, 1e-30)), 1.0))
     return worst

@@ -21,7 +21,7 @@ from .parameters import Parameters, Structure
 from .prior import FINE, POLISHED, ROUGH, pulled
 from .profile_likelihood import pinned, straight, weakly_determined
 from .readers.measurement import Measurement, subsample
-from .solve import Solution
+from .solve import Ask, Solution, search
 from .stand_in import stand_in
 from .starts import are_apart, best_starts
 
@@ -70,6 +70,11 @@ class Fit:
     """The stand-in's model discrepancy here, (m,): what it lacks to the model."""
     options: Mapping = field(default_factory=dict)
     """Those of the model, such as `QUICK`; none are its own settings."""
+
+    @property
+    def value(self) -> np.ndarray:
+        """(m,) what the model says, compressed."""
+        return self.residual + self.metric.target.ravel()
 
     @property
     def error(self) -> float:
@@ -131,8 +136,7 @@ def rough_fits(
 
 def rough_solutions(forward: Forward, starts: Sequence[np.ndarray], steps: int = _ROUGH_STEPS) -> list[Solution]:
     """A fit of a stand-in from each start (p,), best first."""
-    solved = [_solved(forward, x, ROUGH, _ROUGH_TOLERANCE, steps) for x in starts]
-    return sorted(solved, key=lambda solution: solution.cost)
+    return sorted(_solved(forward, starts, ROUGH, _ROUGH_TOLERANCE, steps), key=lambda solution: solution.cost)
 
 
 def nearest(metric: Metric, found: Sequence[tuple[Structure, Solution]], model: str, options: Mapping = MappingProxyType({})) -> Start:
@@ -149,9 +153,8 @@ def nearest(metric: Metric, found: Sequence[tuple[Structure, Solution]], model: 
     return min(near, key=lambda start: rms(start.value - metric.target.ravel()))
 
 
-def _solved(forward: Forward, x: np.ndarray, pull: float, tolerance: float, steps: int) -> Solution:
-    zero, one = np.zeros(len(x)), np.ones(len(x))
-    return pulled(forward.parameters, pull, forward.residual, lambda y, r: forward.jacobian(y, r + forward.target), x, zero, one, steps, tolerance)
+def _solved(forward: Forward, starts: Sequence[np.ndarray], pull: float, tolerance: float, steps: int) -> list[Solution]:
+    return pulled(forward.parameters, pull, forward.answers, [search(x, np.zeros(len(x)), np.ones(len(x)), steps, tolerance) for x in starts])
 
 
 def corrected(
@@ -170,7 +173,7 @@ def corrected(
     parameters, x = Parameters(start.structure, metric.measurement.channels), start.x
     coarse, is_other = stand_in(model, parameters, metric)
     if not is_other:
-        solved = _solved(coarse, x, POLISHED, 1e-6, _DIRECT_STEPS)
+        (solved,) = _solved(coarse, [x], POLISHED, 1e-6, _DIRECT_STEPS)
         slopes = coarse.jacobian(solved.x, solved.residual + coarse.target)
         return Fit(model, parameters, metric, solved.x, solved.residual, slopes, solved.steps, np.zeros(len(solved.residual)))
     fine = ModelForward(parameters, metric, model, options)
@@ -181,7 +184,7 @@ def corrected(
     evaluations, idle = 1, 0
     for step in range(steps):
         discrepancy = value - base
-        solved = space_mapping_step(coarse, discrepancy, discrepancy_slopes, at, radius, target, pull)
+        solved = space_mapping_step(coarse, discrepancy, discrepancy_slopes, at, radius, pull)
         moved = solved.x - at
         if np.max(np.abs(moved)) < _STILL:
             break
@@ -224,22 +227,23 @@ def polished(
         return fit
     quick = ModelForward(fit.parameters, fit.metric, fit.model, {**QUICK.get(fit.model, {}), **options})
 
-    def continued(x: np.ndarray, turn: int) -> Fit:
+    def continued(x: np.ndarray, turn: int, known: Fit) -> Fit:
         part = share_of(progress, turn / (1 + len(_BEGINNINGS)), (turn + 1) / (1 + len(_BEGINNINGS)))
-        more = corrected(fit.metric, Start(fit.structure, x), fit.model, steps, part, options, quick.jacobian(x))
+        value, here = (known.value if x is known.x and known.options == asked else None for asked in (options, quick.options))
+        more = corrected(fit.metric, Start(fit.structure, x, value), fit.model, steps, part, options, quick.jacobian(x, here))
         if part is not None:
             part(1.0)
         return replace(more, evaluations=more.evaluations + len(fit.parameters.groups) + 1)
 
-    best = continued(fit.x, 0)
+    best = continued(fit.x, 0, fit)
     evaluations = fit.evaluations + best.evaluations
     for turn, place in enumerate(_BEGINNINGS, start=1):
         if not 2.0 * _EXACT < best.error < _NEAR:
             break
         which = weakly_determined(straight(best.jacobian))
         coarse, _ = stand_in(fit.model, fit.parameters, fit.metric, best.discrepancy)
-        x = best.x if place is None else pinned(coarse, best.x, which, place).x
-        other = continued(x, turn)
+        x = best.x if place is None else pinned(coarse, best.x, [(which, place)])[0].x
+        other = continued(x, turn, best)
         evaluations += other.evaluations
         best = min(best, other, key=lambda f: f.error)
     return replace(best, evaluations=evaluations)
@@ -251,20 +255,19 @@ def space_mapping_step(
     discrepancy_slopes: np.ndarray,
     at: np.ndarray,
     radius: float,
-    target: np.ndarray,
     pull: float = FINE,
 ) -> Solution:
     """Fit of the stand-in plus its `discrepancy` (m,) at coordinates `at` (p,), which changes by `discrepancy_slopes` (m, p), near them."""
 
     def lacking(y: np.ndarray) -> np.ndarray:
-        return discrepancy + discrepancy_slopes @ (y - at) - target
+        return discrepancy + discrepancy_slopes @ (y - at)
 
-    return pulled(
-        coarse.parameters, pull,
-        lambda y: coarse.compressed(y) + lacking(y),
-        lambda y, r: coarse.jacobian(y, r - lacking(y)) + discrepancy_slopes,
-        at, np.maximum(at - radius, 0.0), np.minimum(at + radius, 1.0), _CORRECTED_STEPS, 1e-5,
-    )  # fmt: skip
+    def answers(asks: list[Ask]) -> list[np.ndarray]:
+        plain = coarse.answers([ask if ask.r is None else Ask(ask.x, ask.r - lacking(ask.x)) for ask in asks])
+        return [own + (lacking(ask.x) if ask.r is None else discrepancy_slopes) for ask, own in zip(asks, plain)]
+
+    near = search(at, np.maximum(at - radius, 0.0), np.minimum(at + radius, 1.0), _CORRECTED_STEPS, 1e-5)
+    return pulled(coarse.parameters, pull, answers, [near])[0]
 
 
 def fit_structure(
@@ -303,4 +306,4 @@ def fit_structure(
 
 def _may_be_stuck(fit: Fit) -> bool:
     """Whether the error is some times the model's, and no noise: another place may be better. What is far off no stack explains."""
-    return MODEL_ERROR < fit.error < _EXPLAINED and likeness(fit.metric.measurement, fit.residual) > _ALIKE
+    return MODEL_ERROR < fit.error < _EXPLAINED and likeness(fit.metric, fit.residual) > _ALIKE

@@ -14,6 +14,7 @@ from ..errors import LaminaError
 from ..registry import MODELS, make_model
 from .metric import Metric
 from .parameters import Parameters
+from .solve import Ask
 
 DEFAULT_MODEL = "adding"
 # Residuals are never believed to be smaller than this: the accuracy of `adding`'s f.
@@ -66,19 +67,38 @@ class Forward:
 
     def jacobian(self, x: np.ndarray, here: np.ndarray | None = None) -> np.ndarray:
         """(n * c, p) forward differences; `here` is `compressed(x)` where it is known."""
-        here, channels = self.compressed(x) if here is None else here, self.parameters.channels
-        groups, step = self.parameters.groups, np.where(x > 0.5, -_STEP, _STEP)
-        there = np.tile(x, (len(groups), 1))
-        for row, group in zip(there, groups):
-            row[list(group.index)] += step[list(group.index)]
-        jacobian = np.zeros((len(here), len(x)))
-        for group, difference in zip(groups, self.compressed_at(there) - here):
+        here = self.compressed(x) if here is None else here
+        return self._slopes(x, self.compressed_at(self._moved(x)) - here)
+
+    def answers(self, asks: list[Ask]) -> list[np.ndarray]:
+        """Residuals and Jacobians that searches ask for, of one evaluation of many stacks."""
+        rows = [ask.x[None] if ask.r is None else self._moved(ask.x) for ask in asks]
+        values = np.split(self.compressed_at(np.concatenate(rows)) - self.target, np.cumsum([len(part) for part in rows])[:-1])
+        return [part[0] if ask.r is None else self._slopes(ask.x, part - ask.r) for ask, part in zip(asks, values)]
+
+    def _moved(self, x: np.ndarray) -> np.ndarray:
+        """(groups, p) coordinates of which those of one group are a step away."""
+        moved, steps = np.tile(x, (len(self.parameters.groups), 1)), _steps(x)
+        for row, group in zip(moved, self.parameters.groups):
+            row[list(group.index)] += steps[list(group.index)]
+        return moved
+
+    def _slopes(self, x: np.ndarray, differences: np.ndarray) -> np.ndarray:
+        """(n * c, p) of what each group's step changes, (groups, n * c)."""
+        steps, channels = _steps(x), self.parameters.channels
+        slopes = np.zeros((differences.shape[1], len(x)))
+        for group, difference in zip(self.parameters.groups, differences):
             if group.is_color:
                 for channel, i in enumerate(group.index):
-                    jacobian[channel::channels, i] = difference[channel::channels] / step[i]
+                    slopes[channel::channels, i] = difference[channel::channels] / steps[i]
             else:
-                jacobian[:, group.index[0]] = difference / step[group.index[0]]
-        return jacobian
+                slopes[:, group.index[0]] = difference / steps[group.index[0]]
+        return slopes
+
+
+def _steps(x: np.ndarray) -> np.ndarray:
+    """(p,) steps of differences, which stay between 0 and 1."""
+    return np.where(x > 0.5, -_STEP, _STEP)
 
 
 @dataclass(frozen=True)

@@ -229,7 +229,7 @@ class _Search:
     def closer(self, fit: Fit) -> Fit:
         """A quick fit continued; more layers begin from it."""
         self._by_base[fit.structure.base] = fit = corrected(
-            self.metric, Start(fit.structure, fit.x), self.model, _COMPARED_STEPS, options=QUICK.get(self.model, {})
+            self.metric, Start(fit.structure, fit.x, fit.value), self.model, _COMPARED_STEPS, options=fit.options
         )
         return fit
 
@@ -253,7 +253,7 @@ class _Search:
             other = tuple(_other(k) if j == i else k for j, k in enumerate(fit.structure.distributions))
             structure = replace(fit.structure, distributions=other)
             coarse, _ = stand_in(self.model, Parameters(structure, fit.parameters.channels), self.metric)
-            guess = space_mapping_step(coarse, fit.discrepancy, np.zeros(fit.jacobian.shape), fit.x, 0.3, coarse.target)
+            guess = space_mapping_step(coarse, fit.discrepancy, np.zeros(fit.jacobian.shape), fit.x, 0.3)
             if guess.cost < _BETTER * float(fit.residual @ fit.residual):
                 trial = corrected(self.metric, Start(structure, guess.x), self.model, _COMPARED_STEPS, options=fit.options)
                 fit = min(fit, trial, key=lambda f: f.error)

@@ -10,13 +10,14 @@ in proportion.
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from ..errors import Sentence
 from ..optics.error_measure import worst_share
 from ..optics.frame import dot
-from .readers.measurement import STEEPEST_DEG, Measurement
+from .readers.measurement import STEEPEST_DEG, Measurement, half_angles
 
 FLOOR = 0.1
 _COMPRESSED = {
@@ -33,6 +34,8 @@ BANDS_DEG = (0.0, 30.0, 50.0, 65.0, 75.0, STEEPEST_DEG)
 _MOST_MEAN = 4.0
 # f (1/sr) below this is dark, whatever else is in the data.
 _DARK = 1e-3
+# As many pairs tell how alike neighbours are.
+_MOST_PAIRS = 1500
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,17 @@ class Metric:
         object.__setattr__(self, "_weight", np.sqrt(weight))
         object.__setattr__(self, "_scale", m.wi[:, 2:] / min(float(np.mean(m.f * m.wi[:, 2:])), _MOST_MEAN))
         object.__setattr__(self, "target", self.compressed(m.f))
+
+    @cached_property
+    def neighbours(self) -> np.ndarray:
+        """Index (k,) of the pair nearest to each of the first pairs, by half and difference angles."""
+        m = self.measurement.subset(slice(_MOST_PAIRS))
+        theta_h, theta_d, phi_d = half_angles(m.wi, m.wo)
+        around = 0.5 * theta_h * np.exp(2.0j * phi_d)
+        places = (np.sqrt(theta_h), theta_d, around.real, around.imag)
+        distance = sum(np.square(place[:, None] - place) for place in places)
+        np.fill_diagonal(distance, np.inf)
+        return np.argmin(distance, axis=1)
 
     def compressed(self, f: np.ndarray) -> np.ndarray:
         """(n, c) of f (n, c), weighted: differences of it are residuals."""

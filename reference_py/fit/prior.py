@@ -6,12 +6,12 @@ so that the search does not run along them into a bound. A metal under one layer
 error left fell from .01 to .002, and what the data determine came from 23 to 3 % of the truth.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from .parameters import Parameters
-from .solve import Solution, least_squares
+from .solve import Ask, Search, Solution, side_by_side
 
 # In the schema's units; a diffuse color comes from the data, and nothing pulls at it.
 USUAL = {
@@ -34,22 +34,17 @@ ROUGH, FINE, POLISHED = 0.4, 0.1, 0.02
 def pulled(
     parameters: Parameters,
     pull: float,
-    residual: Callable,
-    jacobian: Callable,
-    x: np.ndarray,
-    low: np.ndarray,
-    high: np.ndarray,
-    steps: int,
-    tolerance: float,
-) -> Solution:
-    """`least_squares` with the distance from usual values, times `pull`, as further residuals; the solution is without them."""
+    answers: Callable[[list[Ask]], Sequence[np.ndarray]],
+    searches: Sequence[Search],
+) -> list[Solution]:
+    """`side_by_side` with the distance from usual values, times `pull`, as further residuals; solutions are without them."""
     center, rows = _center(parameters), pull * np.diag([float(p) for p in _pulls(parameters)])
-    found = least_squares(
-        lambda y: np.concatenate([residual(y), rows @ (y - center)]),
-        lambda y, r: np.vstack([jacobian(y, r[: -len(y)]), rows]),
-        x, low, high, steps, tolerance,
-    )  # fmt: skip
-    return Solution(found.x, found.residual[: -len(x)], found.steps)
+
+    def with_pull(asks: list[Ask]) -> list[np.ndarray]:
+        plain = answers([ask if ask.r is None else Ask(ask.x, ask.r[: -len(rows)]) for ask in asks])
+        return [np.concatenate([own, rows @ (ask.x - center) if ask.r is None else rows]) for ask, own in zip(asks, plain)]
+
+    return [Solution(found.x, found.residual[: -len(rows)], found.steps) for found in side_by_side(with_pull, searches)]
 
 
 def _center(parameters: Parameters) -> np.ndarray:

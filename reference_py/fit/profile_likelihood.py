@@ -4,10 +4,12 @@
 Metals have them: one and the same color towards grazing comes from two edge colors, beside different tints above.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from .forward import MODEL_ERROR, Forward
-from .solve import Solution, least_squares
+from .solve import Solution, search, side_by_side
 
 # What is as alike as this counts as (1 + r) / (1 - r) times fewer residuals; the model's own error is as alike as any.
 MOST_ALIKE = 0.95
@@ -29,11 +31,12 @@ def weakly_determined(errors: np.ndarray) -> np.ndarray:
     return np.flatnonzero(errors > _WEAK)
 
 
-def pinned(coarse: Forward, x: np.ndarray, which: np.ndarray, place: float) -> Solution:
-    """The other values fitted again, from x (p,), while coordinates `which` (k,) are pinned at `place`.
+def pinned(coarse: Forward, x: np.ndarray, pins: Sequence[tuple[np.ndarray, float]]) -> list[Solution]:
+    """For each pin the other values fitted again, from x (p,), while its coordinates (k,) are pinned at its place.
 
     `coarse` is the stand-in plus its discrepancy at x: its own curves reach farther than the model's derivatives at one point.
     """
-    low, high = np.zeros(len(x)), np.ones(len(x))
-    low[which] = high[which] = place
-    return least_squares(coarse.residual, lambda y, r: coarse.jacobian(y, r + coarse.target), x, low, high, _STEPS, _TOLERANCE)
+    bounds = [(np.zeros(len(x)), np.ones(len(x))) for _ in pins]
+    for (low, high), (which, place) in zip(bounds, pins):
+        low[which] = high[which] = place
+    return side_by_side(coarse.answers, [search(x, low, high, _STEPS, _TOLERANCE) for low, high in bounds])

@@ -7,7 +7,7 @@ step confirmed are corrected by one rank instead of taken anew (Broyden 1965), a
 "Methods for Non-Linear Least Squares Problems", 3.5.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +32,17 @@ class Solution:
         return float(self.residual @ self.residual)
 
 
+@dataclass(frozen=True)
+class Ask:
+    """What a search wants to know at `x` (p,): the residual (m,), or, where that is known to be `r`, the Jacobian (m, p)."""
+
+    x: np.ndarray
+    r: np.ndarray | None = None
+
+
+Search = Generator[Ask, np.ndarray, Solution]
+
+
 def least_squares(
     residual: Callable[[np.ndarray], np.ndarray],
     jacobian: Callable[[np.ndarray, np.ndarray], np.ndarray],
@@ -41,14 +52,36 @@ def least_squares(
     steps: int = 60,
     tolerance: float = 1e-7,
 ) -> Solution:
-    """Minimise |residual(x)|^2 for low <= x <= high.
+    """Minimise |residual(x)|^2 for low <= x <= high, as `search` does.
 
-    residual: x (p,) to (m,); jacobian: (x, residual(x)) to (m, p). Stops after `steps` trials or when cost or x move less
-    than `tolerance` (relative, and absolute).
+    residual: x (p,) to (m,); jacobian: (x, residual(x)) to (m, p).
+    """
+    return side_by_side(
+        lambda asks: [residual(ask.x) if ask.r is None else jacobian(ask.x, ask.r) for ask in asks], [search(start, low, high, steps, tolerance)]
+    )[0]
+
+
+def side_by_side(answers: Callable[[list[Ask]], Sequence[np.ndarray]], searches: Sequence[Search]) -> list[Solution]:
+    """Solutions of searches that take their steps together: what all of them ask for is computed at once."""
+    asked, found = {i: next(each) for i, each in enumerate(searches)}, {}
+    while asked:
+        for i, answer in zip(list(asked), answers(list(asked.values()))):
+            try:
+                asked[i] = searches[i].send(answer)
+            except StopIteration as end:
+                found[i] = end.value
+                del asked[i]
+    return [found[i] for i in range(len(searches))]
+
+
+def search(start: np.ndarray, low: np.ndarray, high: np.ndarray, steps: int, tolerance: float) -> Search:
+    """A minimum of |residual(x)|^2 for low <= x <= high, each (p,).
+
+    Stops after `steps` trials or when cost or x move less than `tolerance` (relative, and absolute).
     """
     x = np.clip(start, low, high)
-    r = residual(x)
-    j, age = jacobian(x, r), 0
+    r = yield Ask(x)
+    j, age = (yield Ask(x, r)), 0
     damping, growth, cost = 1e-3, 2.0, float(r @ r)
     for step in range(steps):
         gradient = j.T @ r
@@ -56,7 +89,7 @@ def least_squares(
         if not free.any() or cost == 0.0:
             if not age or cost == 0.0:
                 break
-            j, age = jacobian(x, r), 0
+            j, age = (yield Ask(x, r)), 0
             continue
         normal = j[:, free].T @ j[:, free]
         scale = np.maximum(np.diagonal(normal), 1e-9 * max(float(np.max(np.diagonal(normal))), 1e-30))
@@ -67,9 +100,9 @@ def least_squares(
         if np.max(np.abs(moved)) < tolerance:
             if not age:
                 break
-            j, age = jacobian(x, r), 0
+            j, age = (yield Ask(x, r)), 0
             continue
-        new = residual(trial)
+        new = yield Ask(trial)
         new_cost = float(new @ new)
         expected = -float(2.0 * gradient @ moved + np.sum(np.square(j @ moved)))
         if new_cost < cost:
@@ -82,10 +115,10 @@ def least_squares(
             if gain > _CONFIRMED and age < _MOST_CONFIRMED and not converged:
                 j, age = j + np.outer(new - r - j @ moved, moved / (moved @ moved)), age + 1
             else:
-                j, age = jacobian(trial, new), 0
+                j, age = (yield Ask(trial, new)), 0
             x, r, cost = trial, new, new_cost
         elif age:
-            j, age = jacobian(x, r), 0
+            j, age = (yield Ask(x, r)), 0
         else:
             damping, growth = damping * growth, 2.0 * growth
             if damping > 1e12:
