@@ -139,15 +139,15 @@ def rough_solutions(forward: Forward, starts: Sequence[np.ndarray], steps: int =
     return sorted(_solved(forward, starts, ROUGH, _ROUGH_TOLERANCE, steps), key=lambda solution: solution.cost)
 
 
-def nearest(metric: Metric, found: Sequence[tuple[Structure, Solution]], model: str, options: Mapping = MappingProxyType({})) -> Start:
-    """Of fits of the stand-in, best first, that whose values bring the model itself nearest to the data: its own best need not."""
+def nearest(metric: Metric, found: Sequence[tuple[Structure, Solution]], model: str, options: Mapping = MappingProxyType({}), most: int = _MOST_NEAR) -> Start:
+    """Of fits of the stand-in, best first, that whose values bring the model itself nearest to the data: its own best need not. At most so many are asked."""
     channels, near = metric.measurement.channels, list[Start]()
     for structure, solution in found:
         parameters = Parameters(structure, channels)
         if not stand_in(model, parameters, metric)[1]:
             return Start(structure, solution.x)
         is_new = all(structure != other.structure or are_apart(solution.x, other.x) for other in near)
-        if is_new and solution.cost <= _AS_NEAR * found[0][1].cost and len(near) < _MOST_NEAR:
+        if is_new and solution.cost <= _AS_NEAR * found[0][1].cost and len(near) < most:
             value = ModelForward(parameters, metric, model, options).compressed(solution.x)
             near.append(Start(structure, solution.x, value))
     return min(near, key=lambda start: rms(start.value - metric.target.ravel()))

@@ -30,7 +30,7 @@ MOST_LAYERS, LEAST_SAMPLES = 8, 50
 _AUTO_LAYERS = 3
 # Of fits with a medium that scatters, and the bases that are tried below it.
 _CLOUDY_STARTS, _BELOW_CLOUDS = 2, ("lambert", CONDUCTOR.name)
-_LOOK_STEPS, _STARTS, _MORE_STARTS, _ROUGH_STEPS = 1, 3, 2, 12
+_LOOKED_AT, _LOOK_STEPS, _STARTS, _MORE_STARTS, _ROUGH_STEPS = 2, 1, 3, 2, 12
 # Further steps of the best base before counts of layers are compared, and the most of the chosen fit.
 _COMPARED_STEPS, _LAST_STEPS = 2, 4
 # The discrepancy of quick settings is at most about half of the first, and cannot pass for a gain as large as the second (a part of the error).
@@ -200,7 +200,8 @@ class _Search:
 
     def _begun(self, found: Sequence[tuple[Structure, Solution]]) -> Fit:
         options = QUICK.get(self.model, {})
-        return corrected(self.metric, nearest(self.metric, found, self.model, options), self.model, _LOOK_STEPS, options=options)
+        start = nearest(self.metric, found, self.model, options, _LOOKED_AT)
+        return corrected(self.metric, start, self.model, _LOOK_STEPS, options=options)
 
     def cloudy(self, plain: Selection, bases: tuple[str, ...], progress: Progress | None) -> Selection:
         """The choice with a medium that scatters above the base, where the data ask for one; else the plain one, and what could not be told."""
