@@ -7,7 +7,7 @@ through, and facing all ways. It needs no OSL, 20 to 60 ms, and a scene, a mesh,
 
 import hashlib
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache, partial
 
@@ -49,18 +49,18 @@ def name_of(source: bpy.types.NodeSocket) -> str:
 
 def state_of(source: bpy.types.NodeSocket, parameter: Parameter) -> str:
     """A hash of all that a mean follows from: nodes with their values, files by size and date. Pixels that are painted count for nothing."""
-    words = [parameter.name, parameter.type, working_space(), source.identifier, *_words(source.node, set())]
+    words = [parameter.name, parameter.type, working_space(), source.identifier, *_words(source.node, _Way())]
     return hashlib.sha256("\n".join(words).encode()).hexdigest()[:16]
 
 
 def is_painted(source: bpy.types.NodeSocket) -> bool:
     """Whether an image before a socket has pixels that are in no file, which may have changed without a trace."""
-    return any(image.is_dirty or image.source == "GENERATED" for image in _images(source.node, set()))
+    return any(image.is_dirty or image.source == "GENERATED" for image in _images(source.node, _Way()))
 
 
 def has_images(source: bpy.types.NodeSocket) -> bool:
     """Whether an image is before a socket."""
-    return next(_images(source.node, set()), None) is not None
+    return next(_images(source.node, _Way()), None) is not None
 
 
 def mean_of(source: bpy.types.NodeSocket, parameter: Parameter) -> list[float] | float:
@@ -85,47 +85,68 @@ def _read(parameter: Parameter, colors: np.ndarray) -> np.ndarray:
     return np.clip(values, parameter.minimum, parameter.maximum)
 
 
-def _before(node: bpy.types.Node) -> Iterator[bpy.types.Node]:
-    return (link.from_node for socket in node.inputs if socket.is_linked for link in socket.links)
+class _Way:
+    """A walk through what is before a node: the nodes that it saw, and links by the socket that they feed, for which Blender looks through a whole tree."""
+
+    def __init__(self) -> None:
+        self._seen: set[bpy.types.Node] = set()
+        self._links: dict[bpy.types.NodeTree, dict[int, list[bpy.types.NodeLink]]] = {}
+
+    def is_new(self, node: bpy.types.Node) -> bool:
+        """Whether a node is met for the first time."""
+        is_new = node not in self._seen
+        self._seen.add(node)
+        return is_new
+
+    def links(self, socket: bpy.types.NodeSocket) -> Sequence[bpy.types.NodeLink]:
+        """The links to an input."""
+        if not socket.is_linked:
+            return ()
+        tree = socket.id_data
+        if tree not in self._links:
+            into = self._links[tree] = {}
+            for link in tree.links:
+                into.setdefault(link.to_socket.as_pointer(), []).append(link)
+        return self._links[tree].get(socket.as_pointer(), ())
+
+    def before(self, node: bpy.types.Node) -> Iterator[bpy.types.Node]:
+        """The nodes that feed a node."""
+        return (link.from_node for socket in node.inputs for link in self.links(socket))
 
 
-def _all_before(node: bpy.types.Node, seen: set) -> Iterator[bpy.types.Node]:
+def _all_before(node: bpy.types.Node, way: _Way) -> Iterator[bpy.types.Node]:
     """A node and all before it in its tree."""
-    if node in seen:
-        return
-    seen.add(node)
-    yield node
-    for other in _before(node):
-        yield from _all_before(other, seen)
+    if way.is_new(node):
+        yield node
+        for other in way.before(node):
+            yield from _all_before(other, way)
 
 
-def _images(node: bpy.types.Node, seen: set) -> Iterator[bpy.types.Image]:
-    if node in seen:
+def _images(node: bpy.types.Node, way: _Way) -> Iterator[bpy.types.Image]:
+    if not way.is_new(node):
         return
-    seen.add(node)
     if isinstance(getattr(node, "image", None), bpy.types.Image):
         yield node.image
-    for other in (*_before(node), *(node.node_tree.nodes if getattr(node, "node_tree", None) is not None else ())):
-        yield from _images(other, seen)
+    for other in (*way.before(node), *(node.node_tree.nodes if getattr(node, "node_tree", None) is not None else ())):
+        yield from _images(other, way)
 
 
-def _words(node: bpy.types.Node, seen: set) -> Iterator[str]:
+def _words(node: bpy.types.Node, way: _Way) -> Iterator[str]:
     """What a node and all before it give, as text."""
-    if node in seen:
+    if not way.is_new(node):
         return
-    seen.add(node)
     yield node.bl_idname
     yield from _facts(node)
     tree = getattr(node, "node_tree", None)
     if tree is not None:
         for other in tree.nodes:
-            yield from _words(other, seen)
+            yield from _words(other, way)
     for socket in node.inputs:
         if not socket.is_linked and hasattr(socket, "default_value"):
             yield f"{socket.identifier} {_plain(socket.default_value)}"
-        for link in socket.links if socket.is_linked else ():
+        for link in way.links(socket):
             yield f"{socket.identifier} < {link.from_node.name} {link.from_socket.identifier} {link.is_muted}"
-            yield from _words(link.from_node, seen)
+            yield from _words(link.from_node, way)
     for socket in node.outputs if node.bl_idname in _CONSTANTS else ():
         yield _plain(socket.default_value)
 
@@ -176,10 +197,10 @@ def _points() -> np.ndarray:
 
 def _baked(source: bpy.types.NodeSocket, is_float: bool) -> np.ndarray:
     """What a socket gives at the points, (n, 3), in the working space."""
-    tiles = sorted({tile.number for image in _images(source.node, set()) if image.source == "TILED" for tile in image.tiles}) or [1001]
+    tiles = sorted({tile.number for image in _images(source.node, _Way()) if image.source == "TILED" for tile in image.tiles}) or [1001]
     with _painted_kept(), _bench(source.id_data, tiles) as (scene, item, material, image):
         tree = material.node_tree
-        before = {node.name for node in _all_before(source.node, set())}
+        before = {node.name for node in _all_before(source.node, _Way())}
         for other in [node for node in tree.nodes if node.name not in before and node != tree.nodes.active]:
             tree.nodes.remove(other)  # their images need not be loaded
         twin = tree.nodes[source.node.name].outputs[list(source.node.outputs).index(source)]
