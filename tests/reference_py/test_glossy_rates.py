@@ -4,7 +4,8 @@
 import numpy as np
 import pytest
 
-from lamina.reference_py.lobes.closure import glossy_rates, glossy_values, unit_glossy
+from lamina.reference_py.lobes.baked.glossy_rates import glossy_rates, glossy_values
+from lamina.reference_py.lobes.closure import unit_glossy
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.microfacet import BECKMANN, GGX, distribution_of
 

@@ -10,9 +10,10 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from ..closure import glossy_rates, glossy_values, lobe_f
+from ..closure import lobe_f
 from ..lobe import GlossyLobe
 from ..samples import Views
+from .glossy_rates import glossy_rates, glossy_values
 
 # The least alpha that fits of rough surfaces use, and the largest that Cycles takes.
 LEAST_ALPHA, _LARGEST_ALPHA = 1e-3, 1.0
@@ -92,33 +93,40 @@ class ViewFits:
         """Fits at the views that an index chooses, which may name one several times."""
         return ViewFits(*(getattr(self, field.name)[chosen] for field in fields(self)))
 
-    def draft(self, step: int) -> "ViewFits":
-        """Fits to every so many points by lobes in single precision: searches, of which only what they find is judged, in double.
+    def thinned(self, step: int) -> "ViewFits":
+        """Fits to every so many points."""
+        some = {name: getattr(self, name)[..., ::step] for name in ("x", "y", "z", "truth", "goal", "share", "floor")}
+        return replace(self, **{name: np.ascontiguousarray(values) for name, values in some.items()})
 
-        Sums are in double precision here too: single does not solve the equations of three lobes that are much alike.
-        """
-        some = {name: getattr(self, name)[..., ::step] for name in ("truth", "goal", "share", "floor")}
-        directions = {name: getattr(self, name)[..., ::step].astype(np.float32) for name in ("x", "y", "z")}
-        return replace(self, **directions, **{name: np.ascontiguousarray(values) for name, values in some.items()})
-
-    def columns(self, distributions: tuple[str, ...], shape: np.ndarray) -> np.ndarray:
-        """f (V, k + 1, Q) of lobes of these shapes (V, k, 3) and weight 1, and of the Lambert lobe."""
-        result = np.empty((len(shape), len(distributions) + 1, self.x.shape[1]))
+    def columns(self, distributions: tuple[str, ...], shape: np.ndarray, dtype: type = np.float64) -> np.ndarray:
+        """f (V, k + 1, Q) of lobes of these shapes (V, k, 3) and weight 1, computed in this precision, and of the Lambert lobe."""
+        result, directions = np.empty((len(shape), len(distributions) + 1, self.x.shape[1])), self._directions(dtype)
         for i, distribution in enumerate(distributions):
-            result[:, i] = glossy_values(distribution, *self._parameters(shape[:, i]), *self._directions)
+            result[:, i] = glossy_values(distribution, *self._parameters(shape[:, i], dtype), *directions)
         result[:, -1] = 1.0 / np.pi
         return result
 
     def fit(self, distributions: tuple[str, ...], start: np.ndarray, iterations: int) -> Mixtures:
-        """The best mixtures that are found from `start` (V, k, 3)."""
-        slopes = 3 * len(distributions) if iterations else 0
+        """The best mixtures that are found from `start` (V, k, 3).
+
+        The search has lobes in single precision and sums in double: single does not solve the equations of three lobes that are much alike.
+        What it finds is judged in double.
+        """
         shape = np.clip(start, self.low, _HIGH)
-        rows = self._rows(distributions, shape) if slopes else self.columns(distributions, shape)
+        if iterations and distributions:
+            return self._with_energy(distributions, self._searched(distributions, shape, iterations))
+        columns = self.columns(distributions, shape)
+        weight = non_negative(*self._moments(columns, self._point_weights(0.1 * self.truth)))
+        return self._with_energy(distributions, Mixtures(shape, weight, np.zeros(len(shape))), columns)
+
+    def _searched(self, distributions: tuple[str, ...], shape: np.ndarray, iterations: int) -> Mixtures:
+        """The mixtures of least distance that steps from `shape` (V, k, 3) come by."""
+        slopes, directions = 3 * len(distributions), self._directions(np.float32)
+        rows = self._rows(distributions, shape, directions)
         weight = non_negative(*self._moments(rows[:, slopes:], self._point_weights(0.1 * self.truth)))
         best, distances = self._mixtures(shape, rows[:, slopes:], weight)
-        columns = rows[:, slopes:].copy()
         damping = np.full(len(shape), _FIRST_DAMPING)
-        for left in reversed(range(iterations if distributions else 0)):
+        for left in reversed(range(iterations)):
             weights = self._point_weights(distances)
             gram, moments = self._moments(rows, weights)
             weight = non_negative(gram[:, :, slopes:, slopes:], moments[:, :, slopes:])
@@ -126,9 +134,9 @@ class ViewFits:
             trial = np.clip(shape + np.clip(step, -_LONGEST_STEP, _LONGEST_STEP), self.low, _HIGH)
             before = _squares(gram[:, :, slopes:, slopes:], moments[:, :, slopes:], weight)
             if left:
-                trial_rows = self._rows(distributions, trial)
+                trial_rows = self._rows(distributions, trial, directions)
             else:  # nobody asks for derivatives any more
-                trial_rows, rows, slopes = self.columns(distributions, trial), rows[:, slopes:], 0
+                trial_rows, rows, slopes = self.columns(distributions, trial, np.float32), rows[:, slopes:], 0
             trial_gram, trial_moments = self._moments(trial_rows[:, slopes:], weights)
             trial_weight = non_negative(trial_gram, trial_moments)
             worse = _squares(trial_gram, trial_moments, trial_weight) >= before
@@ -136,10 +144,8 @@ class ViewFits:
             trial[worse], trial_rows[worse], trial_weight[worse] = shape[worse], rows[worse], weight[worse]
             shape, rows, weight = trial, trial_rows, trial_weight
             found, distances = self._mixtures(shape, rows[:, slopes:], weight)
-            closer = found.error < best.error
-            best = found.where(closer, best)
-            columns[closer] = rows[closer, slopes:]
-        return self._with_energy(columns, best)
+            best = found.where(found.error < best.error, best)
+        return best
 
     def errors(self, columns: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Cosine-weighted L1 and energy error (V,) of weights (V, C, k + 1), over the truth's albedo, worst channel."""
@@ -150,22 +156,20 @@ class ViewFits:
         """What each point sends too little, over the truth's albedo, (V, C, Q)."""
         return self.share * self._residual(self.columns(distributions, mixtures.shape), mixtures.weight)
 
-    @property
-    def _directions(self) -> tuple[tuple[np.ndarray, ...], tuple[np.ndarray, ...]]:
+    def _directions(self, dtype: type) -> tuple[tuple[np.ndarray, ...], tuple[np.ndarray, ...]]:
         """wo and wi as `glossy_rates` takes them."""
-        wo = self.wo.astype(self.x.dtype)
-        return (wo[:, :, 0], wo[:, :, 2]), (self.x, self.y, self.z)
+        return tuple(self.wo[:, :, axis].astype(dtype) for axis in (0, 2)), tuple(axis.astype(dtype, copy=False) for axis in (self.x, self.y, self.z))
 
-    def _parameters(self, shape):
+    def _parameters(self, shape: np.ndarray, dtype: type) -> tuple[np.ndarray, ...]:
         """alpha_x, alpha_y and tilt, each (V, 1), of one lobe's shape (V, 3)."""
         parameters = np.exp(shape[:, :1]), np.exp(shape[:, 1:2]), np.arctan(shape[:, 2] * self.sin_o)[:, None]
-        return tuple(values.astype(self.x.dtype) for values in parameters)
+        return tuple(values.astype(dtype, copy=False) for values in parameters)
 
-    def _rows(self, distributions, shape) -> np.ndarray:
-        """(V, 4 k + 1, Q): the derivatives of the lobes by their shapes, and their columns."""
+    def _rows(self, distributions: tuple[str, ...], shape: np.ndarray, directions: tuple) -> np.ndarray:
+        """(V, 4 k + 1, Q): the derivatives of the lobes by their shapes, and their columns, in single precision."""
         result = np.empty((len(shape), 4 * len(distributions) + 1, self.x.shape[1]))
         for i, distribution in enumerate(distributions):
-            value, *rates = glossy_rates(distribution, *self._parameters(shape[:, i]), *self._directions)
+            value, *rates = glossy_rates(distribution, *self._parameters(shape[:, i], np.float32), *directions)
             result[:, 3 * len(distributions) + i] = value
             for j, rate in enumerate(rates):
                 result[:, 3 * i + j] = rate
@@ -173,8 +177,9 @@ class ViewFits:
         result[:, -1] = 1.0 / np.pi
         return result
 
-    def _with_energy(self, columns, found: Mixtures) -> Mixtures:
-        """With weights scaled to the energy of the goal, as tables are."""
+    def _with_energy(self, distributions: tuple[str, ...], found: Mixtures, columns: np.ndarray | None = None) -> Mixtures:
+        """With weights scaled to the energy of the goal, as tables are, and errors of these; `columns` are those of the lobes, if they are known."""
+        columns = self.columns(distributions, found.shape) if columns is None else columns
         energy, wanted = (np.sum(self.share * f, axis=2) for f in (found.weight @ columns, self.goal))
         scale = np.where(energy > 1e-6, np.maximum(wanted, 0.0) / np.maximum(energy, 1e-6), 1.0)
         weight = found.weight * scale[..., None]

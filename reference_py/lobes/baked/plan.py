@@ -73,7 +73,7 @@ class Plan:
         self._distributions = sorted({distribution for distribution, _ in surfaces})
         self._alphas = _widths(surfaces)
         self.fits, self.middles = (ViewFits.at(some, known, least_alpha) for some in (views, middles))
-        self.fitted, self._coarse_fitted = Fitter(self.fits), Fitter(self.fits.of(COARSE).draft(STRIDE))
+        self.fitted, self._coarse_fitted = Fitter(self.fits), Fitter(self.fits.of(COARSE).thinned(STRIDE))
         self._found: dict[int, Branches] = {}
 
     def branches(self, free: int) -> Branches:
@@ -237,7 +237,7 @@ def _half_way(middles: ViewFits, distributions: tuple[str, ...], left: Mixtures,
     """Errors (V,) of what a table makes of neighbouring mixtures between them, where a wrong energy counts more than a wrong shape."""
     widths = np.log(0.5 * (np.exp(left.shape[..., :2]) + np.exp(right.shape[..., :2])))
     shape = np.concatenate([widths, 0.5 * (left.shape[..., 2:] + right.shape[..., 2:])], axis=2)
-    distance, energy = middles.errors(middles.columns(distributions, shape), 0.5 * (left.weight + right.weight))
+    distance, energy = middles.errors(middles.columns(distributions, shape, np.float32), 0.5 * (left.weight + right.weight))
     return _felt(distance) + _ENERGY_COUNTS * energy * (1.0 + energy / _ENERGY_HURTS)
 
 
