@@ -60,8 +60,8 @@ class Detail:
 ENERGY = Detail(azimuths=1, moments=8, across=16, along=28)
 # Of f, what `two_events` does not know: little, or smooth.
 _REST = Detail(azimuths=24, moments=16, across=16, along=28, heights=6, damped=24)
-# Fewer azimuths or moments would show, which is not so of the rest.
-_DRAFT = replace(_REST, across=10, along=16, directions=12, heights=5)
+# Fewer moments would show, which is not so of the rest.
+_DRAFT = replace(_REST, azimuths=16, across=10, along=16, directions=12, heights=5)
 # A surface narrower than this reflects what meets more facets about where two send it.
 NARROW_ALPHA = 0.25
 
@@ -69,7 +69,7 @@ NARROW_ALPHA = 0.25
 def detail_of(modes: int, whole: int | None = None, is_draft: bool = False) -> Detail:
     """What is told of a surface when operators have so many azimuthal modes, of a `whole` that is as many if not given."""
     rest = _DRAFT if is_draft else _REST
-    return ENERGY if modes == 1 else replace(rest, azimuths=min(modes, rest.azimuths), damped=min(whole or modes, rest.azimuths))
+    return ENERGY if modes == 1 else replace(rest, azimuths=min(modes, rest.azimuths), damped=min(whole or modes, _REST.azimuths))
 
 
 @dataclass(frozen=True)

@@ -59,12 +59,13 @@ class Grid:
         """(I, N) weights that interpolate nodal values at the cosines (I,) in a medium of index n."""
         return self._media[n].interpolation(cos_theta)
 
-    def project(self, n: float, directions: np.ndarray, modes: int, *weights: np.ndarray) -> list[np.ndarray]:
+    def project(self, n: float, directions: np.ndarray, modes: int, *weights: np.ndarray, dtype: type = np.float64) -> list[np.ndarray]:
         """For each array of weights (I, Q), rows (modes, I, N) of operators on nodal values.
 
-        They are sums of weights times cos(m turn) times the node's basis over end directions (I, Q, 3) in a medium of index n, sign of z ignored.
+        They are sums, in this precision, of weights times cos(m turn) times the node's basis over end directions (I, Q, 3) in a medium of index n,
+        sign of z ignored.
         """
-        return self._media[n].project(directions, modes, *weights)
+        return self._media[n].project(directions, modes, *weights, dtype=dtype)
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ class _Medium:
             rows[here, start:end] = self._basis(p, 1.0 - cos2[here], cos2[here]).T @ to_nodes(end - start)
         return rows
 
-    def project(self, directions: np.ndarray, modes: int, *weights: np.ndarray) -> list[np.ndarray]:
+    def project(self, directions: np.ndarray, modes: int, *weights: np.ndarray, dtype: type = np.float64) -> list[np.ndarray]:
         """`Grid.project` in this medium."""
         (count, size), panels = weights[0].shape, len(self.edges)
         lit = np.flatnonzero(np.any(weights, axis=0))
@@ -125,17 +126,17 @@ class _Medium:
         order = np.argsort(cell, kind="stable")
         x, y, z = x[order], y[order], z[order]
         sin2, cos2, panel = x * x + y * y, z * z, cell[order] % panels
-        bases = [self._basis(p, sin2[panel == p], cos2[panel == p]) for p in range(panels)]
+        bases = [self._basis(p, sin2[panel == p], cos2[panel == p], dtype) for p in range(panels)]
         counts = np.bincount(cell, minlength=count * panels).reshape(count, panels)
         ends, columns = np.cumsum(counts).reshape(counts.shape), np.cumsum(counts, axis=0)
         # travel of the walker, which starts along -x: the cosine of the azimuth by which the interface turned it
         across = np.sqrt(sin2)
         cos_turn = np.where(across > 0.0, -x / np.maximum(across, 1e-300), 1.0)
-        weights = [w.ravel()[lit[order]] for w in weights]
+        weights = [w.ravel()[lit[order]].astype(dtype, copy=False) for w in weights]
         moments = [np.zeros((len(weights), modes, count, len(basis))) for basis in bases]
         for i in range(count):
             first = ends[i, 0] - counts[i, 0]
-            turns = chebyshev(cos_turn[first : ends[i, -1]], modes)
+            turns = chebyshev(cos_turn[first : ends[i, -1]], modes).astype(dtype, copy=False)
             for p in np.flatnonzero(counts[i]):
                 here = slice(ends[i, p] - counts[i, p], ends[i, p])
                 basis = bases[p][:, columns[i, p] - counts[i, p] : columns[i, p]]
@@ -148,12 +149,12 @@ class _Medium:
         """(P,) number of the panel of directions whose squared sine is this."""
         return np.searchsorted(np.square(self.edges[:-1]), self.edges[-1] ** 2 * sin2, side="right")
 
-    def _basis(self, p: int, sin2: np.ndarray, cos2: np.ndarray) -> np.ndarray:
-        """(nodes of panel p, P) Legendre polynomials at directions on it."""
+    def _basis(self, p: int, sin2: np.ndarray, cos2: np.ndarray, dtype: type = np.float64) -> np.ndarray:
+        """(nodes of panel p, P) Legendre polynomials at directions on it, in this precision."""
         (a, b, nodes, _), n = self._panels[p], self.edges[-1]
         rise = np.sqrt(np.maximum(n * n * sin2 - a * a, 0.0))
         fall = np.sqrt(np.maximum(b * b - n * n + n * n * cos2, 0.0))
-        return legendre(4.0 / np.pi * np.arctan2(rise, fall) - 1.0, len(nodes))
+        return legendre((4.0 / np.pi * np.arctan2(rise, fall) - 1.0).astype(dtype, copy=False), len(nodes))
 
 
 def _psi(x: np.ndarray) -> np.ndarray:
@@ -170,7 +171,7 @@ def to_nodes(count: int) -> np.ndarray:
 
 def legendre(x: np.ndarray, count: int) -> np.ndarray:
     """(count, ...) Legendre polynomials P_0 to P_(count-1) at x (...); twice as fast as numpy's."""
-    result, spare = _two(x, count), np.empty(x.shape)
+    result, spare = _two(x, count), np.empty_like(x)
     for k in range(2, count):
         np.multiply(x, result[k - 1], out=result[k])
         result[k] *= (2.0 * k - 1.0) / k
@@ -189,7 +190,7 @@ def chebyshev(x: np.ndarray, count: int) -> np.ndarray:
 
 def _two(x: np.ndarray, count: int) -> np.ndarray:
     """(count, ...) of which the first two are 1 and x (...)."""
-    result = np.empty((count, *x.shape))
+    result = np.empty((count, *x.shape), x.dtype)
     result[0] = 1.0
     result[1:2] = x
     return result

@@ -47,6 +47,11 @@ class Resolution:
     left_out: int = 0
     """Modes after these that quadratures are good for, and that nobody sees (`depth`)."""
 
+    @property
+    def dtype(self) -> type:
+        """Precision of the sums over facets."""
+        return np.float32 if self.is_draft else np.float64
+
 
 # Facets per direction: energies need fewer than azimuthal modes do.
 ENERGY = Resolution(modes=1, across=16, along=36)
@@ -131,9 +136,9 @@ def _dielectric_chunk(facet, cos_theta, alpha, distribution, surface, grid, reso
     single, transmitted = (np.zeros((resolution.modes, len(cos_theta), grid.count(n))) for n in (facet.n_own, facet.n_other))
     if not _is_resolved(alpha, grid):
         wi, w_reflected = dielectric_reflected(facets, facet)
-        single = grid.project(facet.n_own, wi, resolution.modes, w_reflected)[0]
+        single = grid.project(facet.n_own, wi, resolution.modes, w_reflected, dtype=resolution.dtype)[0]
     if transmits:
-        transmitted = grid.project(facet.n_other, wt, resolution.modes, w_refracted)[0]
+        transmitted = grid.project(facet.n_other, wt, resolution.modes, w_refracted, dtype=resolution.dtype)[0]
     return single, transmitted, w_refracted.sum(axis=1, keepdims=True)
 
 
@@ -223,7 +228,7 @@ def _conductor_chunk(metals: list[ConductorFacet], cos_theta, alpha, distributio
         facets = visible_facets(cos_theta, alpha, distribution, surface, across, 2 * resolution.along)
         wi, weights = facets.reflected()
         cos_om = facets.cos_om
-        single, white = grid.project(n, wi, modes, *(weights * metal(cos_om) for metal in metals)), weights.sum(axis=1)
+        single, white = grid.project(n, wi, modes, *(weights * metal(cos_om) for metal in metals), dtype=resolution.dtype), weights.sum(axis=1)
     multi = [np.zeros_like(rows) for rows in single]
     if _scatters_more_than_once(surface, alpha, resolution):
         left = np.maximum(1.0 - white, 0.0)[:, None]
