@@ -58,6 +58,8 @@ _NODES_PER_WIDTH, _MOST_NODES = 4.5, 48
 _DRAFT_NODES, _DRAFT_MODES = 24, (24, 48)
 # Views with fewer pairs of directions than this in the mean are taken together, so many pairs at once: a processor's cache holds them.
 _PAIRS_OF_A_VIEW, _AT_ONCE = 4, 128
+# Views of many pairs whose densities are looked up together.
+_VIEWS = 64
 
 
 @dataclass(frozen=True)
@@ -297,18 +299,20 @@ class Adding:
         both = np.where(sines > 1e-6, 2.0, 0.0)
         result = np.zeros((len(wo), self.channels))
         densities = [(members, self._remainder[channel]) for channel, members in self._effective.channels()]
+        by_view = len(wo) > _PAIRS_OF_A_VIEW * len(cos_o)
         order = np.argsort(which_o, kind="stable")
-        for here in _parts(which_o[order], len(cos_o)):
+        for here in _parts(which_o[order], by_view):
             here = order[here]
             harmonics = chebyshev(turn[here], self._shape.modes)
             harmonics[1:] *= both[here]
-            rows, views = at_i[which_i[here]], at_o[which_o[here]]
-            for members, density in densities:
-                if which_o[here[0]] == which_o[here[-1]]:
-                    # one view: rows of all modes at once
-                    value = np.einsum("qm,mq->q", rows @ (views[0] @ density).T, harmonics)
+            rows, view = at_i[which_i[here]], which_o[here[0]]
+            if by_view and view % _VIEWS == 0:
+                from_views = [at_o[view : view + _VIEWS] @ density for _, density in densities]
+            for i, (members, density) in enumerate(densities):
+                if by_view:
+                    value = np.einsum("mq,mq->q", from_views[i][:, view % _VIEWS] @ rows.T, harmonics)
                 else:
-                    value = np.sum(np.einsum("mqn,mq->qn", views @ density, harmonics) * rows, axis=1)
+                    value = np.sum(np.einsum("mqn,mq->qn", at_o[which_o[here]] @ density, harmonics) * rows, axis=1)
                 result[np.ix_(here, members)] = value[:, None]
         return result
 
@@ -327,12 +331,9 @@ def _fine(modes: int) -> Resolution:
     return Resolution(modes, across=max(24, modes // 2), along=48)
 
 
-def _parts(views: np.ndarray, count: int) -> list[slice]:
-    """Slices of sorted numbers of `count` views that are worth one product each: all pairs of a view, or many views of few pairs."""
-    if len(views) > _PAIRS_OF_A_VIEW * count:
-        ends = np.cumsum(np.bincount(views)).tolist()
-    else:
-        ends = [*range(_AT_ONCE, len(views), _AT_ONCE), len(views)]
+def _parts(views: np.ndarray, by_view: bool) -> list[slice]:
+    """Slices of sorted numbers of views that are worth one product each: all pairs of a view, or many views of few pairs."""
+    ends = np.cumsum(np.bincount(views)).tolist() if by_view else [*range(_AT_ONCE, len(views), _AT_ONCE), len(views)]
     return [slice(start, end) for start, end in zip([0, *ends], ends)]
 
 
