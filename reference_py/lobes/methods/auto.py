@@ -35,6 +35,8 @@ NAME = AUTO
 _AS_CLOSE = 0.05
 # A bake is expected to be off by so many times `Baker.least_soft_light`, and surely by the second.
 _LIKELY, _SURELY = 1.6, 1.15
+# With one lobe more a bake is judged too where `Baker.least_soft_light` falls below this share: of a hundred stacks none that gained less was worth its lobe.
+_GAIN = 0.96
 # Of albedos with anisotropy: azimuths, views, and walks for each.
 _AZIMUTHS = np.radians([0.0, 45.0, 90.0, 135.0])
 _FEW, _WALKS = 4, 1 << 15
@@ -79,19 +81,21 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
 
 def _try_bakes(baker: Baker, glossy: int, tolerance: float, least_error: Callable[[int], float], judge: Callable[[str, object], float]) -> None:
     """Judge bakes with ever more glossy lobes until one is within the tolerance. Those that by their `least_error` will hardly be are left out, and if none is
-    judged too, from the last on, while they are as close as the closest."""
-    most, left_out, least = min(glossy, baker.most_glossy), [], np.inf
+    judged too, from the last on, while they are as close as the closest. One lobe more that gains next to nothing is no bake of its own."""
+    most, left_out, least, before = min(glossy, baker.most_glossy), [], np.inf, np.inf
 
     def error(count: int) -> float:
         return judge(f"baked, {count} glossy", baker.lobe_set(baker.path(count, known=True)))
 
     for count in range(1, most + 1):
-        if count < most and _LIKELY * least_error(count) > tolerance:
+        expected = least_error(count)
+        if count < most and _LIKELY * expected > tolerance:
             left_out.append(count)
-            continue
-        least = min(least, error(count))
+        elif least == np.inf or expected <= _GAIN * before:
+            least = min(least, error(count))
         if least <= tolerance:
             return
+        before = expected
     for count in reversed(left_out):
         close = least * (1.0 + _AS_CLOSE)
         if _SURELY * least_error(count) > close or (now := error(count)) > close:
