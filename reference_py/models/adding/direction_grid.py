@@ -18,8 +18,8 @@ from ...optics.gauss import gauss_legendre
 
 # Of a panel: stacks of many indices have many short ones.
 FEWEST_NODES = 4
-# Moments that `chebyshev_moments` makes at once.
-_BLOCK = 8
+# Rays whose turns `project` makes at once, and moments that `chebyshev_moments` does.
+_RAYS, _BLOCK = 4096, 8
 
 
 @dataclass(frozen=True)
@@ -134,14 +134,18 @@ class _Medium:
         cos_turn = np.where(across > 0.0, -x / np.maximum(across, 1e-300), 1.0)
         weights = [w.ravel()[lit[order]].astype(dtype, copy=False) for w in weights]
         moments = [np.zeros((len(weights), modes, count, len(basis))) for basis in bases]
-        for i in range(count):
-            first = ends[i, 0] - counts[i, 0]
-            turns = chebyshev(cos_turn[first : ends[i, -1]], modes).astype(dtype, copy=False)
-            for p in np.flatnonzero(counts[i]):
-                here = slice(ends[i, p] - counts[i, p], ends[i, p])
-                basis = bases[p][:, columns[i, p] - counts[i, p] : columns[i, p]]
-                for moment, weight in zip(moments[p], weights):
-                    moment[:, i] = turns[:, here.start - first : here.stop - first] @ (basis * weight[here]).T
+        # turns of few rays take as long as those of many: rows share them
+        shared = np.flatnonzero(np.diff(ends[:, -1] // _RAYS)) + 1
+        for together in np.split(np.arange(count), shared):
+            start = ends[together[0], 0] - counts[together[0], 0]
+            turns = chebyshev(cos_turn[start : ends[together[-1], -1]], modes).astype(dtype, copy=False)
+            for i in together:
+                for p in np.flatnonzero(counts[i]):
+                    here = slice(ends[i, p] - counts[i, p], ends[i, p])
+                    basis = bases[p][:, columns[i, p] - counts[i, p] : columns[i, p]]
+                    turn = turns[:, here.start - start : here.stop - start]
+                    for moment, weight in zip(moments[p], weights):
+                        moment[:, i] = (turn * weight[here]) @ basis.T if modes < len(basis) else turn @ (basis * weight[here]).T
         rows = np.concatenate([moment @ to_nodes(moment.shape[-1]) for moment in moments], axis=-1)
         return list(rows)
 
