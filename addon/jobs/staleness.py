@@ -30,8 +30,12 @@ def make_ready(*_) -> None:
     if bpy.app.background:
         wanted: list[state.Wanted] = []
         hand_overs: list[hand_over.WantedHandOver] = []
-        _for_each(_is_unready, lambda material: wanted.extend(state.to_compute(material)))
-        _for_each(_is_unready, lambda material: hand_overs.append(hand_over.WantedHandOver.of(material)))
+
+        def want(material: bpy.types.Material) -> None:
+            wanted.extend(state.to_compute(material))
+            hand_overs.append(hand_over.WantedHandOver.of(material))
+
+        _for_each(_is_unready, want)
         prefetch.prefetch(wanted, hand_overs, lambda message: print(f"Lamina: {message}"))
     _for_each(_is_unready, _make_ready)
     _for_each(_is_not_handed_over, lambda material: materials.hand_over(material, settle=bpy.app.background))

@@ -13,7 +13,7 @@ from ...optics.quadrature import directional_albedo
 from .parts import Fresnel
 
 # Of `facet_points`.
-_RINGS_AND_TURNS = 64, 24
+_RINGS_AND_TURNS = 96, 24
 
 
 class Curve:
@@ -52,7 +52,7 @@ def albedo_curve(f: Callable, widths: Sequence[tuple[str, float]], specular_albe
 def facet_points() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """u1, u2 and weights (n,) of facets for `facets_seen`: Gauss points, dense where the mirrored light meets the horizon.
 
-    Their energies are .5e-4 off in the mean, those of 4096 `points` 1.7e-4.
+    Their energies are .3e-4 off in the mean, those of 4096 `points` 1.7e-4.
     """
     rings, turns = ((0.5 * (x + 1.0), 0.5 * w) for x, w in map(np.polynomial.legendre.leggauss, _RINGS_AND_TURNS))
     u1, weight = 1.0 - np.square(1.0 - rings[0]), 2.0 * (1.0 - rings[0]) * rings[1]
