@@ -14,6 +14,7 @@ import numpy as np
 from ...optics.fresnel import fresnel_dielectric
 from ...optics.gauss import gauss_legendre
 from ...optics.microfacet import BECKMANN, GGX, is_specular
+from ...optics.quadrature import points
 from .energy import facet_points, facets_seen, mean_fresnel, reflected_share
 from .parts import COS_82, Fresnel, Lobe, conductor, dielectric, dielectric_f0, f82
 
@@ -21,6 +22,7 @@ MULTI_GGX = "multi_ggx"
 _FLOOR = 1e-4  # of the tables' first nodes
 _ENERGY_NODES, _RISE_NODES = 32, 16
 _ORDER = 24
+_FACETS = 4096
 
 
 def _nodes(count: int) -> np.ndarray:
@@ -37,9 +39,8 @@ def _between(x: float, count: int) -> tuple[int, int, float]:
 def _ggx_energy(cos_o: np.ndarray, alpha: float) -> np.ndarray:
     """(N,) albedo of a lossless single-scattering GGX lobe."""
     alphas = np.full(len(cos_o), alpha)
-    *places, weights = facet_points()
-    _, cos_i = facets_seen(cos_o, alphas, *places)
-    return reflected_share(cos_i, cos_o, alphas) @ weights
+    _, cos_i = facets_seen(cos_o, alphas, *points(_FACETS))
+    return np.mean(reflected_share(cos_i, cos_o, alphas), axis=1)
 
 
 @lru_cache(maxsize=16)
@@ -73,11 +74,10 @@ def _rise_column(rough: int, depth: int) -> np.ndarray:
     cos_o = _nodes(_RISE_NODES)
     z2 = np.clip(_nodes(_RISE_NODES)[depth], _FLOOR, 0.99) ** 2
     eta = (1.0 + z2) / (1.0 - z2)
-    *places, weights = facet_points()
-    cos_om, cos_i = facets_seen(cos_o, np.full(len(cos_o), _nodes(_RISE_NODES)[rough] ** 2), *places)
+    cos_om, cos_i = facets_seen(cos_o, np.full(len(cos_o), _nodes(_RISE_NODES)[rough] ** 2), *points(_FACETS))
     f0 = dielectric_f0(eta)
     rise = np.clip((fresnel_dielectric(cos_om, eta) - f0) / (1.0 - f0), 0.0, 1.0)
-    return np.where(cos_i > 0.0, rise, 0.0) @ weights
+    return np.mean(np.where(cos_i > 0.0, rise, 0.0), axis=1)
 
 
 def _rise(alpha: float, eta: float) -> np.ndarray:

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 
 from ...optics.frame import spherical
+from ...optics.gauss import gauss_legendre
 from ...optics.ggx import ggx_visible_columns, turn_of
 from ...optics.microfacet import GGX, masking_g1, masking_g2
 from ...optics.quadrature import directional_albedo
@@ -52,9 +53,9 @@ def albedo_curve(f: Callable, widths: Sequence[tuple[str, float]], specular_albe
 def facet_points() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """u1, u2 and weights (n,) of facets for `facets_seen`: Gauss points, dense where the mirrored light meets the horizon.
 
-    Their energies are .3e-4 off in the mean, those of 4096 `points` 1.7e-4.
+    What depends on facets smoothly is closer by them than by four times as many `points`.
     """
-    rings, turns = ((0.5 * (x + 1.0), 0.5 * w) for x, w in map(np.polynomial.legendre.leggauss, _RINGS_AND_TURNS))
+    rings, turns = ((0.5 * (x + 1.0), 0.5 * w) for x, w in map(gauss_legendre, _RINGS_AND_TURNS))
     u1, weight = 1.0 - np.square(1.0 - rings[0]), 2.0 * (1.0 - rings[0]) * rings[1]
     return np.repeat(u1, len(turns[0])), np.tile(turns[0], len(u1)), np.outer(weight, turns[1]).ravel()
 
