@@ -18,7 +18,7 @@ _NEAREST = np.argmin(np.abs(np.arange(KNOTS)[:, None] - COARSE), axis=1)
 STRIDE = 2
 # Of each coarse knot its neighbours, and how often fits begin at what these found.
 _BEFORE, _AFTER, _PASSES = np.maximum(np.arange(len(COARSE)) - 1, 0), np.minimum(np.arange(len(COARSE)) + 1, len(COARSE) - 1), 2
-# Steps of a trial, of the best third of the trials, of a branch at every knot, and of fits to a truth much like the one before.
+# Steps of a trial, of the best half of the trials, of a branch at every knot, and of fits to a truth much like the one before.
 _TRIAL, _MORE, _FILL, _CONTINUED = 5, 8, 5, 5
 # How often knots of a path begin anew between their neighbours: one pass leaves gold by three lobes a jump of 4 %.
 _SMOOTHED = 2
@@ -95,9 +95,9 @@ class Plan:
         return self._coarse_fitted.fits.gaps(branches.distributions, branches.mixtures[0])
 
     def _trials(self, distributions: tuple[str, ...], fewer: Branches | None) -> list[Mixtures]:
-        """A few steps from all starts at the coarse knots; the best third of them."""
+        """A few steps from all starts at the coarse knots; the best half of them."""
         starts = self._starts(fewer) if fewer else [np.zeros((len(COARSE), 0, 3))]
-        return _best(self._coarse_fitted(distributions, starts, _TRIAL), max((len(starts) + 1) // 3, _BRANCHES))
+        return _best(self._coarse_fitted(distributions, starts, _TRIAL), max(len(starts) // 2, _BRANCHES))
 
     def _continued(self, distributions: tuple[str, ...], trials: list[Mixtures]) -> Branches:
         """The branches that trials lead to; then each knot begins at what its neighbours found."""
@@ -109,12 +109,15 @@ class Plan:
         return Branches(distributions, tuple(_in_order(distributions, trials)))
 
     def _starts(self, fewer: Branches) -> list[np.ndarray]:
-        """Shapes (coarse, k, 3) to start from: one more lobe beside what fewer found, and for two also every pair of widths."""
+        """Shapes (coarse, k, 3) to start from: one more lobe beside what fewer found, and for two also every pair of widths.
+
+        Of different ones: two lobes that are alike take every step together.
+        """
         lobes = [np.array([[np.log(a), np.log(a), 0.0]]) for a in self._alphas]
         every = (len(COARSE), 1, 1)
         starts = [np.concatenate([branch.shape, np.tile(lobe, every)], axis=1) for branch in fewer.mixtures[:1] for lobe in lobes]
         if len(fewer.distributions) == 1:
-            starts += [np.tile(np.concatenate([a, b]), every) for i, a in enumerate(lobes) for b in lobes[i:]]
+            starts += [np.tile(np.concatenate([a, b]), every) for i, a in enumerate(lobes) for b in lobes[i + 1 :]]
         return starts
 
 
