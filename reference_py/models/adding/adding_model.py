@@ -290,20 +290,21 @@ class Adding:
         """The rest (n, 3) of f, from the grid, for directions (n, 3) above the surface; reciprocal, and below 0 where the series undershoots."""
         cos_o, which_o = np.unique(np.minimum(wo[:, 2], 1.0), return_inverse=True)
         cos_i, which_i = np.unique(np.minimum(wi[:, 2], 1.0), return_inverse=True)
-        at_o, at_i = self._shape_grid.interpolation(1.0, cos_o), self._shape_grid.interpolation(1.0, cos_i)
+        dtype = self._shape.dtype
+        at_o, at_i = (self._shape_grid.interpolation(1.0, cosines, dtype) for cosines in (cos_o, cos_i))
         azimuth = wo[:, 0] * wi[:, 0] + wo[:, 1] * wi[:, 1]
         sines = np.hypot(wo[:, 0], wo[:, 1]) * np.hypot(wi[:, 0], wi[:, 1])
         # travel: a mirror, whose wi is opposite in azimuth, turns by 0
         turn = -np.clip(np.where(sines > 1e-12, azimuth / np.maximum(sines, 1e-12), -1.0), -1.0, 1.0)
         # along the normal there is no azimuth: its mean alone counts
-        both = np.where(sines > 1e-6, 2.0, 0.0)
+        both = np.where(sines > 1e-6, 2.0, 0.0).astype(dtype)
         result = np.zeros((len(wo), self.channels))
-        densities = [(members, self._remainder[channel]) for channel, members in self._effective.channels()]
+        densities = [(members, self._remainder[channel].astype(dtype, copy=False)) for channel, members in self._effective.channels()]
         by_view = len(wo) > _PAIRS_OF_A_VIEW * len(cos_o)
         order = np.argsort(which_o, kind="stable")
         for here in _parts(which_o[order], by_view):
             here = order[here]
-            harmonics = chebyshev(turn[here], self._shape.modes)
+            harmonics = chebyshev(turn[here].astype(dtype, copy=False), self._shape.modes)
             harmonics[1:] *= both[here]
             rows, view = at_i[which_i[here]], which_o[here[0]]
             if by_view and view % _VIEWS == 0:

@@ -55,9 +55,9 @@ class Grid:
         """(N,) cos(theta) of the nodes in a medium of index n, precise at grazing angles."""
         return self._media[n].cosines
 
-    def interpolation(self, n: float, cos_theta: np.ndarray) -> np.ndarray:
-        """(I, N) weights that interpolate nodal values at the cosines (I,) in a medium of index n."""
-        return self._media[n].interpolation(cos_theta)
+    def interpolation(self, n: float, cos_theta: np.ndarray, dtype: type = np.float64) -> np.ndarray:
+        """(I, N) weights, in this precision, that interpolate nodal values at the cosines (I,) in a medium of index n."""
+        return self._media[n].interpolation(cos_theta, dtype)
 
     def project(self, n: float, directions: np.ndarray, modes: int, *weights: np.ndarray, dtype: type = np.float64) -> list[np.ndarray]:
         """For each array of weights (I, Q), rows (modes, I, N) of operators on nodal values.
@@ -106,14 +106,14 @@ class _Medium:
         n = self.edges[-1]
         return np.concatenate([np.sqrt((n * n - b * b) + (b * b - a * a) * np.square(np.cos(_psi(x)))) / n for a, b, x, _ in self._panels])
 
-    def interpolation(self, cos_theta: np.ndarray) -> np.ndarray:
-        """Weights (I, N) of the nodes at cosines (I,)."""
+    def interpolation(self, cos_theta: np.ndarray, dtype: type) -> np.ndarray:
+        """Weights (I, N) of the nodes at cosines (I,), in this precision."""
         cos2 = np.square(np.asarray(cos_theta, float))
-        rows = np.zeros((len(cos2), self.starts[-1]))
+        rows = np.zeros((len(cos2), self.starts[-1]), dtype)
         panel = self._panel(1.0 - cos2)
         for p, (start, end) in enumerate(zip(self.starts, self.starts[1:])):
             here = panel == p
-            rows[here, start:end] = self._basis(p, 1.0 - cos2[here], cos2[here]).T @ to_nodes(end - start)
+            rows[here, start:end] = self._basis(p, 1.0 - cos2[here], cos2[here], dtype).T @ to_nodes(end - start).astype(dtype, copy=False)
         return rows
 
     def project(self, directions: np.ndarray, modes: int, *weights: np.ndarray, dtype: type = np.float64) -> list[np.ndarray]:

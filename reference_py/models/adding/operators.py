@@ -49,7 +49,7 @@ class Resolution:
 
     @property
     def dtype(self) -> type:
-        """Precision of the sums over facets."""
+        """Precision of the sums over facets, and of those over modes."""
         return np.float32 if self.is_draft else np.float64
 
 
