@@ -100,15 +100,17 @@ def two_reflections(alpha: float, distribution: str, facets: tuple[Facet, ...]) 
     up = _lobes(cos, z, alpha, distribution, curves, azimuths)
     down = _lobes(cos, -z, alpha, distribution, curves, azimuths)
     scale = _fading(own[:, None], own) / (16.0 * cos[:, None] * cos * (1.0 + own[:, None] + own))
-    tables = []
+    (o, i), tables = np.triu_indices(directions), []
     for facet, first, then in zip(facets, up, down):
         # (modes, o, z) @ (modes, z, i)
-        half = np.moveaxis(first * rising[..., None], -1, 0) @ np.moveaxis(then, -1, 0).swapaxes(-1, -2)
-        spectrum = half + half.swapaxes(-1, -2)
-        f = np.fft.irfft(spectrum, axis=0)[: azimuths + 1] * (np.pi / azimuths) * scale
+        half = np.ascontiguousarray(np.moveaxis(first * rising[..., None], -1, 0)) @ np.ascontiguousarray(np.moveaxis(then, -1, 0)).swapaxes(-1, -2)
         further = _further(cos, alpha, distribution, facet)
-        f = np.moveaxis(f * (1.0 + further[:, None] * further), 0, -1)
-        tables.append(np.log(np.maximum(f, _NOISE * np.max(f, axis=-1, keepdims=True) + _LEAST)))
+        # light may go either way: half of all pairs
+        f = np.fft.irfft((half[:, o, i] + half[:, i, o]).T)[:, : azimuths + 1]
+        f *= (np.pi / azimuths) * (scale * (1.0 + further[:, None] * further))[o, i, None]
+        table = np.empty((directions, directions, azimuths + 1))
+        table[o, i] = table[i, o] = np.log(np.maximum(f, _NOISE * np.max(f, axis=-1, keepdims=True) + _LEAST))
+        tables.append(table)
     return TwoReflections(alpha, distribution, np.stack(tables, axis=-1))
 
 
@@ -135,12 +137,21 @@ def _lobes(cos, z, alpha, distribution, curves, azimuths):
     own, other = np.nonzero(cos[:, None] + z > 0.0)
     come, go = cos[own, None], z[other, None]
     rise, base = come + go, 2.0 * (1.0 + come * go)
-    sines = np.sqrt((1.0 - np.square(come)) * (1.0 - np.square(go)))
+    sines, inverse_rise2 = 2.0 * np.sqrt((1.0 - np.square(come)) * (1.0 - np.square(go))), 1.0 / np.square(np.maximum(rise, 1e-15))
+    law = microfacet.distribution_of(distribution)
 
     def lobe(cos_phi):
-        length = np.sqrt(np.maximum(base - 2.0 * sines * cos_phi, 1e-30))
-        cell = (length * (0.5 * _CELLS) + 0.5).astype(np.int32)
-        facets = microfacet.distribution(np.minimum(rise / length, 1.0), alpha, distribution)
+        length2 = base - sines * cos_phi
+        np.maximum(length2, 1e-30, out=length2)
+        cell = np.sqrt(length2)
+        cell *= 0.5 * _CELLS
+        cell += 0.5
+        cell = cell.astype(np.int32)
+        length2 *= inverse_rise2  # 1 / cos^2 of the facet
+        facets = law.slope_density((length2 - 1.0) * (1.0 / alpha**2))
+        facets *= length2
+        facets *= length2
+        facets *= 1.0 / (np.pi * alpha**2)
         return [facets * curve[cell] for curve in curves]
 
     # the samples that a lobe may be narrower than are means over their cells, by an angle in which it is smooth
