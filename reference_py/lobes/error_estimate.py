@@ -69,6 +69,8 @@ def soft_lights(views: Views, light_deg: float) -> np.ndarray:
     phi = 2.0 * np.pi * (np.arange(_AROUND) + 0.5) / _AROUND
     centers = spherical(theta[:, None], phi).reshape(-1, 3)
     inside = np.cos(np.radians(0.5 * light_deg))
-    both = (np.swapaxes(half, 1, 2) for half in (views.wi, views.wi * np.array([1.0, -1.0, 1.0])))
-    lit = 0.5 * sum((centers @ half > inside).astype(float) for half in both)
+    lit = centers @ np.swapaxes(views.wi, 1, 2) > inside
+    # of a point's mirror image in the plane of incidence, which lights the lights' images
+    mirrored = lit.reshape(len(lit), _RINGS, _AROUND, -1)[:, :, ::-1].reshape(lit.shape)
+    lit = 0.5 * lit + 0.5 * mirrored
     return lit / np.maximum(lit.sum(axis=1, keepdims=True), 0.5)
