@@ -16,6 +16,7 @@ from .fitting import Fit, rough_solutions
 from .forward import MODEL_ERROR, Forward
 from .likeness import likeness
 from .metric import rms
+from .prior import POLISHED
 from .profile_likelihood import COHERENT_ERROR, pinned, straight, weakly_determined
 from .stand_in import stand_in
 from .starts import best_starts
@@ -102,9 +103,9 @@ def _profile_error(coarse: Forward, fit: Fit, i: int, deviation: float) -> float
 def _disagreement(coarse: Forward, fit: Fit) -> np.ndarray:
     """(p,) how far values of the fit and of fits of the stand-in plus its discrepancy from several starts lie apart, of those that are as good.
 
-    The fit is one of them, as the prior's pull makes the others agree on what the data do not determine.
+    As far as the stand-in can tell, since its discrepancy changes from place to place. The prior hardly pulls, or all would agree on what it says.
     """
-    found = rough_solutions(coarse, best_starts(coarse, _STARTS, np.random.default_rng(0)))
-    as_good = np.hypot(rms(found[0].residual), MODEL_ERROR)
+    found = rough_solutions(coarse, best_starts(coarse, _STARTS, np.random.default_rng(0)), POLISHED)
+    as_good = np.hypot(rms(found[0].residual), max(rms(fit.discrepancy), MODEL_ERROR))
     near = [fit.x, *(other.x for other in found if rms(other.residual) <= as_good)]
     return np.ptp([fit.parameters.values(x) for x in near], axis=0)

@@ -128,15 +128,15 @@ def rough_fits(
     found, begun = [], None
     for structure in structures:
         forward, _ = stand_in(model, Parameters(structure, metric.measurement.channels), few)
-        solved = rough_solutions(forward, begun or best_starts(forward, starts, rng, known), steps)
+        solved = rough_solutions(forward, begun or best_starts(forward, starts, rng, known), steps=steps)
         begun = begun or [solution.x for solution in solved]
         found += [(structure, solution) for solution in solved]
     return sorted(found, key=lambda option: option[1].cost)
 
 
-def rough_solutions(forward: Forward, starts: Sequence[np.ndarray], steps: int = _ROUGH_STEPS) -> list[Solution]:
+def rough_solutions(forward: Forward, starts: Sequence[np.ndarray], pull: float = ROUGH, steps: int = _ROUGH_STEPS) -> list[Solution]:
     """A fit of a stand-in from each start (p,), best first."""
-    return sorted(_solved(forward, starts, ROUGH, _ROUGH_TOLERANCE, steps), key=lambda solution: solution.cost)
+    return sorted(_solved(forward, starts, pull, _ROUGH_TOLERANCE, steps), key=lambda solution: solution.cost)
 
 
 def nearest(metric: Metric, found: Sequence[tuple[Structure, Solution]], model: str, options: Mapping = MappingProxyType({}), most: int = _MOST_NEAR) -> Start:
