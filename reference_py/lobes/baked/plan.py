@@ -193,9 +193,9 @@ def best_path(plan: Plan, found: Branches) -> Path:
 
 def _joined(plan: Plan, distributions: tuple[str, ...], branches: list[Mixtures]) -> Path:
     """The path over the branches of least sum of the errors at the knots and between them."""
-    branches = [_symmetric_at_normal(plan, distributions, branch) for branch in branches]
-    errors = np.array([_felt(branch.error) for branch in branches])
-    between = np.array([[_half_way(plan.middles, distributions, a.of(slice(0, -1)), b.of(slice(1, None))) for b in branches] for a in branches])
+    joined = _symmetric_at_normal(plan, distributions, branches)
+    errors = _felt(joined.error).reshape(len(branches), KNOTS)
+    between = _between(plan, distributions, joined)
     cost, came_from = errors[:, 0], []
     for k in range(KNOTS - 1):
         through = cost[:, None] + between[:, :, k]
@@ -207,33 +207,45 @@ def _joined(plan: Plan, distributions: tuple[str, ...], branches: list[Mixtures]
         at = int(previous[at])
         path.append(at)
     chosen = np.array(path[::-1]) * KNOTS + np.arange(KNOTS)
-    joined = Mixtures(*(np.concatenate([getattr(branch, name) for branch in branches]) for name in ("shape", "weight", "error")))
     return Path(distributions, joined.of(chosen), float(np.min(cost)))
+
+
+def _between(plan: Plan, distributions: tuple[str, ...], joined: Mixtures) -> np.ndarray:
+    """Errors (B, B, KNOTS - 1) between the knots of B branches one after the other, from the first's to the second's."""
+    count, cells = len(joined.error) // KNOTS, KNOTS - 1
+    found = np.concatenate([joined.shape.reshape(count, KNOTS, -1), joined.weight.reshape(count, KNOTS, -1)], axis=2)
+    # branches have much in common, which is looked at once
+    first = np.argmax(np.all(found[:, None] == found, axis=-1), axis=1)
+    pairs = (first[:, None, :-1] * count + first[:, 1:]) * cells + np.arange(cells)
+    distinct, place = np.unique(pairs, return_inverse=True)
+    left, right, cell = distinct // (count * cells), distinct // cells % count, distinct % cells
+    errors = _half_way(plan.middles.of(cell), distributions, joined.of(left * KNOTS + cell), joined.of(right * KNOTS + cell + 1))
+    return errors[place].reshape(pairs.shape)
 
 
 def continued_path(plan: Plan, path: Path) -> Path:
     """The path to another truth that is much like the one it was found for: every fit begins where the other ended."""
-    mixtures = _symmetric_at_normal(plan, path.distributions, plan.fits.fit(path.distributions, path.mixtures.shape, _CONTINUED))
+    mixtures = _symmetric_at_normal(plan, path.distributions, [plan.fits.fit(path.distributions, path.mixtures.shape, _CONTINUED)])
     return Path(path.distributions, mixtures, float(np.sum(mixtures.error)))
 
 
-def _symmetric_at_normal(plan: Plan, distributions: tuple[str, ...], mixtures: Mixtures) -> Mixtures:
-    """With the last mixture made symmetric, from its own shape or its neighbour's, whichever suits both.
+def _symmetric_at_normal(plan: Plan, distributions: tuple[str, ...], branches: list[Mixtures]) -> Mixtures:
+    """Branches one after the other, the last mixture of each made symmetric, from its own shape or its neighbour's, whichever suits both.
 
     At the normal no direction is along the plane of incidence, and a tilt has no effect there: the neighbour's stays.
     """
-    last = mixtures.shape[-2:]
-    alpha = np.mean(last[:, :, :2], axis=2, keepdims=True)
-    shape = np.concatenate([alpha, alpha, np.broadcast_to(last[:1, :, 2:], alpha.shape)], axis=2)
-    tried = plan.fits.of(np.array([KNOTS - 1] * 2)).fit(distributions, shape, 0)
-    neighbours = mixtures.of(np.array([KNOTS - 2] * 2))
-    cost = tried.error + _half_way(plan.middles.of(np.array([KNOTS - 2] * 2)), distributions, neighbours, tried)
-    best = tried.of(int(np.argmin(cost)))
-    return Mixtures(
-        np.concatenate([mixtures.shape[:-1], best.shape[None]]),
-        np.concatenate([mixtures.weight[:-1], best.weight[None]]),
-        np.append(mixtures.error[:-1], best.error),
-    )
+    joined = Mixtures(*(np.concatenate([getattr(branch, name) for branch in branches]) for name in ("shape", "weight", "error")))
+    last = np.arange(1, len(branches) + 1) * KNOTS - 1
+    shape = joined.shape[np.stack([last - 1, last], axis=1).ravel()]
+    alpha = np.mean(shape[:, :, :2], axis=2, keepdims=True)
+    tilt = np.repeat(joined.shape[last - 1, :, 2:], 2, axis=0)
+    tried = plan.fits.of(np.full(len(shape), KNOTS - 1)).fit(distributions, np.concatenate([alpha, alpha, tilt], axis=2), 0)
+    neighbours = joined.of(np.repeat(last - 1, 2))
+    cost = tried.error + _half_way(plan.middles.of(np.full(len(shape), KNOTS - 2)), distributions, neighbours, tried)
+    best = tried.of(2 * np.arange(len(branches)) + np.argmin(cost.reshape(-1, 2), axis=1))
+    for name in ("shape", "weight", "error"):
+        getattr(joined, name)[last] = getattr(best, name)
+    return joined
 
 
 def _half_way(middles: ViewFits, distributions: tuple[str, ...], left: Mixtures, right: Mixtures) -> np.ndarray:
