@@ -106,10 +106,11 @@ def test_progress_is_reported_and_can_cancel():
     assert shares == sorted(shares)
 
 
-def test_non_negative_least_squares_beats_every_other_choice():
+@pytest.mark.parametrize("lobes", [2, 3, 4])
+def test_non_negative_least_squares_beats_every_other_choice(lobes):
     rng = np.random.default_rng(3)
-    columns, goal = rng.normal(size=(4, 30)), rng.normal(size=(30, 3))
-    gram = np.repeat((columns @ columns.T)[None], 3, axis=0)
+    columns, goal = rng.normal(size=(lobes, 30)), rng.normal(size=(30, 20))
+    gram = np.repeat((columns @ columns.T)[None], 20, axis=0)
     best = non_negative(gram, (columns @ goal).T)
     lowest = np.sum(np.square(goal - columns.T @ best.T), axis=0)
     for _ in range(500):

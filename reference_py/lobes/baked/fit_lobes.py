@@ -237,11 +237,26 @@ def non_negative(gram: np.ndarray, moments: np.ndarray) -> np.ndarray:
 
     Where the free minimiser is not one, every active set is tried.
     """
+    if moments.shape[-1] == 2:
+        return _of_two(gram, moments)
     c = _solve(gram, moments[..., None])[..., 0]
     bad = np.any(c < 0.0, axis=-1)
     if bad.any():
         c[bad] = _by_active_sets(gram[bad], moments[bad])
     return c
+
+
+def _of_two(gram, moments) -> np.ndarray:
+    """`non_negative` of two, by Cramer's rule: one lobe and a Lambert lobe are fitted most often."""
+    (a, d), b, (p, q) = np.einsum("...ii->i...", gram), gram[..., 0, 1], np.moveaxis(moments, -1, 0)
+    shift = 1e-12 * (a + d)
+    a, d = a + shift, d + shift
+    both = np.stack([d * p - b * q, a * q - b * p], axis=-1)
+    both /= (a * d - b * b)[..., None]
+    alone = np.maximum(p, 0.0) / a, np.maximum(q, 0.0) / d
+    is_first = p * alone[0] >= q * alone[1]
+    one = np.stack([np.where(is_first, alone[0], 0.0), np.where(is_first, 0.0, alone[1])], axis=-1)
+    return np.where(np.all(both >= 0.0, axis=-1, keepdims=True), both, one)
 
 
 def _by_active_sets(gram, moments) -> np.ndarray:
