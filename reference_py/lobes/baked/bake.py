@@ -109,7 +109,7 @@ class Baker:
             self._own[glossy] = Found(number, best_path(self._plans[number], branches))
             self._report(0.9)
         found, fewer = self._own[glossy], glossy - 1
-        is_close = fewer and (found.path.jumps or self._best_plan(fewer)[1].error < _CLOSE * self._best_plan(glossy)[1].error)
+        is_close = fewer and self._best_plan(fewer)[1].error < _CLOSE * self._best_plan(glossy)[1].error
         if is_close and (fewer in self._own or not known):
             # more lobes fit each knot better, but may change more between knots
             return min(found, self.path(fewer, known), key=lambda one: one.path.cost)

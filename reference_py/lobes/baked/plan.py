@@ -22,8 +22,9 @@ _BEFORE, _AFTER, _PASSES = np.maximum(np.arange(len(COARSE)) - 1, 0), np.minimum
 _TRIAL, _MORE, _FILL, _CONTINUED = 5, 8, 5, 5
 # How often knots of a path begin anew between their neighbours: one pass leaves gold by three lobes a jump of 4 %.
 _SMOOTHED = 2
-# Of paths without a jump the sum of errors at and between knots is two to three times that of those at knots.
-_JUMPS = 7.0
+# Between two knots a path jumps where its error is so many times as large as those at both together; knots that begin anew on either side of it, and
+# how often what is left of it is looked at: with lobes that are much alike it moves along the view until it is small.
+_JUMP, _MENDED, _MENDS = 4.0, 4, 4
 # Branches that a path may take.
 _BRANCHES = 3
 # Widths that starts are chosen from.
@@ -174,11 +175,6 @@ class Path:
     mixtures: Mixtures
     cost: float
 
-    @property
-    def jumps(self) -> bool:
-        """Whether it is good at the knots and much worse between some, which are of different branches."""
-        return self.cost > _JUMPS * float(np.sum(_felt(self.mixtures.error)))
-
 
 def best_path(plan: Plan, found: Branches) -> Path:
     """Mixtures of whichever branch, or of fits that begin between their neighbours on the best path: least sum of errors."""
@@ -188,7 +184,29 @@ def best_path(plan: Plan, found: Branches) -> Path:
         ends = np.concatenate([path.mixtures.shape[1:2], path.mixtures.shape, path.mixtures.shape[-2:-1]])
         between = plan.fitted(found.distributions, [0.5 * (ends[:-2] + ends[2:])], _FILL)
         path = _joined(plan, found.distributions, [path.mixtures, *between])
+    for _ in range(_MENDS):
+        mended = _mended(plan, path)
+        if mended.cost >= path.cost:
+            break
+        path = mended
     return path
+
+
+def _mended(plan: Plan, path: Path) -> Path:
+    """The path without its jumps, if knots to either side of one that begin one after the other, each where the one before ended, are better."""
+    knots, felt = path.mixtures, _felt(path.mixtures.error)
+    between = _half_way(plan.middles, path.distributions, knots.of(slice(0, -1)), knots.of(slice(1, None)))
+    # where the view grazes there is little light to be wrong about
+    jumps = np.flatnonzero(between[1:] > _JUMP * (felt[1:-1] + felt[2:])) + 1
+    if not len(jumps):
+        return path
+    sides = [Mixtures(knots.shape.copy(), knots.weight.copy(), knots.error.copy()) for _ in range(2)]
+    for step in range(_MENDED):
+        for side, at, before in ((sides[0], jumps - step, 1), (sides[1], jumps + 1 + step, -1)):
+            at = at[(at >= 0) & (at < KNOTS)]
+            found = plan.fits.of(at).fit(path.distributions, side.shape[at + before], _FILL)
+            side.shape[at], side.weight[at], side.error[at] = found.shape, found.weight, found.error
+    return _joined(plan, path.distributions, [knots, *sides])
 
 
 def _joined(plan: Plan, distributions: tuple[str, ...], branches: list[Mixtures]) -> Path:
