@@ -295,7 +295,7 @@ def fit_structure(
     best = polished(first, share_of(progress, 0.5, 1.0), options)
     evaluations = best.evaluations
     for _, solution in found:
-        if not (_may_be_stuck(best) and is_other):
+        if not may_be_stuck(best):
             break
         if solution.x is not start.x:
             other = polished(corrected(metric, Start(structure, solution.x), model, _FIRST_STEPS, options=options), options=options)
@@ -304,6 +304,11 @@ def fit_structure(
     return replace(best, evaluations=evaluations)
 
 
-def _may_be_stuck(fit: Fit) -> bool:
-    """Whether the error is some times the model's, and no noise: another place may be better. What is far off no stack explains."""
+def may_be_stuck(fit: Fit) -> bool:
+    """Whether the error is some times the model's, and no noise: another place may be better. What is far off no stack explains.
+
+    A model that has no stand-in is fitted from many starts itself.
+    """
+    if not stand_in(fit.model, fit.parameters, fit.metric)[1]:
+        return False
     return MODEL_ERROR < fit.error < _EXPLAINED and likeness(fit.metric, fit.residual) > _ALIKE

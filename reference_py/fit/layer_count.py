@@ -17,7 +17,21 @@ from ..errors import LaminaError, Sentence
 from ..material.schema import CONDUCTOR, DIELECTRIC
 from . import AUTO
 from .certainty import independent_pairs, noise_and_misfit
-from .fitting import SAMPLES, Fit, Progress, Start, corrected, nearest, polished, rough_fits, share_of, space_mapping_step, subsampled
+from .fitting import (
+    SAMPLES,
+    STARTS,
+    Fit,
+    Progress,
+    Start,
+    corrected,
+    may_be_stuck,
+    nearest,
+    polished,
+    rough_fits,
+    share_of,
+    space_mapping_step,
+    subsampled,
+)
 from .forward import CLOUDY_MODEL, DEFAULT_MODEL, MODEL_ERROR, QUICK, require_fittable
 from .metric import Metric, percent
 from .parameters import BASES, Parameters, Structure
@@ -144,7 +158,7 @@ def select(
     chosen = tried[-1]
     if layers == AUTO and len(tried) > 1 and not supported(tried[-1], tried[-2]):
         chosen = tried[-2]
-    best = polished(search.with_best_surfaces(chosen), share_of(done, begun, 1.0), steps=_LAST_STEPS)
+    best = search.unstuck(polished(search.with_best_surfaces(chosen), share_of(done, begun, 1.0), steps=_LAST_STEPS))
     done(1.0)
     tried = [best if fit is chosen else _containing(fit, best) for fit in tried]
     plain = Selection(best, tuple(tried), _reason(best, tried, layers))
@@ -233,6 +247,15 @@ class _Search:
             self.metric, Start(fit.structure, fit.x, fit.value), self.model, _COMPARED_STEPS, options=fit.options
         )
         return fit
+
+    def unstuck(self, fit: Fit) -> Fit:
+        """The fit or, where that may be stuck, one from another start that comes nearer even at quick settings."""
+        if not may_be_stuck(fit):
+            return fit
+        found = rough_fits(self.metric, [fit.structure], self.model, STARTS, self.rng)
+        starts, options = [Start(fit.structure, solution.x) for _, solution in found], QUICK.get(self.model, {})
+        other = min((corrected(self.metric, start, self.model, _LAST_STEPS, options=options) for start in starts), key=lambda each: each.error)
+        return polished(other, steps=_LAST_STEPS) if other.error < fit.error else fit
 
     def at_own_settings(self, fit: Fit) -> Fit:
         """The fit continued at the model's own settings, if it is not one already."""

@@ -222,6 +222,30 @@ def test_a_fit_that_leaves_no_noise_and_does_not_explain_the_data_begins_elsewhe
     assert ends([0.03 * noise])[1] == 1, "noise"
 
 
+def test_a_choice_that_leaves_no_noise_and_does_not_explain_the_data_begins_elsewhere(monkeypatch):
+    data, structure = sample_model("adding", COATED, pairs=60), Structure.of(1, "lambert")
+    metric, parameters = subsampled(data), Parameters(structure, 3)
+    smooth = np.repeat(np.cos(data.wi[:, 2]) - 0.5, 3)
+    smooth /= np.sqrt(np.mean(np.square(smooth)))
+    begins = [np.full(parameters.size, 0.2 * i) for i in range(3)]
+
+    def fit_at(x, residual):
+        return Fit("adding", parameters, metric, x, residual, np.zeros((180, x.size)), 1, residual)
+
+    def ends(residual, others):
+        tried = []
+        monkeypatch.setattr(layer_count, "rough_fits", lambda *given: [(structure, Solution(x, np.ones(1), 1)) for x in begins])
+        monkeypatch.setattr(layer_count, "corrected", lambda metric, start, *more, **options: tried.append(start) or fit_at(start.x, others[len(tried) - 1]))
+        monkeypatch.setattr(layer_count, "polished", lambda fit, **options: fit)
+        found = layer_count._Search(metric, "adding", np.random.default_rng(0)).unstuck(fit_at(np.full(parameters.size, 0.9), residual))
+        return found.error, len(tried)
+
+    assert ends(0.02 * smooth, [0.03 * smooth, 0.004 * smooth, 0.01 * smooth]) == (pytest.approx(0.004), 3)
+    assert ends(0.02 * smooth, [0.03 * smooth, 0.04 * smooth, 0.05 * smooth]) == (pytest.approx(0.02), 3), "none is nearer"
+    assert ends(0.3 * smooth, [])[1] == 0, "no stack explains it"
+    assert ends(0.03 * np.random.default_rng(0).standard_normal(180), [])[1] == 0, "noise"
+
+
 def test_the_bar_goes_on_to_the_end():
     metal = replace(COATED, layers=(), base=Stack.from_dict({"layers": [], "base": {"kind": "conductor", "metal": "gold", "roughness": 0.5}}).base)
     shares: list[float] = []
