@@ -79,8 +79,8 @@ def masking_v_cavity(cos_i, cos_o, cos_m, cos_mi) -> np.ndarray:
 
 
 def alpha_from_roughness(roughness):
-    """alpha = roughness^2: the one place where roughness is squared."""
-    return np.square(roughness)
+    """alpha = roughness^2: the one place where roughness is squared. A float stays one, which numpy's square would not leave it."""
+    return roughness * roughness
 
 
 def roughness_from_slope_deg(slope_deg, name: str):
