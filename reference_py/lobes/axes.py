@@ -32,25 +32,25 @@ _MOST_REFLECTANCE = CONDUCTOR.parameter("reflectance").maximum
 
 @dataclass(frozen=True)
 class Scale:
-    """Even knots, `count` from `low` to `high`."""
+    """Knots, `count` from `low` to `high`, even in the way from one to the other to the power of `bend`: below 1 they are dense at the low end."""
 
     low: float
     high: float
     count: int
+    bend: float = 1.0
 
     @property
     def knots(self) -> np.ndarray:
         """Coordinates (count,)."""
-        return np.linspace(self.low, self.high, self.count)
+        return self.low + (self.high - self.low) * np.linspace(0.0, 1.0, self.count) ** (1.0 / self.bend)
 
-    @property
-    def per_unit(self) -> float:
-        """Steps of a unit."""
-        return (self.count - 1) / (self.high - self.low)
+    def way(self, coordinate) -> np.ndarray:
+        """Where the knots are even: 0 at the first of them and before, 1 at the last and beyond."""
+        return np.clip((np.asarray(coordinate, float) - self.low) / (self.high - self.low), 0.0, 1.0) ** self.bend
 
     def place(self, coordinate) -> tuple[np.ndarray, np.ndarray]:
         """The knot below a coordinate and the way to the next, 0 to 1; beyond the knots the last of them."""
-        at = np.clip((np.asarray(coordinate, float) - self.low) * self.per_unit, 0.0, self.count - 1.0)
+        at = self.way(coordinate) * (self.count - 1.0)
         cell = np.minimum(at.astype(int), self.count - 2)
         return cell, at - cell
 
@@ -60,7 +60,7 @@ class Axis(ABC):
     """One axis: the live values that it follows, all of one layer or of the base, and its scales. Subclasses add no fields, so they need no decorator.
 
     `knots` are those of shapes and shares, of which the first `before` continue the next two, `fine` those of energies along this
-    axis, `cross` those of how energies depend on two axes.
+    axis, `cross` those of how energies depend on several axes.
     """
 
     live: tuple[Place, ...]
@@ -71,7 +71,7 @@ class Axis(ABC):
 
     is_color: ClassVar[bool] = False
     has_waves: ClassVar[bool] = False
-    """Whether energies go up and down along it: such an axis is alone, energies are computed at its `cross` knots, and cubic curves give the fine ones."""
+    """Whether energies go up and down along it."""
 
     @property
     def scales(self) -> tuple[Scale, Scale, Scale]:

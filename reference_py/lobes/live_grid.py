@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baked lobe sets over one or two axes of live parameters: tables over the view at every knot of those.
+"""Baked lobe sets over axes of live parameters: tables over the view at every knot of those.
 
-Between knots all is linear but the energy of the fitted lobes together, whose logarithm is, as absorption is
-exponential. Widths are kept as roughness (the root of alpha), so that a lobe whose width is a live roughness itself is
-exact. Below the first knot that is fitted widths go on as they began and the rest stays. On an axis of colors energies are read
-at each channel's own coordinate. Energies know more knots than shapes, as eyes see them first.
+Between knots all is linear but energies, of which a logarithm is, as absorption is exponential. Widths are kept as roughness (the root of
+alpha), so that a lobe whose width is a live roughness itself is exact. Below the first knot that is fitted widths go on as they began and
+the rest stays. On an axis of colors energies are read at each channel's own coordinate. Energies know more knots than shapes, as eyes see them first.
 """
 
 from dataclasses import dataclass, replace
@@ -19,27 +18,34 @@ from .axes import Axis, Scale, top_index
 from .closure import unit_energy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from .own_normals import BELOW, DIFFUSE, TOP, normals_of_fits
-from .view_table import BASE_COLOR, KNOTS, MIN_COS_O, BaseColorTable, DiffuseTable, GlossyTable, TableLobes, interpolate, knot_cosines
+from .view_table import BASE_COLOR, KNOTS, MIN_COS_O, DiffuseTable, GlossyTable, TableLobes, interpolate, knot_cosines
 
 # Less is nothing to Cycles.
 MIN_ENERGY = 1e-7
+# Beside what a top reflects less is not seen: an energy with so much more has a logarithm that is nearly even.
+FLOOR = 0.005
 # Places of the tables' numbers: a shader's text has thousands.
-_DIGITS = 4
+DIGITS = 4
 # A narrower alpha is a mirror to Cycles.
 MIN_ALPHA = 1e-4
 
 
 @dataclass(frozen=True)
 class LogEnergy:
-    """The logarithm of an energy on the grid: a sum of one table along each axis, at its fine knots, and of what these leave.
+    """The logarithm of an energy + FLOOR on the grid: a sum of one table along each axis, at its fine knots, and of what these leave.
 
-    `along` has a (fine, KNOTS, 3) for each axis, `rest` is (cross, cross, KNOTS, 3); one axis leaves nothing. Where not `is_log` it is the energy
-    itself: interference takes nearly all of it at some values, beside which a logarithm is far from even.
+    `along` has a (fine, KNOTS, 3) for each axis. What they leave is a sum of `modes` (n, KNOTS, 3), each times its coefficient, which all energies of a
+    lobe set share (`LiveLobes.coefficients`); one axis leaves nothing, and has no modes. Where not `is_log` the sum is the energy itself:
+    interference takes nearly all of it at some values, beside which a logarithm is far from even.
     """
 
     along: tuple[np.ndarray, ...]
-    rest: np.ndarray | None
+    modes: np.ndarray | None = None
     is_log: bool = True
+
+    def of(self, total: np.ndarray) -> np.ndarray:
+        """The energy of which this is the sum."""
+        return np.maximum(np.exp(total) - FLOOR if self.is_log else total, 0.0)
 
 
 @dataclass(frozen=True)
@@ -89,14 +95,15 @@ class LiveBase:
 class LiveLobes:
     """A stack's lobes for all values of its axes; `lobes` are those of the stack's own values.
 
-    `log_sum` is the logarithm of what the fitted lobes have in energy together. Where there is a `base`, that is
-    over black, and the base's light is in the Lambert lobe.
+    `log_sum` is what the fitted lobes have in energy together. Where there is a `base`, that is over black, and the base's light is in the
+    Lambert lobe. `coefficients` (..., n) of the modes of energies are at the `cross` knots of all axes; None with one axis.
     """
 
     stack: Stack
     axes: tuple[Axis, ...]
     grid: tuple[LiveLobe, ...]
     log_sum: LogEnergy
+    coefficients: np.ndarray | None = None
     base: LiveBase | None = None
 
     name = "baked"
@@ -139,10 +146,13 @@ class LiveLobes:
             by_channel = [_blend(array[..., c : c + 1], [(i[c], t[c]) for i, t in places]) for c in range(3)]
             return interpolate(np.concatenate(by_channel, axis=-1), cos_theta_o)
 
+        left = None if self.coefficients is None else [_blend(self.coefficients, [(i[c], t[c]) for i, t in cross]) for c in range(3)]
+
         def energy(log: LogEnergy):
-            along = sum(color(table, [place]) for table, place in zip(log.along, fine))
-            total = along if log.rest is None else along + color(log.rest, cross)
-            return np.exp(total) if log.is_log else total
+            total = sum(color(table, [place]) for table, place in zip(log.along, fine))
+            if left is not None:
+                total = total + interpolate(np.stack([left[c] @ log.modes[..., c].reshape(len(left[c]), -1) for c in range(3)], axis=-1), cos_theta_o)
+            return log.of(total)
 
         def shared(array):
             return interpolate(_blend(array, one), cos_theta_o)
@@ -185,22 +195,11 @@ def _lobe(lobe: LiveLobe, weight, shape, cos_theta_o):
     return GlossyLobe(lobe.distribution, weight, alpha_x, alpha_y, tilt, lobe.fresnel, normal=lobe.normal)
 
 
-@dataclass(frozen=True)
-class Energies:
-    """Energies (KNOTS, 3) at one place of the grid: of mirrors, of the fitted lobes together, and what a base of a live color adds."""
-
-    mirrors: np.ndarray
-    fitted: np.ndarray
-    base: BaseColorTable | None = None
-
-
 def grid_of(
-    stack: Stack, axes: tuple[Axis, ...], nodes: dict[tuple[int, ...], TableLobes], along: list[list[Energies]], cross: dict[tuple[int, ...], Energies]
+    stack: Stack, axes: tuple[Axis, ...], nodes: dict[tuple[int, ...], TableLobes], energies: dict[str, LogEnergy], coefficients: np.ndarray | None
 ) -> LiveLobes:
-    """A grid of the lobe sets at its nodes, which must have the same lobes, and of energies.
-
-    `along` are those at the fine knots of each axis, the other at any one value; `cross` those at the crossings of two axes, none of one.
-    Raises LaminaError when lobes differ.
+    """A grid of the lobe sets at its nodes, which must have the same lobes, and of energies: "mirrors", "fitted", and over a base of a live color
+    "through" and "back". Raises LaminaError when lobes differ.
     """
     size = tuple(axis.knots.count - axis.before for axis in axes)
     if len({len(lobe_set.tables) for lobe_set in nodes.values()}) != 1 or len(nodes) != np.prod(size):
@@ -214,22 +213,17 @@ def grid_of(
         """With rows before the first of each axis: the first `goes_on` columns go on as they began, the rest stays."""
         for number, axis in enumerate(axes):
             first, second = (np.take(values, [i], number) for i in (0, 1))
-            slope = (first - second) * (np.arange(values.shape[-1]) < goes_on)
-            values = np.concatenate([*(first + slope * step for step in range(axis.before, 0, -1)), values], axis=number)
-        return values.round(_DIGITS)
-
-    def log_energy(part) -> LogEnergy:
-        if axes[0].has_waves:
-            return LogEnergy((np.stack([part(point) for point in along[0]]).round(_DIGITS),), None, is_log=False)
-        tables = tuple(np.stack([_log(part(point)) for point in points]) for points in along)
-        return LogEnergy(tables, _rest(axes, tables, {node: _log(part(point)) for node, point in cross.items()}) if cross else None)
+            *lower, start, following = axis.knots.knots[: axis.before + 2]
+            slope = (first - second) / (following - start) * (np.arange(values.shape[-1]) < goes_on)
+            values = np.concatenate([*(first + slope * (start - knot) for knot in lower), values], axis=number)
+        return values.round(DIGITS)
 
     lobes = []
     for number, first in enumerate(nodes[(0,) * len(axes)].tables):
         if isinstance(first, DiffuseTable):
             lobes.append(LiveLobe(gathered(number, lambda table: table.weight), unit=before(np.ones((*size, KNOTS, 1)), 0)))
         elif not np.any(first.shape):
-            lobes.append(LiveLobe(log_energy(lambda point: point.mirrors), first.distribution))
+            lobes.append(LiveLobe(energies["mirrors"], first.distribution))
         else:
             shape = gathered(number, lambda table: np.concatenate([np.sqrt(table.shape[:, :2]), table.shape[:, 2:]], axis=1))
             shape = before(shape, 2)
@@ -237,22 +231,24 @@ def grid_of(
                 lobes.append(LiveLobe(None, first.distribution, shape, first.fresnel))
                 continue
             unit = gathered(number, _unit)
-            lobes.append(LiveLobe(gathered(number, lambda table: table.weight) * unit, first.distribution, shape, unit=before(unit, 0)))
+            lobes.append(LiveLobe(gathered(number, lambda table: table.weight) * unit, first.distribution, shape, unit=_all_units(axes, first, shape, unit)))
     total = np.maximum(sum(lobe.energy for lobe in lobes if lobe.unit is not None), MIN_ENERGY)
     lobes = [replace(lobe, energy=before(lobe.energy / total, 0)) if lobe.unit is not None else lobe for lobe in lobes]
-    has_base = along[0][0].base is not None
-    base = LiveBase(log_energy(lambda point: point.base.through), log_energy(lambda point: point.base.back)) if has_base else None
-    return LiveLobes(stack, axes, tuple(lobes), log_energy(lambda point: point.fitted), base)
+    base = LiveBase(energies["through"], energies["back"]) if "through" in energies else None
+    return LiveLobes(stack, axes, tuple(lobes), energies["fitted"], coefficients, base)
 
 
-def _log(energy: np.ndarray) -> np.ndarray:
-    return np.log(np.maximum(energy, MIN_ENERGY)).round(_DIGITS)
-
-
-def _rest(axes: tuple[Axis, ...], along: tuple[np.ndarray, ...], cross: dict[tuple[int, ...], np.ndarray]) -> np.ndarray:
-    """What tables along two axes leave of logarithms at their crossings: (cross, cross, KNOTS, 3)."""
-    first, second = ([_blend(table, [axis.fine.place(knot)]) for knot in axis.cross.knots] for axis, table in zip(axes, along))
-    return np.stack([np.stack([cross[i, j] - one - other for j, other in enumerate(second)]) for i, one in enumerate(first)]).round(_DIGITS)
+def _all_units(axes: tuple[Axis, ...], table: GlossyTable, shape: np.ndarray, fitted: np.ndarray) -> np.ndarray:
+    """The energies (..., KNOTS, 1) of a lobe of weight 1 at all knots of shapes (..., KNOTS, 3), of which those that were fitted are known."""
+    units = np.empty((*shape.shape[:-1], 1))
+    for node in np.ndindex(*(axis.knots.count for axis in axes)):
+        known = tuple(i - axis.before for i, axis in zip(node, axes))
+        if min(known) >= 0:
+            units[node] = fitted[known]
+        else:
+            alphas = np.clip(np.square(np.maximum(shape[node][:, :2], 0.0)), MIN_ALPHA, 1.0)
+            units[node] = _unit(replace(table, shape=np.concatenate([alphas, shape[node][:, 2:]], axis=1)))
+    return units.round(DIGITS)
 
 
 def _unit(table: GlossyTable) -> np.ndarray:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lobe sets over one or two axes of live parameters as stock nodes have them: tables over the view and even rows of the axes.
+"""Lobe sets over axes of live parameters as stock nodes have them: tables over the view and rows of the axes.
 
 An image holds them, so rows are many and cost nothing. All is linear between rows, but energies by their fourth root, as absorption
 is exponential; not along a film's thickness. On an axis of colors energies are read at each channel's own coordinate, and what channels share at one.
@@ -12,7 +12,7 @@ import numpy as np
 
 from ..material.place import Place
 from ..material.stack import Stack
-from .axes import Axis, IndexAxis, Scale, top_index
+from .axes import Axis, IndexAxis, NumberAxis, Scale, top_index
 from .closure import fresnel_share
 from .live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
@@ -22,10 +22,10 @@ from .view_table import BASE_COLOR, KNOTS, MIN_COS_O, interpolate, knot_cosines
 NARROWEST_CURVE = 0.01
 # Energies are this power of what is kept.
 POWER = 4
-# Rows of one axis, and of two.
-_ROWS = {1: (64,), 2: (41, 17)}
+# Rows of one axis, of two and of three.
+_ROWS = {1: (64,), 2: (41, 17), 3: (33, 13, 13)}
 # What a Fresnel curve makes of a lobe is smooth in its width and index, and takes long: knots of an axis that changes these, by how many do.
-_FOLDED = {0: 2, 1: 25, 2: 13}
+_FOLDED = {0: 2, 1: 25, 2: 13, 3: 9}
 
 
 @dataclass(frozen=True)
@@ -71,8 +71,8 @@ class LiveTables:
 
     @property
     def is_rooted(self) -> bool:
-        """Whether energies are kept by their roots."""
-        return not self.axes[0].has_waves
+        """Whether energies are kept by their roots: interference takes nearly all of one at some values, beside which its root is far from even."""
+        return not any(axis.has_waves for axis in self.axes)
 
     @property
     def index(self) -> IndexAxis | None:
@@ -113,13 +113,28 @@ class LiveTables:
                 continue
             if table.unit is not None:
                 weight = weight / shared(table.unit)
-            root_x, root_y, slope = np.moveaxis(shared(table.shape), -1, 0)
+            root_x, root_y, slope = (self._column(column, one, cos_o) for column in np.moveaxis(table.shape, -1, 0))
             tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_o), 0.0)))
             fresnel = table.fresnel
             if fresnel is not None and self.index is not None:
                 fresnel = DielectricCurve(self.index.live[0].value(self.stack))
             result.append(GlossyLobe(table.distribution, weight, root_x**2, root_y**2, tilt, fresnel, normal=table.normal))
         return result
+
+    def axis_of(self, values: np.ndarray) -> int | None:
+        """The axis of numbers of which values (..., KNOTS) are the coordinate: it is the root of alpha itself, whatever the rows."""
+        for number, (axis, scale) in enumerate(zip(self.axes, self.scales)):
+            shape = [-1 if n == number else 1 for n in range(values.ndim)]
+            if isinstance(axis, NumberAxis) and np.allclose(values, np.maximum(scale.knots, MIN_ALPHA**0.5).reshape(shape), rtol=0.0, atol=1e-6):
+                return number
+        return None
+
+    def _column(self, values: np.ndarray, coordinates: list[float], cos_o: np.ndarray) -> np.ndarray:
+        """Of a shape, at the coordinates and at views."""
+        number = self.axis_of(values)
+        if number is not None:
+            return np.full(cos_o.shape, max(coordinates[number], MIN_ALPHA**0.5))
+        return interpolate(self._at(values[..., None], coordinates), cos_o)[..., 0]
 
     def _at(self, table: np.ndarray, coordinates: list[float]) -> np.ndarray:
         return reduce(lambda part, place: np.tensordot(_hats(*place)[0], part, 1), zip(self.scales, coordinates), table)
@@ -138,7 +153,7 @@ def kept(table: LiveTable, is_color: bool, is_rooted: bool) -> LiveTable:
 def live_tables(lobe_set: LiveLobes, keep_dielectrics: bool = False) -> LiveTables:
     """A grid of lobes in tables; `keep_dielectrics` leaves the top lobe its Fresnel curve, which else is folded into its energy."""
     axes = tuple(sorted(lobe_set.axes, key=lambda axis: not axis.is_color))  # the same row for all channels, where there are two
-    scales = tuple(Scale(_lowest(axis), axis.knots.high, max(rows, axis.fine.count)) for axis, rows in zip(axes, _ROWS[len(axes)]))
+    scales = tuple(_rows(axis, count) for axis, count in zip(axes, _ROWS[len(axes)]))
     grid = _Grid(lobe_set, axes, scales)
     total = grid.exponential(lobe_set.log_sum)
     return LiveTables(lobe_set.stack, axes, scales, tuple(_table(grid, lobe_set, lobe, total, keep_dielectrics) for lobe in lobe_set.grid))
@@ -169,7 +184,7 @@ def _without_normal(grid: "_Grid", lobe_set: LiveLobes, lobe: LiveLobe, total: n
 def _folded(stack: Stack, axes: tuple[Axis, ...], scales: tuple[Scale, ...], lobe: LiveLobe, roots: np.ndarray) -> np.ndarray:
     """The share (..., KNOTS, 3) that a Fresnel curve leaves of a lobe of these roots of alpha (...), which are the same at all views."""
     changes = [axis is top_index(axes) or bool(np.any(np.diff(roots, axis=number))) for number, axis in enumerate(axes)]
-    knots = [Scale(scale.low, scale.high, _FOLDED[sum(changes)] if changed else 2) for scale, changed in zip(scales, changes)]
+    knots = [replace(scale, count=_FOLDED[sum(changes)] if changed else 2) for scale, changed in zip(scales, changes)]
     at_knots = reduce(lambda part, n: _resampled(part, n, scales[n], knots[n].knots), range(len(axes)), roots)
     known: dict[tuple[float, float], np.ndarray] = {}
 
@@ -188,9 +203,10 @@ def _folded(stack: Stack, axes: tuple[Axis, ...], scales: tuple[Scale, ...], lob
     return np.square(reduce(lambda part, n: _resampled(part, n, knots[n], scales[n].knots), range(len(axes)), table))
 
 
-def _lowest(axis: Axis) -> float:
-    """The least coordinate of a value: knots before the first that is fitted may lie below."""
-    return max(axis.knots.low, 0.0) if axis.before else axis.knots.low
+def _rows(axis: Axis, count: int) -> Scale:
+    """So many rows, from the least coordinate of a value: knots before the first that is fitted may lie below."""
+    low = max(axis.knots.low, 0.0) if axis.before else axis.knots.low
+    return Scale(low, axis.knots.high, max(count, axis.fine.count) if axis.has_waves else count, axis.fine.bend)
 
 
 class _Grid:
@@ -199,9 +215,10 @@ class _Grid:
     def __init__(self, lobe_set: LiveLobes, axes: tuple[Axis, ...], scales: tuple[Scale, ...]):
         self.axes, self.scales = axes, scales
         self._order = [lobe_set.axes.index(axis) for axis in axes]
+        self._coefficients = None if lobe_set.coefficients is None else self.values(lobe_set.coefficients, "cross")
 
     def values(self, table: np.ndarray, which: str = "knots") -> np.ndarray:
-        """Rows of a table (..., KNOTS, c) over these knots of the axes."""
+        """Rows of a table (..., c) over these knots of the axes."""
         table = np.moveaxis(table, self._order, range(len(self._order)))
         for number, (axis, scale) in enumerate(zip(self.axes, self.scales)):
             table = _resampled(table, number, getattr(axis, which), scale.knots)
@@ -209,9 +226,13 @@ class _Grid:
 
     def exponential(self, log: LogEnergy) -> np.ndarray:
         """Rows of an energy."""
-        along = [_resampled(log.along[i], 0, axis.fine, scale.knots) for i, axis, scale in zip(self._order, self.axes, self.scales)]
-        total = along[0] if log.rest is None else along[0][:, None] + along[1][None] + self.values(log.rest, "cross")
-        return np.exp(total) if log.is_log else total
+        total = 0.0
+        for number, (i, axis, scale) in enumerate(zip(self._order, self.axes, self.scales)):
+            table = _resampled(log.along[i], 0, axis.fine, scale.knots)
+            total = total + table.reshape([-1 if n == number else 1 for n in range(len(self.axes))] + [KNOTS, 3])
+        if log.modes is not None:
+            total = total + np.tensordot(self._coefficients, log.modes, 1)
+        return log.of(total)
 
 
 def _resampled(table: np.ndarray, number: int, scale: Scale, coordinates: np.ndarray) -> np.ndarray:

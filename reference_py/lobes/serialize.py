@@ -65,21 +65,26 @@ def pack_grid(lobe_set: LiveLobes) -> dict:
         for lobe in lobe_set.grid
     ]
     axes = [
-        [type(axis).__name__, [place.pair() for place in axis.live], *([scale.low, scale.high, scale.count] for scale in axis.scales), axis.before]
+        [type(axis).__name__, [place.pair() for place in axis.live], *([scale.low, scale.high, scale.count, scale.bend] for scale in axis.scales), axis.before]
         for axis in lobe_set.axes
     ]
     base = lobe_set.base and {"log_through": _pack_log(lobe_set.base.log_through), "log_back": _pack_log(lobe_set.base.log_back)}
-    return {"axes": axes, "lobes": lobes, "log_sum": _pack_log(lobe_set.log_sum), "base": base}
+    coefficients = None if lobe_set.coefficients is None else lobe_set.coefficients.tolist()
+    return {"axes": axes, "lobes": lobes, "log_sum": _pack_log(lobe_set.log_sum), "coefficients": coefficients, "base": base}
 
 
 def _pack_log(energy: LogEnergy) -> dict:
-    return {"along": [table.tolist() for table in energy.along], "rest": None if energy.rest is None else energy.rest.tolist(), "is_log": energy.is_log}
+    return {"along": [table.tolist() for table in energy.along], "modes": None if energy.modes is None else energy.modes.tolist(), "is_log": energy.is_log}
 
 
 def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
     """The lobe set of `pack_grid`. Raises ValueError, KeyError or TypeError on anything else."""
     axes = tuple(
-        AXES[kind](tuple(Place.of_pair(*pair) for pair in live), *(Scale(float(low), float(high), int(count)) for low, high, count in scales), int(before))
+        AXES[kind](
+            tuple(Place.of_pair(*pair) for pair in live),
+            *(Scale(float(low), float(high), int(count), float(bend)) for low, high, count, bend in scales),
+            int(before),
+        )
         for kind, live, *scales, before in data["axes"]
     )
     size = (*(axis.knots.count for axis in axes), KNOTS)
@@ -87,10 +92,15 @@ def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
     def grid(values, columns: int = 3):
         return None if values is None else _array(values, (*size, columns))
 
+    coefficients = None
+    if len(axes) > 1:
+        modes = len(np.ravel(data["coefficients"])) // int(np.prod([axis.cross.count for axis in axes]))
+        coefficients = _array(data["coefficients"], (*(axis.cross.count for axis in axes), modes))
+
     def log_energy(values: dict) -> LogEnergy:
         along = tuple(_array(table, (axis.fine.count, KNOTS, 3)) for axis, table in zip(axes, values["along"], strict=True))
-        rest = None if len(axes) == 1 else _array(values["rest"], (*(axis.cross.count for axis in axes), KNOTS, 3))
-        return LogEnergy(along, rest, bool(values["is_log"]))
+        modes = None if coefficients is None else _array(values["modes"], (coefficients.shape[-1], KNOTS, 3))
+        return LogEnergy(along, modes, bool(values["is_log"]))
 
     lobes = [
         LiveLobe(
@@ -103,7 +113,7 @@ def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
         for lobe in data["lobes"]
     ]
     base = data["base"] and LiveBase(log_energy(data["base"]["log_through"]), log_energy(data["base"]["log_back"]))
-    return LiveLobes(stack, axes, tuple(lobes), log_energy(data["log_sum"]), base)
+    return LiveLobes(stack, axes, tuple(lobes), log_energy(data["log_sum"]), coefficients, base)
 
 
 def _array(values, shape: tuple[int, ...] = (KNOTS, 3)) -> np.ndarray:

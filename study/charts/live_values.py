@@ -58,6 +58,9 @@ CASES = (
     ("milk over metal", (Place(0, "density"),)),
     ("milk over metal", (Place(0, "scatter_color"),)),
     ("milk over paint", (Place(0, "density"), Place(0, "scatter_color"))),
+    ("varnish over paint", (Place(0, "roughness"), Place(0, "tint"), Place(0, "ior"), _COLOR)),
+    ("varnish over glaze over metal", (Place(0, "roughness"), Place(1, "thickness"), Place(None, "reflectance"))),
+    ("varnish over metal", (Place(None, "roughness"), Place(None, "reflectance"), Place(0, "thickness"))),
 )
 VALUES, _SEED, _GLOSSY = 9, 17, 2
 # What values are drawn from; colors from .03 to .97.

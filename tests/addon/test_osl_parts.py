@@ -13,7 +13,7 @@ import pytest
 from lamina.addon.shader.osl import osl_files
 from lamina.addon.shader.osl.generate import generate
 from lamina.reference_py.lobes.axes import NumberAxis, Scale
-from lamina.reference_py.lobes.live_grid import Energies, grid_of
+from lamina.reference_py.lobes.live_grid import LogEnergy, grid_of
 from lamina.reference_py.lobes.lobe import DielectricCurve
 from lamina.reference_py.lobes.made import Made
 from lamina.reference_py.lobes.methods import make_lobe_set
@@ -67,8 +67,8 @@ def brushed():
 def baked_live():
     scale, energy = Scale(0.3, 0.6, 2), np.full((KNOTS, 3), 0.3)
     axis = NumberAxis((Place(0, "roughness"),), scale, scale, scale)
-    along = [[Energies(energy, energy), Energies(energy, 0.5 * energy)]]
-    return Made("baked", ONE, grid_of(ONE, (axis,), {(0,): tables(0.09), (1,): tables(0.36)}, along, {}))
+    energies = {"mirrors": LogEnergy((np.stack([energy, energy]),)), "fitted": LogEnergy((np.stack([energy, 0.5 * energy]),))}
+    return Made("baked", ONE, grid_of(ONE, (axis,), {(0,): tables(0.09), (1,): tables(0.36)}, energies, None))
 
 
 def all_made():

@@ -107,6 +107,8 @@ LIVE = pytest.mark.parametrize(
         ([VARNISH], METAL, {(None, "Reflectance"): (0.02, 0.5, 0.97), (None, "Edge Color"): (0.2, 0.9, 0.5)}),
         ([VARNISH], CLAY, {(None, "Slope Deviation"): 42.0, (None, "Color"): (0.6, 0.1, 0.9)}),
         ([MILK], WOOD, {(0, "Density"): 1.7, (0, "Scatter Color"): (0.3, 0.85, 0.05)}),
+        ([VARNISH], WOOD, {(0, "Thickness"): 1.5, (0, "Roughness"): 0.12, (0, "IOR"): 1.83}),
+        ([GLAZE], METAL, {(0, "Tint"): (0.3, 0.8, 0.02), (None, "Roughness"): 0.27, (None, "Reflectance"): (0.3, 0.5, 0.9)}),
     ],
     ids=[
         "roughness and thickness",
@@ -119,6 +121,8 @@ LIVE = pytest.mark.parametrize(
         "metal",
         "rough base",
         "a medium's density and color",
+        "roughness, thickness and index",
+        "tint over a metal's roughness and reflectance",
     ],
 )
 
@@ -159,7 +163,7 @@ def test_a_bake_over_live_values_equals_its_lobe_set(blender, layers, base, link
         result = parity(material, lambda wo, wi: sum(lobe_f(lobe, wo, wi) for lobe in lobe_set.lobes(wo[..., 2])), theta)
         print(f"live {', '.join(label for _, label in links)}, sun {theta:g} deg: 99th percentile {result.percentile_99:.1e}, text {len(text) / 1e3:.0f} kB")
         assert result.finite and result.percentile_99 <= 1e-4
-    assert len(text) <= 200_000
+    assert len(text) <= (200_000 if len(links) < 3 else 450_000)
 
     # stock nodes: exactly their tables, whose energies are those of the lobe set
     group = node_with(material, "nodes")

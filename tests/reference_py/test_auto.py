@@ -61,7 +61,7 @@ def offered(monkeypatch):
     return offer
 
 
-MANY = (Place(0, "roughness"), Place(0, "thickness"), Place(0, "ior"))
+MANY = (Place(0, "roughness"), Place(0, "thickness"), Place(0, "ior"), Place(None, "roughness"))
 DEAR_AND_EXACT = {"weidlich_wilkie": (1.2, WORST, WORST), "analytic": (3.0, CLOSE, CLOSE)}
 
 
@@ -123,7 +123,7 @@ def test_live_values_are_baked_over_where_a_bake_can_follow_them(offered):
     assert told.lobe_set.live == (Place(0, "thickness"),)
     told = offered(DEAR_AND_EXACT, live=MANY)
     assert told.chosen.label == "analytic" and len(told.tried) == 2
-    words = "the roughness of layer 0, the thickness of layer 0, the ior of layer 0"
+    words = "the roughness of layer 0, the thickness of layer 0, the ior of layer 0, the roughness of the base"
     assert told.reason == f"the cheapest whose error is at most 2 %; a bake cannot follow {words}"
 
 

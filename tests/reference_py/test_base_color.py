@@ -89,7 +89,8 @@ def test_what_bakes_and_stock_nodes_follow():
     rough = Stack.from_dict({"layers": [VARNISH], "base": {"kind": "oren_nayar", "color": [0.5, 0.5, 0.5], "sigma_deg": 30.0}})
     roughness, tint = Place(0, "roughness"), Place(0, "tint")
     assert follows(stack, (BASE_COLOR,)) and follows(stack, (roughness, tint, BASE_COLOR)) and follows(rough, (BASE_COLOR,))
-    assert not follows(metal, (Place(None, "roughness"), roughness, tint)) and not follows(metal, (Place(None, "eta"),))
+    assert not follows(metal, (Place(None, "roughness"), roughness, tint, Place(0, "ior"))) and not follows(metal, (Place(None, "eta"),))
     assert in_tables(stack, (roughness, BASE_COLOR)) == (roughness, BASE_COLOR) and in_tables(rough, (BASE_COLOR,)) == (BASE_COLOR,)
-    assert in_tables(stack, (roughness, tint, Place(0, "ior"), BASE_COLOR)) == (BASE_COLOR,), "more than a bake follows"
-    assert in_tables(metal, (Place(None, "roughness"), roughness, tint)) == ()
+    other = replace(stack, layers=(*stack.layers, *stack.layers))
+    assert in_tables(other, (roughness, tint, Place(0, "ior"), Place(1, "ior"), BASE_COLOR)) == (BASE_COLOR,), "more than a bake follows"
+    assert in_tables(metal, (Place(None, "roughness"), roughness, tint, Place(0, "ior"))) == ()

@@ -85,6 +85,8 @@ def drawn(rng, stack: Stack, live) -> Stack:
         ([MILK], METAL, [(0, "density")], 0.004, 1.1),
         ([MILK], METAL, [(0, "scatter_color")], 0.004, 1.2),
         ([MILK], WOOD, [(0, "density"), (0, "scatter_color")], 0.0085, 1.3),
+        ([VARNISH], WOOD, [(0, "roughness"), (0, "tint"), (0, "ior")], 0.02, 1.5),
+        ([GLAZE], METAL, [(None, "roughness"), (None, "reflectance"), (0, "thickness")], 0.02, 1.9),
     ],
 )
 def test_values_are_as_right_as_constants(layers, base, live, albedo, shape):
@@ -116,7 +118,7 @@ def test_channels_are_followed_apart():
     assert np.all(red[:, 1] < 0.7 * grey[:, 1])
 
 
-@pytest.mark.parametrize("live", [(Place(0, "roughness"), Place(0, "thickness"), Place(None, "roughness"))])
+@pytest.mark.parametrize("live", [(Place(0, "roughness"), Place(0, "thickness"), Place(0, "ior"), Place(None, "roughness"))])
 def test_what_a_bake_cannot_follow_is_analytic_and_said(live):
     made = make_lobe_set(presets.load("metallic_car_paint"), "baked", live=live)
     assert isinstance(made.lobe_set, AnalyticLobes)

@@ -113,18 +113,21 @@ class LiveNodes:
 
     def _mixed(self, where: int, block: int, output: str, kind: str) -> bpy.types.NodeSocket:
         """What an output of a block's nodes has between the tiles."""
-        first, *second = (node.outputs[output] for node in self._read_at(where, block))
-        if not second:
-            return first
+        found = [node.outputs[output] for node in self._read_at(where, block)]
+        for number in range(len(self._tables.axes) - 1, 0, -1):  # tiles of the last axis are side by side
+            found = [self._mix(self._tile(number, where)[1], *found[i : i + 2], kind) for i in range(0, len(found), 2)]
+        return found[0]
+
+    def _mix(self, share, first, second, kind: str) -> bpy.types.NodeSocket:
         node = self._build.node("ShaderNodeMix")
         node.data_type, node.clamp_factor = kind, False
         sockets = {socket.identifier: socket for socket in (*node.inputs, *node.outputs)}
-        for source, name in ((self._tile(where)[1], "Factor_Float"), (first, f"A_{kind.title()}"), (second[0], f"B_{kind.title()}")):
+        for source, name in ((share, "Factor_Float"), (first, f"A_{kind.title()}"), (second, f"B_{kind.title()}")):
             self._build.link(source, sockets[name])
         return sockets[f"Result_{kind.title()}"]
 
     def _read_at(self, where: int, block: int) -> list[bpy.types.Node]:
-        """The nodes that read a block, one for each tile that the second axis is between."""
+        """The nodes that read a block, one for each tile that the axes after the first are between."""
         if (where, block) not in self._read:
             up, places = self._up(where, block), self._across(where)
             self._read[where, block] = [self._lookup.node(self._build, self._plan.made) for _ in places]
@@ -140,32 +143,33 @@ class LiveNodes:
         return self._lookup.place_up(self._build, share)
 
     def _across(self, where: int) -> list[tuple]:
-        """The first parts of the place of the view, with two axes once for each of the tiles that the second one is between."""
+        """The first parts of the place of the view, once for each of the tiles that the axes after the first are between."""
         key = "across", self._tile_key(where)
         if key not in self._sockets:
             scale, offset = self._lookup.across
             scale /= self._plan.image.width
             shares = [self._build.math("MULTIPLY_ADD", self._view.root, (KNOTS - 1) * scale, 0.5 * scale + offset)]
-            if len(self._tables.axes) == 2:
-                first = self._build.math("MULTIPLY_ADD", self._tile(where)[0], KNOTS * scale, shares[0])
-                shares = [first, self._build.math("ADD", first, KNOTS * scale)]
+            step = self._plan.image.width * scale
+            for number in range(1, len(self._tables.axes)):
+                step /= self._tables.scales[number].count
+                cells = [self._build.math("MULTIPLY_ADD", self._tile(number, where)[0], step, share) for share in shares]
+                shares = [share for cell in cells for share in (cell, self._build.math("ADD", cell, step))]
             self._sockets[key] = [self._lookup.place_across(self._build, share) for share in shares]
         return self._sockets[key]
 
-    def _tile(self, where: int) -> tuple:
-        """The tile below the second coordinate, and the way to the next."""
-        key = "tile", self._tile_key(where)
+    def _tile(self, number: int, where: int) -> tuple:
+        """The row below the coordinate of an axis after the first, and the way to the next."""
+        key = "tile", number, where if self._tables.axes[number].is_color else _SHARED
         if key not in self._sockets:
-            last = self._plan.image.tiles - 1
-            at = self._build.math("MULTIPLY", self._place(1, where), float(last))
+            last = self._tables.scales[number].count - 1
+            at = self._build.math("MULTIPLY", self._place(number, where), float(last))
             cell = self._build.math("MINIMUM", self._build.math("FLOOR", at), last - 1.0)
             self._sockets[key] = cell, self._build.math("SUBTRACT", at, cell)
         return self._sockets[key]
 
     def _tile_key(self, where: int) -> int:
-        """The channels of a number have one tile."""
-        axes = self._tables.axes
-        return where if len(axes) == 2 and axes[1].is_color else _SHARED
+        """The channels of a number have the same tiles where no axis but the first is one of colors."""
+        return where if any(axis.is_color for axis in self._tables.axes[1:]) else _SHARED
 
     def _place(self, number: int, where: int):
         """Where in its rows an axis is, 0 to 1."""
@@ -174,8 +178,9 @@ class LiveNodes:
         if key not in self._sockets:
             scale = self._tables.scales[number]
             size = scale.high - scale.low
-            self._sockets[key] = self._build.math("MULTIPLY_ADD", self._coordinates[number][where], 1.0 / size, -scale.low / size)
-            self._sockets[key].node.use_clamp = True
+            way = self._build.math("MULTIPLY_ADD", self._coordinates[number][where], 1.0 / size, -scale.low / size)
+            way.node.use_clamp = True
+            self._sockets[key] = way if scale.bend == 1.0 else self._build.math("POWER", way, scale.bend)
         return self._sockets[key]
 
     @cached_property
@@ -251,7 +256,8 @@ class _Plan:
     """
 
     def __init__(self, tables: LiveTables, numbers: int):
-        self.image = TableImage(numbers, *(scale.count for scale in tables.scales), *([1] if len(tables.scales) == 1 else []))
+        rows, *tiles = (scale.count for scale in tables.scales)
+        self.image = TableImage(numbers, rows, math.prod(tiles))
         self._tables, self._numbers = tables, {where: [] for where in range(_SHARED + 1)}
         self._parts: dict[int, list[_Part]] = {where: [] for where in range(_SHARED + 1)}
         self.lobes = [self._lobe(table) for table in tables.tables]
@@ -287,7 +293,7 @@ class _Plan:
     def _part(self, where: int, values: np.ndarray, is_root: bool) -> _Part:
         if np.ptp(values) == 0.0:
             return _Part(float(values.flat[0]))
-        if not is_root and (axis := self._axis_of(values)) is not None:
+        if not is_root and (axis := self._tables.axis_of(values)) is not None:
             return _Part(axis=axis)
         for known, part in zip(self._numbers[where], self._parts[where]):
             if np.array_equal(known, values):
@@ -296,14 +302,6 @@ class _Plan:
         self._numbers[where].append(values)
         self._parts[where].append(part)
         return part
-
-    def _axis_of(self, values: np.ndarray) -> int | None:
-        """The axis of numbers of which values are the coordinate."""
-        for number, (axis, scale) in enumerate(zip(self._tables.axes, self._tables.scales)):
-            shape = [-1 if n == number else 1 for n in range(values.ndim)]
-            if isinstance(axis, NumberAxis) and np.allclose(values, np.maximum(scale.knots, MIN_ALPHA**0.5).reshape(shape), rtol=0.0, atol=1e-6):
-                return number
-        return None
 
 
 def _are_equal(numbers: list[np.ndarray], others: list[np.ndarray]) -> bool:

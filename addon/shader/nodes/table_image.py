@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tables over the view and rows of live values in one float image of a node group.
 
-A block holds three numbers, in red, green and blue, or four with alpha: rows of one axis upwards, and from left to right the view, once for each
-row of a second axis.
+A block holds three numbers, in red, green and blue, or four with alpha: rows of one axis upwards, and from left to right tiles of the view, one for
+each row of a second axis, or, with a third, for each of its rows in each of those.
 """
 
 import bpy
@@ -12,14 +12,14 @@ from ....reference_py.lobes.view_table import KNOTS
 
 
 class TableImage:
-    """Blocks of so many `numbers`, 3 or 4, on a grid of `rows` and `tiles` rows of the two axes, 1 where there is no second."""
+    """Blocks of so many `numbers`, 3 or 4, on a grid of `rows` of one axis and `tiles` of the others, 1 where there is no second."""
 
     def __init__(self, numbers: int, rows: int, tiles: int):
         self.numbers, self.rows, self.tiles = numbers, rows, tiles
         self._blocks: list[list[np.ndarray]] = []
 
     def add(self, numbers: list[np.ndarray]) -> tuple[int, ...]:
-        """Blocks for numbers (rows[, tiles], KNOTS), as many in each as it holds; their indices."""
+        """Blocks for numbers (rows, ..., KNOTS), as many in each as it holds; their indices."""
         first = len(self._blocks)
         self._blocks += [numbers[i : i + self.numbers] for i in range(0, len(numbers), self.numbers)]
         return tuple(range(first, len(self._blocks)))

@@ -51,7 +51,7 @@ class _Writer:
         self.statements: list[str] = []
         self.functions: list[str] = []
         self.closures: list[Closure] = []
-        self._prefix, self._axes, self._index = prefix, lobe_set.axes, ""
+        self._prefix, self._axes, self._index, self._coefficients = prefix, lobe_set.axes, "", lobe_set.coefficients
         self.frames = [Frame.of(lobe.normal, owners) for lobe in lobe_set.grid]
         self._about = Frame()
         """Whose normal the view is seen from in what is being written."""
@@ -129,12 +129,14 @@ class _Writer:
         tag = f"{which}{i}{'' if is_shared else 's'}"
         cell, along = self._name(f"cell_{tag}"), self._name(f"along_{tag}")
         value = value if is_shared else f"color({value})"
-        self._once(
-            cell,
-            f"int {cell}{each};",
-            f"float {along}{each};",
-            f"grid_place(({value} - {scale.low:.9g}) * {scale.per_unit:.9g}, {scale.count}, {cell}, {along});",
-        )
+        size = scale.high - scale.low
+        if scale.bend == 1.0:
+            place = f"({value} - {scale.low:.9g}) * {(scale.count - 1) / size:.9g}"
+        else:  # those of energies are one but for their counts
+            way = self._name(f"way_{'knots' if which == 'knots' else ''}{i}{'' if is_shared else 's'}")
+            self._once(way, f"{'float' if is_shared else 'color'} {way} = grid_way({value}, {scale.low:.9g}, {size:.9g}, {scale.bend:.9g});")
+            place = f"{way} * {scale.count - 1}"
+        self._once(cell, f"int {cell}{each};", f"float {along}{each};", f"grid_place({place}, {scale.count}, {cell}, {along});")
         return cell, along
 
     def _place(self, which: str, numbers: tuple[int, ...], is_shared: bool) -> str:
@@ -169,9 +171,44 @@ class _Writer:
 
     def _energy(self, name: str, log: LogEnergy) -> str:
         terms = [self._value(f"{name}{i}", table, "fine", (i,)) for i, table in enumerate(log.along)]
-        if log.rest is not None:
-            terms.append(self._value(f"{name}Rest", log.rest, "cross"))
-        return f"exp({' + '.join(terms)})" if log.is_log else terms[0]
+        if log.modes is not None and np.any(log.modes):
+            terms.append(self._modes(name, log.modes))
+        total = " + ".join(terms)
+        return f"grid_energy({total})" if log.is_log else f"max(({total}) * color(1.0), color(0.0))"
+
+    def _modes(self, name: str, modes: np.ndarray) -> str:
+        """An expression for the modes of an energy (n, KNOTS, 3), each times its coefficient."""
+        count, s = len(modes) // 3, self._about.suffix
+        by_channel = np.moveaxis(modes.reshape(count, 3, KNOTS, 3), (3, 2), (0, 2))
+        if is_one := bool(np.all(by_channel == by_channel[:1])):
+            by_channel = by_channel[:1]
+        table = self._array("color", f"{name}Modes", [f"color({','.join(map(_entry, row))})" for row in by_channel.reshape(-1, 3)])
+        coefficients, step = self._coefficients_now()
+        return f"grid_modes({table}, {coefficients}, {count}, {0 if is_one else count * KNOTS}, {step}, cell{s}, between{s})"
+
+    def _coefficients_now(self) -> tuple[str, int]:
+        """The array of coefficients at the live parameters, three in a color, and the step from one channel's to the next's, 0 where they have the same."""
+        sizes = [axis.cross.count for axis in self._axes]
+        count, nodes, is_shared = self._coefficients.shape[-1] // 3, int(np.prod(sizes)), not any(axis.is_color for axis in self._axes)
+        name = self._name("coefficients")
+        if name in self._said:
+            return name, 0 if is_shared else count
+        rows = np.moveaxis(self._coefficients.reshape(nodes, count, 3), 1, 0).reshape(-1, 3)
+        table = self._array("color", "Coefficients", [f"color({','.join(map(_entry, row))})" for row in rows])
+        parts = [self._knots(i, "cross", is_shared) for i in range(len(sizes))]
+        steps = [int(np.prod(sizes[k + 1 :])) for k in range(len(sizes))]
+
+        def at(channel: str) -> str:
+            place = " + ".join([f"i * {nodes}", *(f"{cell}{channel}" + (f" * {step}" if step > 1 else "") for (cell, _), step in zip(parts, steps))])
+            # the last axis is the innermost, as the view is elsewhere
+            return f"grid({table}, {place}, {', '.join([*map(str, steps[:-1]), *(f'{along}{channel}' for _, along in parts)])})"
+
+        loop = f"for (int i = 0; i < {count}; ++i)"
+        if is_shared:
+            self._once(name, f"color {name}[{count}];", loop, f"    {name}[i] = {at('')};")
+        else:
+            self._once(name, f"color {name}[{3 * count}];", "for (int c = 0; c < 3; ++c)", f"    {loop}", f"        {name}[c * {count} + i] = {at('[c]')};")
+        return name, 0 if is_shared else count
 
     def _lobes(self, lobe_set: LiveLobes, base_color: str) -> None:
         for i, lobe in enumerate(lobe_set.grid):

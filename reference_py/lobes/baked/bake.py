@@ -200,7 +200,7 @@ def _over_base_color(stack: Stack, glossy: int, progress) -> TableLobes:
     """The lobes of a stack over a diffuse base of any color."""
     black, truth = over(stack, 0.0), BlackAndWhite(stack)
     baker = Baker(black, truth, progress)
-    return followed(baker.lobe_set(baker.path(glossy), keep=(DiffuseTable,)), base_of(truth.black, black, stack))
+    return followed(baker.lobe_set(baker.path(glossy), keep=(DiffuseTable,)), base_of(truth.black, stack))
 
 
 def pack_lobes(lobe_set: TableLobes | LiveLobes) -> dict:

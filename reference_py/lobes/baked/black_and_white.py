@@ -22,7 +22,7 @@ _SOME_COLOR = 0.3
 
 def over(stack: Stack, grey: float) -> Stack:
     """The stack over a base of this grey."""
-    return BASE_COLOR.with_value(stack, (grey,) * 3)
+    return BASE_COLOR.with_value(stack, (grey,) * len(stack.base["color"]))
 
 
 class BlackAndWhite:
@@ -44,23 +44,28 @@ class BlackAndWhite:
         return np.concatenate([truth.specular_albedo(cos_theta) for truth in (self.black, self.white)], axis=-1)
 
 
-def base_of(truth, here: Stack, stack: Stack) -> BaseColorTable:
-    """All that a diffuse base of any color adds to the layers of `here`, whose base is black and whose truth is known; the color is that of `stack`.
+def base_of(truth, stack: Stack) -> BaseColorTable:
+    """All that a diffuse base of any color adds to layers whose truth over a black base is known; the color is that of `stack`."""
+    return BaseColorTable(np.zeros((KNOTS, 3)), *light_of(truth), np.array(stack.base["color"]))
 
-    Light that meets a Lambert base has lost its direction: three numbers per view say all. A rough one keeps some, and they are
-    those that are right at two colors.
+
+def light_of(truth) -> tuple[np.ndarray, np.ndarray]:
+    """`through` and `back` (KNOTS, c) of a `BaseColorTable` for the layers of a stack over a black base, whose truth is known.
+
+    Light that meets a Lambert base has lost its direction: three numbers per view say all. A rough one keeps some, and they
+    are those that are right at two colors.
     """
+    here = truth.stack
     layers = truth.layer_energies()
     back, escapes = layers.diffuse_below
-    own, color = np.zeros((KNOTS, 3)), np.array(stack.base["color"])
     if OpticalStack.of(here).base.sigma_deg == 0.0:
-        return BaseColorTable(own, layers.above(knot_cosines())[1] * escapes, np.broadcast_to(back, (KNOTS, 3)), color)
+        return layers.above(knot_cosines())[1] * escapes, np.broadcast_to(back, (KNOTS, len(back)))
     views = np.stack([view_of(c) for c in knot_cosines()])
     some, all_ = (truth_of(over(here, grey)).albedo(views) - truth.albedo(views) for grey in (_SOME_COLOR, 1.0))
     # of through c / (1 - back c)
     ratio = all_ * _SOME_COLOR / np.maximum(some, MIN_ENERGY)
     back = np.clip((ratio - 1.0) / (ratio - _SOME_COLOR), 0.0, 0.999)
-    return BaseColorTable(own, all_ * (1.0 - back), back, color)
+    return all_ * (1.0 - back), back
 
 
 def followed(tables: TableLobes, base: BaseColorTable) -> TableLobes:

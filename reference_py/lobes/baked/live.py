@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes that follow live values: one or two axes, at whose knots the truth is fitted, each fit from its neighbour's, or the
+"""Bakes that follow live values: up to three axes, at whose knots the truth is fitted, each fit from its neighbour's, or the
 color of a diffuse base, which needs no knots, or both."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 
@@ -27,20 +28,19 @@ from ..axes import (
     ThicknessAxis,
     of_reflectance,
 )
-from ..cache import stack_key
-from ..live_grid import Energies, LiveLobes, grid_of
+from ..live_grid import LiveLobes, grid_of
 from ..truth import truth_of
 from ..view_table import BASE_COLOR, DiffuseTable, GlossyTable
-from .black_and_white import base_of, over
-from .knot_energies import shares, top_lobe
+from .black_and_white import over
+from .grid_energies import energies_of
 
-MOST_AXES = 2
-# Knots of shapes, by how many axes there are: a shader's text is limited. Energies have so many steps from one to the next, along one
-# axis and of two.
-_KNOTS = {1: 8, 2: 5}
-_FINE, _CROSS = 3, 2
-# The same of a metal's colors and of a medium that scatters: what its depth does depends on its color.
-_FINER, _FINER_CROSS = 4, 3
+MOST_AXES = 3
+# By how many axes there are: knots of shapes, as a shader's text is limited; and knots of energies, on the way between those that are computed, along one axis and of all together.
+_KNOTS, _KNOTS_OF_ROUGHNESS = {1: 8, 2: 5, 3: 3}, {1: 8, 2: 5, 3: 5}
+_FINE, _CROSS = 33, {1: 2, 2: 25, 3: 13}
+# Values of an axis whose energies are computed, by how many axes there are; of what channels have alone, which takes less time; and of a rough base's slopes, which do little.
+_COMPUTED, _COMPUTED_FAST, _COMPUTED_SLOPES = {1: 13, 2: 9, 3: 7}, {1: 17, 2: 17, 3: 9}, {1: 13, 2: 7, 3: 5}
+_FAST = (DepthAxis, ReflectanceAxis, ScatterColorAxis, ThicknessAxis)
 # Shapes of lower roughness go on as they began; energies are known from there.
 _ROUGHNESSES, _NARROWEST = (0.2, 1.0), 0.05
 # At 1 the layer's surface is gone, and with a reflectance of 0 the metal.
@@ -48,6 +48,8 @@ _INDICES, _REFLECTANCES = (1.02, 4.0), (0.004, 0.999)
 _DEEPEST, _DEEPEST_MEDIUM = 6.0, 30.0
 # Of a film: in nm its thickness times its index, beyond which its colors are pale, a blue fringe being 225; and steps of its energies from one that is computed to the next.
 _THICKEST_PATH, _FILM_KNOTS, _FILM_FINE = 1600.0, 33, 4
+# The bend of a scale of energies (`Scale`) that change fastest where surfaces are narrow, tints thin, metals dark and indices near 1.
+_BEND = 0.7
 
 
 def follows(stack: Stack, live: tuple[Place, ...]) -> bool:
@@ -75,7 +77,7 @@ def _is_diffuse(stack: Stack) -> bool:
 
 
 def axes_of(stack: Stack, live: tuple[Place, ...]) -> tuple[Axis, ...] | None:
-    """The axes that follow these live values; None where a bake cannot: more than two, or others than these kinds."""
+    """The axes that follow these live values; None where a bake cannot: more than MOST_AXES, or others than these kinds."""
     groups: dict[tuple, tuple[Place, ...]] = {}
     for place in live:
         # a tint and a thickness are one optical depth
@@ -92,37 +94,49 @@ def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
     """The axis, one of so many, of live values of one place; None where there is none."""
     name = live[0].name
     if name == "scatter_color":
-        return _even(ScatterColorAxis, live, (0.0, 1.0), count, _FINER, _FINER_CROSS)
+        return _axis_between(ScatterColorAxis, live, (0.0, 1.0), count)
     if name == "density" or (name in ("tint", "thickness") and live[0].element(stack).has(SCATTERING)):
         # a tint of a medium that scatters is no depth
         ends = (0.0, _DEEPEST_MEDIUM / (_DEEPEST_MEDIUM + 1.0))
-        return _even(ThicknessAxis, live, ends, count, _FINER, _FINER_CROSS) if live[1:] == () and name != "tint" else None
+        return _axis_between(ThicknessAxis, live, ends, count) if live[1:] == () and name != "tint" else None
     if name in ("tint", "thickness"):
-        return _even(DepthAxis, live, (0.0, _DEEPEST / (_DEEPEST + HALF_DEPTH)), count)
+        return _axis_between(DepthAxis, live, (0.0, _DEEPEST / (_DEEPEST + HALF_DEPTH)), count, _BEND)
     if name == "roughness":
-        axis = _even(NumberAxis, live, _ROUGHNESSES, count)
-        step = 1.0 / axis.knots.per_unit
-        before = int(np.ceil(axis.knots.low / step))
-        knots = Scale(axis.knots.low - before * step, axis.knots.high, axis.knots.count + before)
-        fine, cross = (Scale(_NARROWEST, scale.high, scale.count + 2) for scale in (axis.fine, axis.cross))
+        axis, (low, high), fitted = _axis_between(NumberAxis, live, _ROUGHNESSES, count, _BEND), _ROUGHNESSES, _KNOTS_OF_ROUGHNESS[count]
+        step = (high - low) / (fitted - 1)
+        before = int(np.ceil(low / step))
+        knots = Scale(low - before * step, high, fitted + before)
+        fine, cross = (replace(scale, low=_NARROWEST) for scale in (axis.fine, axis.cross))
         return NumberAxis(live, knots, fine, cross, before)
     if name == "sigma_deg":
-        return _even(NumberAxis, live, (0.0, 90.0), count)
+        return _axis_between(NumberAxis, live, (0.0, 90.0), count)
     if name == "reflectance":
-        return _even(ReflectanceAxis, live, tuple(map(float, of_reflectance(np.array(_REFLECTANCES)))), count, _FINER, _FINER_CROSS)
+        return _axis_between(ReflectanceAxis, live, tuple(map(float, of_reflectance(np.array(_REFLECTANCES)))), count, _BEND)
     if name == "film_thickness":
         # a second axis would need as many bakes for each of its knots; the minima of a metal are the sharpest
-        computed = 2 if live[0].layer is None else 1
-        ends, steps = (0.0, _THICKEST_PATH / live[0].element(stack)["film_ior"]), _FILM_KNOTS - 1
-        return FilmAxis(live, *(Scale(*ends, steps * finer + 1) for finer in (1, computed * _FILM_FINE, computed))) if count == 1 else None
+        ends, knots = (0.0, _THICKEST_PATH / live[0].element(stack)["film_ior"]), _film_knots(live[0])
+        return FilmAxis(live, Scale(*ends, _FILM_KNOTS), Scale(*ends, (knots - 1) * _FILM_FINE + 1), Scale(*ends, knots)) if count == 1 else None
     if name == "edge_color":
-        return _even(EdgeAxis, live, (0.0, 1.0), count, _FINER, _FINER_CROSS)
-    return _even(IndexAxis, live, tuple((n - 1.0) / (n + 1.0) for n in _INDICES), count) if name == "ior" else None
+        return _axis_between(EdgeAxis, live, (0.0, 1.0), count)
+    return _axis_between(IndexAxis, live, tuple((n - 1.0) / (n + 1.0) for n in _INDICES), count, _BEND) if name == "ior" else None
 
 
-def _even(kind: type[Axis], live: tuple[Place, ...], ends: tuple[float, float], count: int, fine: float = _FINE, cross: float = _CROSS) -> Axis:
-    steps = _KNOTS[count] - 1
-    return kind(live, *(Scale(*ends, int(steps * finer) + 1) for finer in (1, fine, cross)))
+def _axis_between(kind: type[Axis], live: tuple[Place, ...], ends: tuple[float, float], count: int, bend: float = 1.0) -> Axis:
+    return kind(live, Scale(*ends, _KNOTS[count]), Scale(*ends, _FINE, bend), Scale(*ends, _CROSS[count], bend))
+
+
+def _film_knots(live: Place) -> int:
+    """Of a film's thickness, how many energies are computed: the minima of a metal are the sharpest."""
+    return (_FILM_KNOTS - 1) * (2 if live.layer is None else 1) + 1
+
+
+def _computed(axis: Axis, count: int) -> Scale:
+    """The values of an axis, one of so many, whose energies are computed."""
+    if isinstance(axis, FilmAxis):
+        return axis.cross
+    if axis.live[0].name == "sigma_deg":
+        return replace(axis.cross, count=_COMPUTED_SLOPES[count])
+    return replace(axis.cross, count=(_COMPUTED_FAST if isinstance(axis, _FAST) else _COMPUTED)[count])
 
 
 def _apart(node: tuple[int, ...], other: tuple[int, ...]) -> int:
@@ -148,27 +162,6 @@ def _better_from(start: tuple[int, ...], bakers: dict, found: dict, glossy: int)
                 fresh.append(other)
 
 
-def _between(known: list[Energies], stride: int) -> list[Energies]:
-    """Energies at even knots and at `stride` - 1 between two of them, by cubic splines."""
-    mirrors, fitted = (np.maximum(_spline(np.stack([getattr(point, name) for point in known]), stride), 0.0) for name in ("mirrors", "fitted"))
-    tables = [point.base for point in known if point.base is not None]
-    if not tables:
-        return [Energies(*point) for point in zip(mirrors, fitted)]
-    light = (np.maximum(_spline(np.stack([getattr(table, name) for table in tables]), stride), 0.0) for name in ("through", "back"))
-    return [Energies(*point, replace(tables[0], through=through, back=back)) for *point, through, back in zip(mirrors, fitted, *light)]
-
-
-def _spline(values: np.ndarray, stride: int) -> np.ndarray:
-    """Natural cubic splines through values (n, ...) at even knots, at these and at `stride` - 1 between two of them."""
-    count, rows = len(values), values.reshape(len(values), -1)
-    bend = np.zeros_like(rows)
-    equations = 4.0 * np.eye(count - 2) + np.eye(count - 2, k=1) + np.eye(count - 2, k=-1)
-    bend[1:-1] = np.linalg.solve(equations, rows[:-2] - 2.0 * rows[1:-1] + rows[2:])
-    t = np.arange(stride)[:, None] / stride
-    cells = [(1.0 - t) * a + t * b + ((1.0 - t) ** 3 - (1.0 - t)) * c + (t**3 - t) * d for a, b, c, d in zip(rows, rows[1:], bend, bend[1:])]
-    return np.concatenate([*cells, rows[-1:]]).reshape(-1, *values.shape[1:])
-
-
 def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Callable, report: Callable[[float], None]) -> LiveLobes:
     """The grid of a stack over live values of which at least one needs knots.
 
@@ -182,41 +175,32 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     size = tuple(map(len, knots))
     center = tuple(n // 2 for n in size)
     order = sorted(np.ndindex(size), key=lambda node: _apart(node, center))
-    found, bakers, truths = {}, {}, {}
+    found, bakers, nodes = {}, {}, {}
+    has_media = any(isinstance(axis, ThicknessAxis) for axis in axes)
+
+    def at(coordinates: Sequence[float]) -> Stack:
+        return reduce(lambda here, part: part[0].at(here, part[1]), zip(axes, coordinates), ground)
+
+    def tables(baker, node: tuple[int, ...]):
+        return baker.lobe_set(found[node], keep=(GlossyTable, DiffuseTable))
 
     for done, node in enumerate(order):
-        here = ground
-        for axis, at, i in zip(axes, knots, node):
-            here = axis.at(here, at[i])
-        truth = truths[stack_key(here)] = truth_of(here)
-        bakers[node] = make_baker(here, truth)
+        here = at([float(values[i]) for values, i in zip(knots, node)])
+        baker = make_baker(here, truth_of(here))
         if not found:
-            found[node] = bakers[node].path(glossy)
+            found[node] = baker.path(glossy)
         else:
             near = min(found, key=lambda other: _apart(node, other))
-            found[node] = bakers[node].continued(found[near])
+            found[node] = baker.continued(found[near])
+        if has_media:
+            bakers[node] = baker
+        else:  # whose truth takes memory
+            nodes[node] = tables(baker, node)
         report(0.7 * (done + 1) / len(order))
     for axis, last in zip(axes, size):
         if isinstance(axis, ThicknessAxis):
             _better_from(tuple(n - 1 if other is axis else n // 2 for other, n in zip(axes, size)), bakers, found, glossy)
-    nodes = {node: baker.lobe_set(found[node], keep=(GlossyTable, DiffuseTable)) for node, baker in bakers.items()}
+    nodes |= {node: tables(baker, node) for node, baker in bakers.items()}
     report(0.8)
-
-    def energies(here: Stack) -> Energies:
-        # shapes and energies have knots in common; more truths would take too much memory
-        truth = truths.get(stack_key(here)) or truth_of(here)
-        return Energies(*shares(truth, top_lobe(here) if found[center].plan else None), base_of(truth, here, stack) if over_color else None)
-
-    along = []
-    for axis in axes:
-        here = ground
-        for other, at, i in zip(axes, knots, center):
-            here = here if other is axis else other.at(here, at[i])
-        points = [energies(axis.at(here, knot)) for knot in (axis.cross if axis.has_waves else axis.fine).knots]
-        along.append(_between(points, _FILM_FINE) if axis.has_waves else points)
-    report(0.85)
-    cross = {}
-    if len(axes) == 2:
-        first, second = axes
-        cross = {(i, j): energies(second.at(first.at(ground, a), b)) for i, a in enumerate(first.cross.knots) for j, b in enumerate(second.cross.knots)}
-    return grid_of(stack, axes, nodes, along, cross)
+    computed = [_computed(axis, len(axes)) for axis in axes]
+    return grid_of(stack, axes, nodes, *energies_of(axes, computed, at, bool(found[center].plan), over_color))

@@ -189,6 +189,11 @@ def lambert_rows(color: float, n: float, count: int, grid: Grid, modes: int) -> 
 
 def oren_nayar_rows(color: float, sigma_deg: float, n: float, cos_theta, grid: Grid, modes: int) -> np.ndarray:
     """Rows (modes, I, N) of an Oren-Nayar base for walkers at cosines (I,)."""
+    return _oren_nayar_rows(color, sigma_deg, n, tuple(cos_theta.tolist()), grid, modes)
+
+
+@lru_cache(maxsize=16)
+def _oren_nayar_rows(color: float, sigma_deg: float, n: float, cos_theta: tuple, grid: Grid, modes: int) -> np.ndarray:
     # mean over the half circle; azimuth pi of the light is a turn of 0
     phi = np.pi * (np.arange(_OREN_NAYAR_AZIMUTHS) + 0.5) / _OREN_NAYAR_AZIMUTHS
     wo = spherical(np.arccos(cos_theta), 0.0)[:, None, None]

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stacks that differ in what each channel has alone, as one stack of as many channels: its truth takes little longer than that of one.
+
+Indices and roughnesses are the same in all channels; depths, colors and what media scatter are not.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...material.schema import CONDUCTOR, SCATTERING, THIN_FILM
+from ...material.stack import Base, Layer, Stack
+from ...optics.bases import conductor_index
+from ...optics.scattering import albedo_of_color
+from ..truth import truth_of
+
+# Stacks of which truths are asked at once, which bounds memory.
+_AT_ONCE = 12
+_BASE_COLORS = ("color", "eta", "k")
+_LAYER_COLORS = ("tint", "extinction", "scatter_albedo")
+
+
+def in_groups(stacks: Sequence[Stack], of: Callable) -> list:
+    """`of(truth, count)` gives a result for each of `count` stacks that a truth, of 3 channels for each, knows at once; all results in the order of the stacks."""
+    resolved = [_resolved(stack) for stack in stacks]
+    groups: dict[tuple, list[int]] = {}
+    for i, stack in enumerate(resolved):
+        groups.setdefault(_shared(stack), []).append(i)
+    results: list = [None] * len(stacks)
+    for members in groups.values():
+        for start in range(0, len(members), _AT_ONCE):
+            some = members[start : start + _AT_ONCE]
+            for i, result in zip(some, of(truth_of(_joined([resolved[i] for i in some])), len(some))):
+                results[i] = result
+    return results
+
+
+def _resolved(stack: Stack) -> Stack:
+    """The stack with all that its channels have alone as values of channels."""
+    return replace(stack, layers=tuple(map(_layer, stack.layers)), base=_base(stack.base))
+
+
+def _layer(layer: Layer) -> Layer:
+    thickness, values = layer["thickness"], dict(layer.values)
+    values |= {"thickness": 1.0, "tint": tuple(np.asarray(layer["tint"], float) ** thickness)}
+    if layer.has(SCATTERING):
+        if "density" in layer:
+            color = values.pop("scatter_color")
+            values |= {"extinction": (values.pop("density"),) * len(color), "scatter_albedo": albedo_of_color(tuple(color), layer["scatter_g"])}
+        values["extinction"] = tuple(thickness * np.asarray(values["extinction"], float))
+    return replace(layer, values=values)
+
+
+def _base(base: Base) -> Base:
+    if base.kind != CONDUCTOR.name:
+        return base
+    eta, k = conductor_index(base)
+    values = {name: value for name, value in base.values.items() if name not in ("metal", "reflectance", "edge_color")}
+    return replace(base, values=values | {"eta": tuple(eta), "k": tuple(k)})
+
+
+def _shared(stack: Stack) -> tuple:
+    """Equal for stacks that may be joined; a film has three channels for itself, as its colors are those of RGB."""
+    if any(element.has(THIN_FILM) for element in (*stack.layers, stack.base)):
+        return (id(stack),)
+    layers = tuple((layer.kind, *((name, value) for name, value in sorted(layer.values.items()) if name not in _LAYER_COLORS)) for layer in stack.layers)
+    base = tuple((name, value) for name, value in sorted(stack.base.values.items()) if name not in _BASE_COLORS)
+    return layers, base
+
+
+def _joined(stacks: Sequence[Stack]) -> Stack:
+    first = stacks[0]
+
+    def joined(elements, names):
+        values = {name: tuple(np.concatenate([element[name] for element in elements])) for name in names if name in elements[0]}
+        return replace(elements[0], values=elements[0].values | values)
+
+    layers = tuple(joined(own, _LAYER_COLORS) for own in zip(*(stack.layers for stack in stacks)))
+    return replace(first, layers=layers, base=joined([stack.base for stack in stacks], _BASE_COLORS))
