@@ -14,7 +14,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..material.stack import Stack
-from .forward import DEFAULT_MODEL, MODEL_ERROR, QUICK, Forward, ModelForward, require_fittable
+from .forward import DEFAULT_MODEL, MODEL_ERROR, SMOOTH, Forward, ModelForward, require_fittable
 from .likeness import likeness
 from .metric import Metric, percent, rms
 from .parameters import Parameters, Structure
@@ -225,7 +225,7 @@ def polished(
     """
     if not stand_in(fit.model, fit.parameters, fit.metric)[1]:
         return fit
-    quick = ModelForward(fit.parameters, fit.metric, fit.model, {**QUICK.get(fit.model, {}), **options})
+    quick = ModelForward(fit.parameters, fit.metric, fit.model, {**SMOOTH.get(fit.model, {}), **options})
 
     def continued(x: np.ndarray, turn: int, known: Fit) -> Fit:
         part = share_of(progress, turn / (1 + len(_BEGINNINGS)), (turn + 1) / (1 + len(_BEGINNINGS)))

@@ -21,6 +21,8 @@ DEFAULT_MODEL = "adding"
 MODEL_ERROR = 0.005
 # Coarser and three to five times as fast: within .1 % in the median, some percent near grazing angles. For choosing a structure.
 QUICK: dict[str, Mapping] = {"adding": {"nodes": 16, "modes": 40, "draft": 1}}
+# For derivatives, whose steps are about as small as a draft's single precision.
+SMOOTH: dict[str, Mapping] = {"adding": {"nodes": 16, "modes": 40}}
 CLOUDY_MODEL = "adding"
 _STEP = 1e-4
 
