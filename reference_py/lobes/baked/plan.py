@@ -20,8 +20,6 @@ STRIDE = 2
 _BEFORE, _AFTER, _PASSES = np.maximum(np.arange(len(COARSE)) - 1, 0), np.minimum(np.arange(len(COARSE)) + 1, len(COARSE) - 1), 2
 # Steps of a trial, of the best half of the trials, of a branch at every knot, and of fits to a truth much like the one before.
 _TRIAL, _MORE, _FILL, _CONTINUED = 5, 8, 5, 5
-# Mean error of one lobe's trials from which on it is made no better: nobody takes it where there may be more.
-_HOPELESS = 0.13
 # How often knots of a path begin anew between their neighbours: one pass leaves gold by three lobes a jump of 4 %.
 _SMOOTHED = 2
 # Between two knots a path jumps where its error is so many times as large as those at both together; knots that begin anew on either side of it, and
@@ -103,8 +101,8 @@ class Plan:
         return _best(self._coarse_fitted(distributions, starts, _TRIAL), max(len(starts) // 2, _BRANCHES))
 
     def _continued(self, distributions: tuple[str, ...], trials: list[Mixtures]) -> Branches:
-        """The branches that trials lead to; then each knot begins at what its neighbours found. One lobe that is hopeless stays so."""
-        if len(distributions) > 1 or (distributions and np.mean(trials[0].error) < _HOPELESS):
+        """The branches that trials lead to; then each knot begins at what its neighbours found."""
+        if distributions:
             trials = _best(self._coarse_fitted(distributions, [trial.shape for trial in trials], _MORE), _BRANCHES)
             for _ in range(_PASSES):
                 best = trials[0].shape
