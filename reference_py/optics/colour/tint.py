@@ -10,7 +10,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..gauss import gauss_legendre
 from .spectrum import rgb_weights, standard_wavelengths
 
 # Optical depths at which the color of a glaze is tabulated: 0, then so dense that reading between them costs 1e-4.
@@ -50,7 +49,7 @@ def _surface_reflectance(ior: float) -> float:
 def _diffuse_albedo(depth: np.ndarray, ior: float, reflectance: float) -> np.ndarray:
     """Of a smooth glaze of optical depths (n,) over a diffuse base, less what its surface reflects; Fresnel's curve counts as a step."""
     turned, edge = _surface_reflectance(ior), np.sqrt(max(1.0 - 1.0 / ior**2, 0.0))
-    x, w = gauss_legendre(32)
+    x, w = np.polynomial.legendre.leggauss(32)
 
     def mean(low, high, crossings):
         cos = low + 0.5 * (high - low) * (x + 1.0)
