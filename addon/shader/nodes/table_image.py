@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ....reference_py.lobes.view_table import KNOTS
+from ...blender.exr_bytes import exr_bytes
 
 
 class TableImage:
@@ -44,13 +45,14 @@ class TableImage:
         for block, numbers in zip(pixels, self._blocks):
             for channel, table in enumerate(numbers):
                 block[..., channel] = table.reshape(self.rows, self.tiles, KNOTS)
-        return pixels.ravel()
+        return pixels.reshape(self.height, self.width, 4)
 
     def make(self) -> bpy.types.Image:
         """The image in this file. It is packed, as Blender keeps pixels of no file in no save and in no undo."""
         image = bpy.data.images.new("Lamina Tables", self.width, self.height, float_buffer=True, is_data=True, alpha=True)
         # alpha is a number as the others are
         image.use_half_precision, image.alpha_mode = False, "CHANNEL_PACKED"
-        image.pixels.foreach_set(self._pixels())
-        image.pack()
+        file = exr_bytes(self._pixels())
+        image.pack(data=file, data_len=len(file))
+        image.source, image.file_format = "FILE", "OPEN_EXR"  # its pixels are the file's
         return image
