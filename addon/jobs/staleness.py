@@ -26,7 +26,8 @@ def make_ready(*_) -> None:
         return
     for material in bpy.data.materials:
         pasted.adopt_pasted(material)
-    _for_each(lambda material: True, reading.measure_means)
+    each = _Rounds().each
+    each(lambda material: True, reading.measure_means)
     if bpy.app.background:
         wanted: list[state.Wanted] = []
         hand_overs: list[hand_over.WantedHandOver] = []
@@ -35,11 +36,11 @@ def make_ready(*_) -> None:
             wanted.extend(state.to_compute(material))
             hand_overs.append(hand_over.WantedHandOver.of(material))
 
-        _for_each(_is_unready, want)
+        each(_is_unready, want)
         prefetch.prefetch(wanted, hand_overs, lambda message: print(f"Lamina: {message}"))
-    _for_each(_is_unready, _make_ready)
-    _for_each(_is_not_handed_over, lambda material: materials.hand_over(material, settle=bpy.app.background))
-    _for_each(lambda material: not state.lags(material), record.keep_record)
+    each(_is_unready, _make_ready)
+    each(_is_not_handed_over, lambda material: materials.hand_over(material, settle=bpy.app.background))
+    each(lambda material: not state.lags(material), record.keep_record)
 
 
 def _is_unready(material) -> bool:
@@ -74,27 +75,28 @@ def announce(scene=None, *_) -> None:
 def shown_wrong(scene: bpy.types.Scene) -> list[str]:
     """One sentence for each material that a render of the scene shows with old values, provisionally, black or without its animation."""
     said: list[str] = []
+    each = _Rounds().each
     shows = osl_setting.shows_osl(scene, bpy.context.preferences)
 
     def say(what: str) -> Callable[[bpy.types.Material], None]:
         return lambda material: said.append(f"{material.name}: {what}")
 
     if not shows:
-        _for_each(
+        each(
             _is_script_alone,
             lambda m: say(f"renders black: it is an OSL script alone, and {scene.name} shows none; {_advice(m)}")(m),
             linked=True,
         )
-        _for_each(lambda m: state.lags(m) and not _only_animation_moved(m), say(_STOCK_BEHIND))
-    _for_each(
+        each(lambda m: state.lags(m) and not _only_animation_moved(m), say(_STOCK_BEHIND))
+    each(
         lambda m: bool(_standing(m)) and not (shows and roles.node_with(m, OSL)),
         lambda m: say(f"its animation stands still, as stock nodes cannot follow {', '.join(_standing(m))}; {_remedy(m, scene)}")(m),
         linked=True,
     )
-    _for_each(lambda m: m.override_library is not None and (state.is_stale(m) or state.lags(m)), say(_OVERRIDE), linked=True)
-    _for_each(lambda m: shader_node.shader_of(m) is None, say("its shader node is gone: press Update in its panel, or call bpy.ops.lamina.regenerate()"))
-    _for_each(lambda m: state.is_stale(m) and not _only_animation_moved(m), say(_STALE))
-    _for_each(
+    each(lambda m: m.override_library is not None and (state.is_stale(m) or state.lags(m)), say(_OVERRIDE), linked=True)
+    each(lambda m: shader_node.shader_of(m) is None, say("its shader node is gone: press Update in its panel, or call bpy.ops.lamina.regenerate()"))
+    each(lambda m: state.is_stale(m) and not _only_animation_moved(m), say(_STALE))
+    each(
         lambda m: not state.is_stale(m) and not state.is_settled(m),
         say("renders as a preview, as its final look is not computed; a save without a window computes it"),
     )
@@ -139,16 +141,27 @@ def _advice(material) -> str:
     return "choose the backend Automatic" if material.lamina.backend == "osl" else "save the file"
 
 
-def _for_each(concerns: Callable[[bpy.types.Material], bool], act: Callable[[bpy.types.Material], None], linked: bool = False) -> None:
-    """Handlers cannot report, so what is done, or cannot be, is said on the console."""
-    for material in bpy.data.materials:
-        if not material.lamina.is_layered or not (linked or reading.is_own(material)):
-            continue
-        try:
-            if concerns(material):
-                act(material)
-        except LaminaError as error:
-            print(f"Lamina: {material.name} keeps its old shader: {error}")
+class _Rounds:
+    """Rounds through the materials of this file. Handlers cannot report, so what is done, or cannot be, is said on the console, and once."""
+
+    def __init__(self) -> None:
+        self._said: set[str] = set()
+
+    def each(self, concerns: Callable[[bpy.types.Material], bool], act: Callable[[bpy.types.Material], None], linked: bool = False) -> None:
+        """Act on each material that it concerns."""
+        for material in bpy.data.materials:
+            if not material.lamina.is_layered or not (linked or reading.is_own(material)):
+                continue
+            try:
+                if concerns(material):
+                    act(material)
+            except LaminaError as error:
+                self._say(f"Lamina: {material.name} keeps its old shader: {error}")
+
+    def _say(self, sentence: str) -> None:
+        if sentence not in self._said:
+            self._said.add(sentence)
+            print(sentence)
 
 
 def handlers() -> list[tuple]:

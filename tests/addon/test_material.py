@@ -414,6 +414,13 @@ def test_structure_survives_a_session_without_lamina(layered, registered_lamina)
     assert material.stack_of(layered) == stack
 
 
+def test_what_cannot_be_made_for_a_save_is_said_once(layered, blender, tmp_path, capsys):
+    elements.node_of(layered.lamina.layers[0]).inputs["IOR"].default_value = float("nan")
+    blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "odd.blend"))
+    said = [line for line in capsys.readouterr().out.splitlines() if "old shader" in line]
+    assert said == [f"Lamina: {layered.name} keeps its old shader: material {layered.name}: layer 0: ior is nan; choose 1 to 4"]
+
+
 def test_a_render_of_old_values_is_announced_until_they_are_refreshed(blender, capsys):
     baked = blender.data.materials.new("baked")
     material.apply_stack(baked, suite_stack("plastic_grey_0"), "baked")
