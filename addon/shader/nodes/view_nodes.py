@@ -189,13 +189,14 @@ def numbers(build: Builder, place: bpy.types.NodeSocket, places: Sequence[int], 
 
 
 def ramp(build: Builder, place: bpy.types.NodeSocket, places: Sequence[int], table: np.ndarray) -> bpy.types.Node:
-    """A Color Ramp of colors and alpha (n, 4), none of them negative, at these places (n,) of the ramp's."""
+    """A Color Ramp of colors and alpha (n, 4), none of them negative, at these places (n,) of the ramp's, of which the first is 0."""
     node = build.node("ShaderNodeValToRGB")
     elements = node.color_ramp.elements
-    for _ in range(len(places) - len(elements)):
-        elements.new(1.0)
-    # what is set by assignment makes Blender look through the whole tree, which the link does in any case
-    elements.foreach_set("position", np.asarray(places, np.float32) / RAMP_PLACES)
+    # an element that is there moves at the price of looking through the whole tree, and so does one that gets its color by assignment
+    for old in tuple(elements)[1:]:
+        elements.remove(old)
+    for position in np.asarray(places[1:], np.float32) / RAMP_PLACES:
+        elements.new(position)
     for element, color in zip(elements, np.asarray(table, np.float32)):
         element.color.foreach_set(color)
     build.link(place, node.inputs[0])
