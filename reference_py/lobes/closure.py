@@ -10,12 +10,12 @@ from functools import cache
 
 import numpy as np
 
-from ..optics.diffuse import oren_nayar
+from ..optics.diffuse import oren_nayar, oren_nayar_albedo
 from ..optics.fresnel import fresnel_dielectric
 from ..optics.gauss import gauss_legendre
 from ..optics.ggx import turn_of
 from ..optics.microfacet import GGX, anisotropic_distribution, distribution_of, is_specular, smith_lambda_stretched
-from ..optics.quadrature import GOLDEN, cosine_directions, points
+from ..optics.quadrature import GOLDEN
 from ..optics.thin_film import film_reflectance
 from .lobe import DielectricCurve, DiffuseLobe, FilmCurve, GlossyLobe, SchlickCurve
 
@@ -23,8 +23,8 @@ from .lobe import DielectricCurve, DiffuseLobe, FilmCurve, GlossyLobe, SchlickCu
 WEIGHT_CUTOFF = 1e-5
 # Directions per view, as rings about the lobe's axis and places on each: for an energy, and for a ratio of energies.
 ENERGY_RULE, _SHARE_RULE = (192, 32), (64, 16)
-# Directions at once: more would not fit into a processor's cache.
-_IN_CACHE = 4096
+# Directions at once: with fewer most of the time goes into beginning numpy's steps, more would not fit into a processor's cache.
+_IN_CACHE = 24576
 
 
 def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
@@ -245,6 +245,4 @@ def lobe_energy(lobe: GlossyLobe | DiffuseLobe, cos_theta_o: np.ndarray, phi: fl
         return lobe.weight * unit_energy(lobe, cos_theta_o, phi)
     if lobe.color is None:
         return lobe.weight * np.ones(3)
-    wo = np.stack([np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)), np.zeros_like(cos_theta_o), cos_theta_o], axis=-1)
-    wi = cosine_directions(*points(4096))
-    return lobe.weight * np.pi * np.mean(oren_nayar(wi, wo[:, None], np.array(lobe.color), lobe.sigma_deg, lobe.power), axis=1)
+    return lobe.weight * oren_nayar_albedo(cos_theta_o, lobe.color, lobe.sigma_deg, lobe.power)

@@ -14,7 +14,7 @@ def fresnel_dielectric(cos_theta_i: np.ndarray, eta_it) -> np.ndarray:
 
     eta_it = n_t / n_i in travel direction; 1 beyond the critical angle.
     """
-    cos_i = np.clip(cos_theta_i, 0.0, 1.0)
+    cos_i = np.minimum(np.maximum(cos_theta_i, 0.0), 1.0)
     eta = np.asarray(eta_it, float)
     sin2_t = (1.0 - np.square(cos_i)) / np.square(eta)
     cos_t = np.sqrt(np.maximum(1.0 - sin2_t, 0.0))
@@ -37,7 +37,7 @@ def fresnel_dielectric(cos_theta_i: np.ndarray, eta_it) -> np.ndarray:
 
 def fresnel_conductor(cos_theta_i: np.ndarray, eta, k) -> np.ndarray:
     """Reflectance of a conductor of complex index eta + i k relative to the medium above. Broadcasts."""
-    cos_i = np.clip(cos_theta_i, 0.0, 1.0)
+    cos_i = np.minimum(np.maximum(cos_theta_i, 0.0), 1.0)
     cos2 = np.square(cos_i)
     sin2 = 1.0 - cos2
     eta2, k2 = np.square(eta), np.square(k)

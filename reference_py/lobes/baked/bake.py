@@ -85,6 +85,7 @@ class Baker:
         self._top_apart, self._coarse = has_own_normals(stack), views.of(COARSE).thinned(STRIDE)
         self.most_glossy = MAX_GLOSSY if surfaces else 1
         self._own: dict[int, Found] = {}
+        self._lit: dict[float, np.ndarray] = {}
         self._report(0.3)
 
     def bake(self, glossy: int) -> Bake:
@@ -98,7 +99,9 @@ class Baker:
         Bakes of a hundred stacks have 1.18 times as much and more, half of them twice as much; those that are off by 1 to 4 % have at least 1.4 times as much.
         """
         number, branches = self._best_plan(glossy)
-        sent = np.abs(soft_lights(self._coarse, light_deg) @ np.swapaxes(self._plans[number].gaps(branches), 1, 2))
+        if light_deg not in self._lit:
+            self._lit[light_deg] = soft_lights(self._coarse, light_deg)
+        sent = np.abs(self._lit[light_deg] @ np.swapaxes(self._plans[number].gaps(branches), 1, 2))
         at_knots = np.mean(np.sum(sent, axis=1), axis=1)
         return float(np.mean(np.interp(cosines, self._coarse.cos_theta_o, at_knots)))
 

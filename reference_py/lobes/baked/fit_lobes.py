@@ -7,6 +7,7 @@ squares measure the L1 distance. Each view is a problem of its own, with its own
 """
 
 from dataclasses import dataclass, fields, replace
+from functools import cache
 
 import numpy as np
 
@@ -131,7 +132,8 @@ class ViewFits:
             gram, moments = self._moments(rows, weights)
             weight = non_negative(gram[:, :, slopes:, slopes:], moments[:, :, slopes:])
             step = _gauss_newton_step(gram, moments, weight, damping)
-            trial = np.clip(shape + np.clip(step, -_LONGEST_STEP, _LONGEST_STEP), self.low, _HIGH)
+            step = np.minimum(np.maximum(step, -_LONGEST_STEP), _LONGEST_STEP)
+            trial = np.minimum(np.maximum(shape + step, self.low), _HIGH)
             before = _squares(gram[:, :, slopes:, slopes:], moments[:, :, slopes:], weight)
             if left:
                 trial_rows = self._rows(distributions, trial, directions)
@@ -199,7 +201,9 @@ class ViewFits:
     def _moments(self, rows, weights) -> tuple[np.ndarray, np.ndarray]:
         """Weighted products of the rows with each other (V, C, r, r), and with the goal (V, C, r)."""
         across = np.swapaxes(rows, 1, 2)
-        gram = np.stack([(rows * weights[:, channel, None]) @ across for channel in range(weights.shape[1])], axis=1)
+        gram = np.empty((*weights.shape[:2], rows.shape[1], rows.shape[1]))
+        for channel in range(weights.shape[1]):
+            np.matmul(rows * weights[:, channel, None], across, out=gram[:, channel])
         return gram, (weights * self.goal) @ across
 
 
@@ -220,16 +224,17 @@ def _gauss_newton_step(gram, moments, weight, damping) -> np.ndarray:
     hessian = np.sum(scale[..., None] * projected * scale[..., None, :], axis=1)
     slope = moments[:, :, :size] - (gram[:, :, :size, size:] @ weight[..., None])[..., 0]
     gradient = np.sum(scale * slope, axis=1)
-    diagonal = np.einsum("vii->vi", hessian)
-    hessian = hessian + (damping[:, None] * (diagonal + 1e-9))[..., None] * np.eye(size)
+    diagonal = np.einsum("vii->vi", hessian)  # a view
+    diagonal += damping[:, None] * (diagonal + 1e-9)
     return np.linalg.solve(hessian, gradient[..., None]).reshape(len(weight), lobes, 3)
 
 
 def _solve(gram, right) -> np.ndarray:
     """Solutions for gram matrices (..., m, m), of which columns may be alike."""
-    count = gram.shape[-1]
-    trace = np.einsum("...ii->...", gram)[..., None, None]
-    return np.linalg.solve(gram + 1e-12 * trace * np.eye(count), right)
+    lifted = gram.copy()
+    diagonal = np.einsum("...ii->...i", lifted)  # a view
+    diagonal += 1e-12 * np.einsum("...ii->...", gram)[..., None]
+    return np.linalg.solve(lifted, right)
 
 
 def non_negative(gram: np.ndarray, moments: np.ndarray) -> np.ndarray:
@@ -248,26 +253,35 @@ def non_negative(gram: np.ndarray, moments: np.ndarray) -> np.ndarray:
 
 def _of_two(gram, moments) -> np.ndarray:
     """`non_negative` of two, by Cramer's rule: one lobe and a Lambert lobe are fitted most often."""
-    (a, d), b, (p, q) = np.einsum("...ii->i...", gram), gram[..., 0, 1], np.moveaxis(moments, -1, 0)
+    a, b, d, p, q = gram[..., 0, 0], gram[..., 0, 1], gram[..., 1, 1], moments[..., 0], moments[..., 1]
     shift = 1e-12 * (a + d)
     a, d = a + shift, d + shift
-    both = np.stack([d * p - b * q, a * q - b * p], axis=-1)
-    both /= (a * d - b * b)[..., None]
+    least = a * d - b * b
+    both = (d * p - b * q) / least, (a * q - b * p) / least
     alone = np.maximum(p, 0.0) / a, np.maximum(q, 0.0) / d
     is_first = p * alone[0] >= q * alone[1]
-    one = np.stack([np.where(is_first, alone[0], 0.0), np.where(is_first, 0.0, alone[1])], axis=-1)
-    return np.where(np.all(both >= 0.0, axis=-1, keepdims=True), both, one)
+    is_free = (both[0] >= 0.0) & (both[1] >= 0.0)
+    c = np.empty(moments.shape)
+    c[..., 0] = np.where(is_free, both[0], alone[0] * is_first)
+    c[..., 1] = np.where(is_free, both[1], alone[1] * ~is_first)
+    return c
 
 
 def _by_active_sets(gram, moments) -> np.ndarray:
-    count = moments.shape[-1]
-    on = ((np.arange(2**count - 1) >> np.arange(count)[:, None]) & 1).astype(float)[..., None]  # all of them were tried
+    on, both_on, off = _active_sets(moments.shape[-1])
     b = np.ascontiguousarray(moments.T)[:, None]
-    systems = np.ascontiguousarray(np.moveaxis(gram, 0, -1))[:, :, None] * (on[:, None] * on)
-    c = _eliminated(systems, b * on, 1.0 - on)
+    systems = np.ascontiguousarray(gram.transpose(1, 2, 0))[:, :, None] * both_on
+    c = _eliminated(systems, b * on, off)
     # at a minimiser c G c is b c
     value = np.where(np.all(c >= 0.0, axis=0), np.sum(b * c, axis=0), -np.inf)
-    return np.take_along_axis(c, np.argmax(value, axis=0)[None, None], axis=1)[:, 0].T
+    return c[:, np.argmax(value, axis=0), np.arange(len(gram))].T
+
+
+@cache
+def _active_sets(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Where each set but that of all has a row (count, sets, 1), a row and a column (count, count, sets, 1), and no row; not to be written to."""
+    on = ((np.arange(2**count - 1) >> np.arange(count)[:, None]) & 1).astype(float)[..., None]
+    return on, on[:, None] * on, 1.0 - on
 
 
 def _eliminated(a, b, off) -> np.ndarray:
@@ -276,13 +290,17 @@ def _eliminated(a, b, off) -> np.ndarray:
     Of so small ones all at once take a third of LAPACK's time, which solves one after another.
     """
     rows = range(len(b))
-    shift = 1e-12 * sum(a[i, i] + off[i] for i in rows)
     for i in rows:
-        a[i, i] += off[i] + shift
+        a[i, i] += off[i]
+    shift = 1e-12 * sum(a[i, i] for i in rows)
+    for i in rows:
+        a[i, i] += shift
     for i in rows[:-1]:
         share = a[i + 1 :, i] / a[i, i]
         a[i + 1 :, i + 1 :] -= share[:, None] * a[i, i + 1 :]
         b[i + 1 :] -= share * b[i]
     for i in reversed(rows):
-        b[i] = (b[i] - np.sum(a[i, i + 1 :] * b[i + 1 :], axis=0)) / a[i, i]
+        if i < rows[-1]:
+            b[i] -= sum(a[i, k] * b[k] for k in rows[i + 1 :])
+        b[i] /= a[i, i]
     return b

@@ -94,8 +94,8 @@ def _slopes(tilt, wo: tuple, wi: tuple) -> tuple:
 
 def _scaled(value, alpha_x, alpha_y, oz, z, seen):
     """f of what the slopes say, which is overwritten."""
-    value *= np.where(seen, 0.25 / (np.pi * alpha_x * alpha_y * oz), 0.0)
-    value /= np.maximum(z, 1e-20)
+    value *= seen * (0.25 / (np.pi * alpha_x * alpha_y * oz))
+    value /= z
     return value
 
 

@@ -202,10 +202,12 @@ def _mended(plan: Plan, path: Path) -> Path:
         return path
     sides = [Mixtures(knots.shape.copy(), knots.weight.copy(), knots.error.copy()) for _ in range(2)]
     for step in range(_MENDED):
-        for side, at, before in ((sides[0], jumps - step, 1), (sides[1], jumps + 1 + step, -1)):
-            at = at[(at >= 0) & (at < KNOTS)]
-            found = plan.fits.of(at).fit(path.distributions, side.shape[at + before], _FILL)
-            side.shape[at], side.weight[at], side.error[at] = found.shape, found.weight, found.error
+        # both sides at once: fits of few views take nearly as long as those of twice as many
+        ats = [at[(at >= 0) & (at < KNOTS)] for at in (jumps - step, jumps + 1 + step)]
+        starts = [side.shape[at + before] for side, at, before in zip(sides, ats, (1, -1))]
+        found = plan.fits.of(np.concatenate(ats)).fit(path.distributions, np.concatenate(starts), _FILL)
+        for side, at, own in zip(sides, ats, (slice(None, len(ats[0])), slice(len(ats[0]), None))):
+            side.shape[at], side.weight[at], side.error[at] = found.shape[own], found.weight[own], found.error[own]
     return _joined(plan, path.distributions, [knots, *sides])
 
 

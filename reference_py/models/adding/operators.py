@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from ...optics import microfacet
-from ...optics.diffuse import oren_nayar
+from ...optics.diffuse import oren_nayar, oren_nayar_shares
 from ...optics.facet_reflectance import ConductorFacet, DielectricFacet
 from ...optics.frame import spherical
 from ...optics.fresnel import cos_theta_t
@@ -189,18 +189,23 @@ def lambert_rows(color: float, n: float, count: int, grid: Grid, modes: int) -> 
 
 def oren_nayar_rows(color: float, sigma_deg: float, n: float, cos_theta, grid: Grid, modes: int) -> np.ndarray:
     """Rows (modes, I, N) of an Oren-Nayar base for walkers at cosines (I,)."""
-    return _oren_nayar_rows(color, sigma_deg, n, tuple(cos_theta.tolist()), grid, modes)
+    white, once = oren_nayar_shares(np.array([color]), sigma_deg)
+    of_white, of_once = _oren_nayar_rows(sigma_deg, n, tuple(cos_theta.tolist()), grid, modes)
+    return white * of_white + once * of_once
 
 
-@lru_cache(maxsize=16)
-def _oren_nayar_rows(color: float, sigma_deg: float, n: float, cos_theta: tuple, grid: Grid, modes: int) -> np.ndarray:
+@lru_cache(maxsize=8)
+def _oren_nayar_rows(sigma_deg: float, n: float, cos_theta: tuple, grid: Grid, modes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of a white base, and of what meets one facet alone: a base of any color is made of these."""
     # mean over the half circle; azimuth pi of the light is a turn of 0
     phi = np.pi * (np.arange(_OREN_NAYAR_AZIMUTHS) + 0.5) / _OREN_NAYAR_AZIMUTHS
     wo = spherical(np.arccos(cos_theta), 0.0)[:, None, None]
     wi = spherical(np.arccos(grid.cosines(n))[:, None], np.pi - phi)
-    f = oren_nayar(wi, wo, np.full(3, color), sigma_deg)[..., 0]
+    dark = 1e-9
+    white, once = np.moveaxis(oren_nayar(wi, wo, np.array([1.0, dark]), sigma_deg), -1, 0)
     harmonics = np.cos(np.arange(modes)[:, None] * phi) / len(phi)
-    return np.einsum("mp,ijp->mij", harmonics, f) * grid.weights(n) / (n * n)
+    weights = grid.weights(n) / (n * n)
+    return tuple(np.moveaxis(f @ harmonics.T, -1, 0) * weights for f in (white, once / dark))
 
 
 def conductor_rows(metals: tuple[ConductorFacet, ...], cos_theta, alpha, distribution, surface, grid: Grid, resolution: Resolution):
