@@ -40,7 +40,14 @@ OF_PATCHES, OF_CACHE = "tests/reference_py/test_patch_lobes.py::", "tests/refere
 OF_CAVITIES, OF_FILM = "tests/reference_py/test_v_cavities.py::", "tests/reference_py/test_thinnest_film.py::"
 OF_WARNING, OF_PAPER = "tests/reference_py/test_fit_warnings.py::", "tests/reference_py/test_weidlich_wilkie.py::"
 
+OF_BRUSHED = "tests/reference_py/test_brushed_bakes.py::test_"
+
 FAULTS = (
+    Fault("what brushing does to a live bake's energy is left out", "reference_py/lobes/baked/brushed_grid.py",
+          "total = level[:, None] * turns", "total = level[:, None] + 0.0 * turns",
+          (f"{OF_BRUSHED}auto_follows_live_values",)),
+    Fault("auto's brushed bake stands still", AUTO, "lobe_set = baked(stack, live, DEFAULT_GLOSSY,", "lobe_set = baked(stack, (), DEFAULT_GLOSSY,",
+          (f"{OF_BRUSHED}auto_follows_live_values",)),
     Fault("auto takes the dearest", AUTO, "return min(good, key=lambda t: t[0].cost)", "return max(good, key=lambda t: t[0].cost)",
           (f"{OF_AUTO}test_the_cheapest_within_the_tolerance_is_taken",)),
     Fault("auto takes the closest, whatever it costs", AUTO, "return min(good, key=lambda t: t[0].cost)", "return min(good, key=lambda t: t[0].visible)",

@@ -221,9 +221,27 @@ class ScatterColorAxis(Axis):
         return self.live[0].with_value(stack, (float(np.clip(color_of_similarity(1.0 - coordinate), 0.0, 1.0)),) * 3)
 
 
+class AzimuthAxis(Axis):
+    """How far a view is turned out of the brushing, as the cosine of its azimuth from there; no value of the stack's, but of the view."""
+
+    @property
+    def layer(self) -> None:
+        """It is of the whole stack."""
+        return None
+
+    def coordinate(self, stack: Stack) -> np.ndarray:
+        """That of a view along the brushing."""
+        return np.asarray(1.0)
+
+    def at(self, stack: Stack, coordinate: float) -> Stack:
+        """The same stack."""
+        return stack
+
+
 def top_index(axes: tuple[Axis, ...]) -> IndexAxis | None:
     """The axis of the top layer's index, which its Fresnel curve follows, if there is one."""
     return next((axis for axis in axes if isinstance(axis, IndexAxis) and axis.layer == 0), None)
 
 
-AXES = {axis.__name__: axis for axis in (NumberAxis, FilmAxis, IndexAxis, ThicknessAxis, DepthAxis, ReflectanceAxis, EdgeAxis, ScatterColorAxis)}
+_KINDS = (NumberAxis, FilmAxis, IndexAxis, ThicknessAxis, DepthAxis, ReflectanceAxis, EdgeAxis, ScatterColorAxis, AzimuthAxis)
+AXES = {axis.__name__: axis for axis in _KINDS}

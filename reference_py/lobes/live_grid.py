@@ -6,6 +6,7 @@ alpha), so that a lobe whose width is a live roughness itself is exact. Below th
 the rest stays. On an axis of colors energies are read at each channel's own coordinate. Energies know more knots than shapes, as eyes see them first.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import reduce
 
@@ -14,7 +15,8 @@ import numpy as np
 from ..errors import LaminaError
 from ..material.place import Place
 from ..material.stack import Stack
-from .axes import Axis, Scale, top_index
+from .analytic.brushed import directions
+from .axes import Axis, AzimuthAxis, Scale, top_index
 from .closure import unit_energy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from .own_normals import BELOW, DIFFUSE, TOP, normals_of_fits
@@ -64,6 +66,8 @@ class LiveLobe:
     unit: np.ndarray | None = None
     normal: Place | None = None
     """The own normal that it is about (`own_normals`), None for the surface's."""
+    is_brushed: bool = False
+    """Whether its alphas are along and across the brushing, and not the plane of incidence."""
 
     @property
     def is_specular(self) -> bool:
@@ -115,6 +119,16 @@ class LiveLobes:
         return (*(place for axis in self.axes for place in axis.live), *([BASE_COLOR] if self.base is not None else []))
 
     @property
+    def brushing(self) -> float | None:
+        """The direction of the brushing in radians from the tangent, where there is an axis about it."""
+        return directions(self.stack).pop() if any(isinstance(axis, AzimuthAxis) for axis in self.axes) else None
+
+    @property
+    def is_brushed(self) -> bool:
+        """Whether any of the lobes turns with the surface's tangent."""
+        return self.brushing is not None
+
+    @property
     def index(self) -> Axis | None:
         """The axis of the top layer's index, which its Fresnel curve follows, if there is one."""
         return top_index(self.axes)
@@ -133,11 +147,16 @@ class LiveLobes:
         """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
         cos_theta_o = np.clip(np.asarray(cos_theta_o, float), MIN_COS_O, 1.0)
         grid = self.grid if self.index is None else [_with_index(lobe, self.index.live[0].value(self.stack)) for lobe in self.grid]
-        return [_lobe(lobe, *parts, cos_theta_o) for lobe, parts in zip(grid, self._parts(cos_theta_o))]
+        brushing = self.brushing
+        if brushing is None:
+            return [_lobe(lobe, *parts, cos_theta_o, None) for lobe, parts in zip(grid, self._parts(cos_theta_o))]
+        cos_theta_o, turned = np.broadcast_arrays(cos_theta_o, np.abs(np.cos(np.asarray(phi, float) - brushing)))
+        parts = at_azimuths(self._parts, cos_theta_o, turned)
+        return [_lobe(lobe, *part, cos_theta_o, brushing) for lobe, part in zip(grid, parts)]
 
-    def _parts(self, cos_theta_o):
-        """(weight, shape) of every lobe at views."""
-        coordinates = [axis.coordinate(self.stack) for axis in self.axes]
+    def _parts(self, cos_theta_o, turned: float = 1.0):
+        """(weight, shape) of every lobe at views whose azimuth from the brushing has this cosine."""
+        coordinates = [turned if isinstance(axis, AzimuthAxis) else axis.coordinate(self.stack) for axis in self.axes]
         # the channels' places, at knots and fine ones, and the one that shapes are read at
         each, fine, cross = ([_by_channel(getattr(axis, scale), at) for axis, at in zip(self.axes, coordinates)] for scale in ("knots", "fine", "cross"))
         one = [axis.knots.place(axis.shared(at)) for axis, at in zip(self.axes, coordinates)]
@@ -176,6 +195,20 @@ class LiveLobes:
         return result
 
 
+def at_azimuths(parts: Callable, cos_theta_o: np.ndarray, turned: np.ndarray) -> list[tuple[np.ndarray, np.ndarray | None]]:
+    """`parts` (weight and shape of lobes at views of one azimuth) at views of cosines (...) from the normal and, of their azimuth, from the brushing (...)."""
+    found: list[tuple[np.ndarray, np.ndarray | None]] = []
+    for one in np.unique(turned):
+        here = turned == one
+        for number, values in enumerate(parts(cos_theta_o[here], float(one))):
+            if number == len(found):
+                found.append(tuple(None if value is None else np.empty((*turned.shape, 3)) for value in values))
+            for whole, value in zip(found[number], values):
+                if whole is not None:
+                    whole[here] = value
+    return found
+
+
 def _by_channel(scale: Scale, coordinate) -> tuple[np.ndarray, ...]:
     return tuple(np.broadcast_to(part, 3) for part in scale.place(coordinate))
 
@@ -184,7 +217,7 @@ def _with_index(lobe: LiveLobe, eta: float) -> LiveLobe:
     return lobe if lobe.fresnel is None else replace(lobe, fresnel=DielectricCurve(eta))
 
 
-def _lobe(lobe: LiveLobe, weight, shape, cos_theta_o):
+def _lobe(lobe: LiveLobe, weight, shape, cos_theta_o, brushing: float | None):
     if lobe.is_specular:
         return GlossyLobe(lobe.distribution, weight, *(np.zeros_like(cos_theta_o) for _ in range(3)), normal=lobe.normal)
     if lobe.is_diffuse:
@@ -192,14 +225,14 @@ def _lobe(lobe: LiveLobe, weight, shape, cos_theta_o):
     root_x, root_y, slope = np.moveaxis(shape, -1, 0)
     alpha_x, alpha_y = (np.clip(np.square(np.maximum(root, 0.0)), MIN_ALPHA, 1.0) for root in (root_x, root_y))
     tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)))
-    return GlossyLobe(lobe.distribution, weight, alpha_x, alpha_y, tilt, lobe.fresnel, normal=lobe.normal)
+    return GlossyLobe(lobe.distribution, weight, alpha_x, alpha_y, tilt, lobe.fresnel, brushing if lobe.is_brushed else None, lobe.normal)
 
 
 def grid_of(
     stack: Stack, axes: tuple[Axis, ...], nodes: dict[tuple[int, ...], TableLobes], energies: dict[str, LogEnergy], coefficients: np.ndarray | None
 ) -> LiveLobes:
     """A grid of the lobe sets at its nodes, which must have the same lobes, and of energies: "mirrors", "fitted", and over a base of a live color
-    "through" and "back". Raises LaminaError when lobes differ.
+    "through" and "back". Lobes with a frame are brushed; it is that of views of azimuth 0. Raises LaminaError when lobes differ.
     """
     size = tuple(axis.knots.count - axis.before for axis in axes)
     if len({len(lobe_set.tables) for lobe_set in nodes.values()}) != 1 or len(nodes) != np.prod(size):
@@ -228,18 +261,20 @@ def grid_of(
             shape = gathered(number, lambda table: np.concatenate([np.sqrt(table.shape[:, :2]), table.shape[:, 2:]], axis=1))
             shape = before(shape, 2)
             if first.fresnel is not None:
-                lobes.append(LiveLobe(None, first.distribution, shape, first.fresnel))
+                lobes.append(LiveLobe(None, first.distribution, shape, first.fresnel, is_brushed=first.frame is not None))
                 continue
             unit = gathered(number, _unit)
-            lobes.append(LiveLobe(gathered(number, lambda table: table.weight) * unit, first.distribution, shape, unit=_all_units(axes, first, shape, unit)))
+            units = _all_units(axes, lambda node, number=number: nodes[node].tables[number], shape, unit)
+            energy = gathered(number, lambda table: table.weight) * unit
+            lobes.append(LiveLobe(energy, first.distribution, shape, unit=units, is_brushed=first.frame is not None))
     total = np.maximum(sum(lobe.energy for lobe in lobes if lobe.unit is not None), MIN_ENERGY)
     lobes = [replace(lobe, energy=before(lobe.energy / total, 0)) if lobe.unit is not None else lobe for lobe in lobes]
     base = LiveBase(energies["through"], energies["back"]) if "through" in energies else None
     return LiveLobes(stack, axes, tuple(lobes), energies["fitted"], coefficients, base)
 
 
-def _all_units(axes: tuple[Axis, ...], table: GlossyTable, shape: np.ndarray, fitted: np.ndarray) -> np.ndarray:
-    """The energies (..., KNOTS, 1) of a lobe of weight 1 at all knots of shapes (..., KNOTS, 3), of which those that were fitted are known."""
+def _all_units(axes: tuple[Axis, ...], table_at: Callable, shape: np.ndarray, fitted: np.ndarray) -> np.ndarray:
+    """The energies (..., KNOTS, 1) of a lobe of weight 1 at all knots of shapes (..., KNOTS, 3), of which those that were fitted are known, as is the table there."""
     units = np.empty((*shape.shape[:-1], 1))
     for node in np.ndindex(*(axis.knots.count for axis in axes)):
         known = tuple(i - axis.before for i, axis in zip(node, axes))
@@ -247,7 +282,8 @@ def _all_units(axes: tuple[Axis, ...], table: GlossyTable, shape: np.ndarray, fi
             units[node] = fitted[known]
         else:
             alphas = np.clip(np.square(np.maximum(shape[node][:, :2], 0.0)), MIN_ALPHA, 1.0)
-            units[node] = _unit(replace(table, shape=np.concatenate([alphas, shape[node][:, 2:]], axis=1)))
+            nearest = table_at(tuple(max(i, 0) for i in known))
+            units[node] = _unit(replace(nearest, shape=np.concatenate([alphas, shape[node][:, 2:]], axis=1)))
     return units.round(DIGITS)
 
 

@@ -12,20 +12,27 @@ import numpy as np
 
 from ..material.place import Place
 from ..material.stack import Stack
-from .axes import Axis, IndexAxis, NumberAxis, Scale, top_index
+from .analytic.brushed import directions
+from .axes import Axis, AzimuthAxis, IndexAxis, NumberAxis, Scale, top_index
 from .closure import fresnel_share
-from .live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy
+from .live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy, at_azimuths
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from .view_table import BASE_COLOR, KNOTS, MIN_COS_O, interpolate, knot_cosines
 
 # Up to this alpha a folded Fresnel curve moves less than 5 % of a lobe's light, by less than its width.
 NARROWEST_CURVE = 0.01
+# Roots that differ by less are one, but for how they were interpolated.
+_SAME = 1e-9
 # Energies are this power of what is kept.
 POWER = 4
 # Rows of one axis, of two and of three.
 _ROWS = {1: (64,), 2: (41, 17), 3: (33, 13, 13)}
+# The same with a roughness, a color and the azimuth: what a brushed top reflects across its brushing changes fastest.
+_ROWS_OF_BRUSHED = _ROWS | {3: (33, 17, 13)}
 # What a Fresnel curve makes of a lobe is smooth in its width and index, and takes long: knots of an axis that changes these, by how many do.
 _FOLDED = {0: 2, 1: 25, 2: 13, 3: 9}
+# Of the azimuth from a brushing.
+_FOLDED_TURNS = 9
 
 
 @dataclass(frozen=True)
@@ -44,6 +51,7 @@ class LiveTable:
     through: np.ndarray | None = None
     back: np.ndarray | None = None
     normal: Place | None = None
+    is_brushed: bool = False
 
 
 @dataclass(frozen=True)
@@ -75,6 +83,16 @@ class LiveTables:
         return not any(axis.has_waves for axis in self.axes)
 
     @property
+    def brushing(self) -> float | None:
+        """As that of `LiveLobes`."""
+        return directions(self.stack).pop() if any(isinstance(axis, AzimuthAxis) for axis in self.axes) else None
+
+    @property
+    def is_brushed(self) -> bool:
+        """Whether any of the lobes turns with the surface's tangent."""
+        return self.brushing is not None
+
+    @property
     def index(self) -> IndexAxis | None:
         """The axis of the top layer's index, which its Fresnel curve follows, if there is one."""
         return top_index(self.axes)
@@ -90,8 +108,26 @@ class LiveTables:
 
     def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
         """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
-        cos_o = np.clip(np.asarray(cos_theta_o, float), MIN_COS_O, 1.0)
-        at = [axis.coordinate(self.stack) for axis in self.axes]
+        cos_o, brushing = np.clip(np.asarray(cos_theta_o, float), MIN_COS_O, 1.0), self.brushing
+        if brushing is None:
+            return [self._lobe(table, *parts, cos_o, None) for table, parts in zip(self.tables, self._parts(cos_o))]
+        cos_o, turned = np.broadcast_arrays(cos_o, np.abs(np.cos(np.asarray(phi, float) - brushing)))
+        return [self._lobe(table, *parts, cos_o, brushing) for table, parts in zip(self.tables, at_azimuths(self._parts, cos_o, turned))]
+
+    def _lobe(self, table: LiveTable, weight: np.ndarray, shape: np.ndarray | None, cos_o: np.ndarray, brushing: float | None) -> GlossyLobe | DiffuseLobe:
+        if shape is None:
+            return DiffuseLobe(weight, normal=table.normal)
+        root_x, root_y, slope = np.moveaxis(shape, -1, 0)
+        tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_o), 0.0)))
+        fresnel = table.fresnel
+        if fresnel is not None and self.index is not None:
+            fresnel = DielectricCurve(self.index.live[0].value(self.stack))
+        frame = brushing if table.is_brushed else None
+        return GlossyLobe(table.distribution, weight, root_x**2, root_y**2, tilt, fresnel, frame, table.normal)
+
+    def _parts(self, cos_o: np.ndarray, turned: float = 1.0) -> list[tuple[np.ndarray, np.ndarray | None]]:
+        """(weight, shape) of every lobe at views whose azimuth from the brushing has this cosine."""
+        at = [turned if isinstance(axis, AzimuthAxis) else axis.coordinate(self.stack) for axis in self.axes]
         one = [axis.shared(coordinate) for axis, coordinate in zip(self.axes, at)]
         own = [[float(np.broadcast_to(coordinate, 3)[c]) for coordinate in at] for c in range(3)]
 
@@ -102,23 +138,18 @@ class LiveTables:
         def shared(table):
             return interpolate(self._at(table, one), cos_o)
 
-        result: list[GlossyLobe | DiffuseLobe] = []
+        result: list[tuple[np.ndarray, np.ndarray | None]] = []
         for table in (kept(table, self.is_color, self.is_rooted) for table in self.tables):
             weight = np.ones((*cos_o.shape, 3)) if table.energy is None else energy(table.energy)
             if table.through is not None:
                 color = np.clip(self.stack.base["color"], 0.0, 1.0)
                 weight = weight + energy(table.through) * color / (1.0 - energy(table.back) * color)
             if table.distribution is None:
-                result.append(DiffuseLobe(weight, normal=table.normal))
+                result.append((weight, None))
                 continue
             if table.unit is not None:
                 weight = weight / shared(table.unit)
-            root_x, root_y, slope = (self._column(column, one, cos_o) for column in np.moveaxis(table.shape, -1, 0))
-            tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_o), 0.0)))
-            fresnel = table.fresnel
-            if fresnel is not None and self.index is not None:
-                fresnel = DielectricCurve(self.index.live[0].value(self.stack))
-            result.append(GlossyLobe(table.distribution, weight, root_x**2, root_y**2, tilt, fresnel, normal=table.normal))
+            result.append((weight, np.stack([self._column(column, one, cos_o) for column in np.moveaxis(table.shape, -1, 0)], axis=-1)))
         return result
 
     def axis_of(self, values: np.ndarray) -> int | None:
@@ -153,17 +184,18 @@ def kept(table: LiveTable, is_color: bool, is_rooted: bool) -> LiveTable:
 def live_tables(lobe_set: LiveLobes, keep_dielectrics: bool = False) -> LiveTables:
     """A grid of lobes in tables; `keep_dielectrics` leaves the top lobe its Fresnel curve, which else is folded into its energy."""
     axes = tuple(sorted(lobe_set.axes, key=lambda axis: not axis.is_color))  # the same row for all channels, where there are two
-    scales = tuple(_rows(axis, count) for axis, count in zip(axes, _ROWS[len(axes)]))
+    rows = _ROWS if lobe_set.brushing is None else _ROWS_OF_BRUSHED
+    scales = tuple(_rows(axis, count) for axis, count in zip(axes, rows[len(axes)]))
     grid = _Grid(lobe_set, axes, scales)
     total = grid.exponential(lobe_set.log_sum)
     return LiveTables(lobe_set.stack, axes, scales, tuple(_table(grid, lobe_set, lobe, total, keep_dielectrics) for lobe in lobe_set.grid))
 
 
 def _table(grid: "_Grid", lobe_set: LiveLobes, lobe: LiveLobe, total: np.ndarray, keep_dielectrics: bool) -> LiveTable:
-    return replace(_without_normal(grid, lobe_set, lobe, total, keep_dielectrics), normal=lobe.normal)
+    return replace(_upright(grid, lobe_set, lobe, total, keep_dielectrics), normal=lobe.normal, is_brushed=lobe.is_brushed)
 
 
-def _without_normal(grid: "_Grid", lobe_set: LiveLobes, lobe: LiveLobe, total: np.ndarray, keep_dielectrics: bool) -> LiveTable:
+def _upright(grid: "_Grid", lobe_set: LiveLobes, lobe: LiveLobe, total: np.ndarray, keep_dielectrics: bool) -> LiveTable:
     if isinstance(lobe.energy, LogEnergy):
         energy = grid.exponential(lobe.energy)
         return LiveTable(energy, lobe.distribution, np.zeros_like(energy))
@@ -176,30 +208,37 @@ def _without_normal(grid: "_Grid", lobe_set: LiveLobes, lobe: LiveLobe, total: n
     shape[..., :2] = np.clip(shape[..., :2], MIN_ALPHA**0.5, 1.0)
     if lobe.fresnel is None:
         return LiveTable(energy, lobe.distribution, shape, grid.values(lobe.unit))
-    if keep_dielectrics and np.max(shape[..., 0]) ** 2 > NARROWEST_CURVE:
+    if keep_dielectrics and not lobe.is_brushed and np.max(shape[..., 0]) ** 2 > NARROWEST_CURVE:
         return LiveTable(None, lobe.distribution, shape, fresnel=lobe.fresnel)
-    return LiveTable(_folded(lobe_set.stack, grid.axes, grid.scales, lobe, shape[..., 0, 0]), lobe.distribution, shape)
+    return LiveTable(_folded(lobe_set.stack, grid.axes, grid.scales, lobe, shape[..., 0, :2]), lobe.distribution, shape)
 
 
 def _folded(stack: Stack, axes: tuple[Axis, ...], scales: tuple[Scale, ...], lobe: LiveLobe, roots: np.ndarray) -> np.ndarray:
-    """The share (..., KNOTS, 3) that a Fresnel curve leaves of a lobe of these roots of alpha (...), which are the same at all views."""
-    changes = [axis is top_index(axes) or bool(np.any(np.diff(roots, axis=number))) for number, axis in enumerate(axes)]
-    knots = [replace(scale, count=_FOLDED[sum(changes)] if changed else 2) for scale, changed in zip(scales, changes)]
+    """The share (..., KNOTS, 3) that a Fresnel curve leaves of a lobe of these roots of alpha (..., 2), which are the same at all views."""
+    turns = [isinstance(axis, AzimuthAxis) and lobe.is_brushed for axis in axes]
+    changes = [axis is top_index(axes) or bool(np.any(np.ptp(roots, axis=number) > _SAME)) for number, axis in enumerate(axes)]
+    counts = [_FOLDED_TURNS if turned else _FOLDED[sum(changes)] if changed else 2 for turned, changed in zip(turns, changes)]
+    knots = [replace(scale, count=count) for scale, count in zip(scales, counts)]
     at_knots = reduce(lambda part, n: _resampled(part, n, scales[n], knots[n].knots), range(len(axes)), roots)
-    known: dict[tuple[float, float], np.ndarray] = {}
+    known: dict[tuple, np.ndarray] = {}
 
     def share(place: tuple[int, ...]) -> np.ndarray:
-        alpha, eta = float(at_knots[place]) ** 2, lobe.fresnel.eta
-        for axis, scale, i in zip(axes, knots, place):
+        (alpha_x, alpha_y), eta, frame = np.square(at_knots[place]).tolist(), lobe.fresnel.eta, None
+        for axis, scale, i, is_turned in zip(axes, knots, place, turns):
             if axis is top_index(axes):
                 eta = float(axis.live[0].value(axis.at(stack, scale.knots[i])))
-        if (alpha, eta) not in known:
-            alphas = np.full(KNOTS, alpha)
-            known[alpha, eta] = fresnel_share(GlossyLobe(lobe.distribution, np.ones(3), alphas, alphas, fresnel=DielectricCurve(eta)), knot_cosines())
-        return known[alpha, eta]
+            if is_turned:
+                frame = -float(np.arccos(scale.knots[i]))
+        key = alpha_x, alpha_y, eta, frame
+        if key not in known:
+            ones = np.ones(KNOTS)
+            curved = GlossyLobe(lobe.distribution, np.ones(3), alpha_x * ones, alpha_y * ones, fresnel=DielectricCurve(eta), frame=frame)
+            known[key] = fresnel_share(curved, knot_cosines())
+        return known[key]
 
     # amplitudes, which change evenly with an index
-    table = np.sqrt(np.stack([share(place) for place in np.ndindex(at_knots.shape)])).reshape(*at_knots.shape, KNOTS, 3)
+    size = at_knots.shape[:-1]
+    table = np.sqrt(np.stack([share(place) for place in np.ndindex(size)])).reshape(*size, KNOTS, 3)
     return np.square(reduce(lambda part, n: _resampled(part, n, knots[n], scales[n].knots), range(len(axes)), table))
 
 

@@ -61,6 +61,7 @@ def pack_grid(lobe_set: LiveLobes) -> dict:
             "shape": None if lobe.shape is None else lobe.shape.tolist(),
             "eta": None if lobe.fresnel is None else lobe.fresnel.eta,
             "unit": None if lobe.unit is None else lobe.unit.tolist(),
+            "is_brushed": lobe.is_brushed,
         }
         for lobe in lobe_set.grid
     ]
@@ -109,6 +110,7 @@ def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
             grid(lobe["shape"]),
             None if lobe["eta"] is None else DielectricCurve(float(lobe["eta"])),
             grid(lobe["unit"], 1),
+            is_brushed=bool(lobe["is_brushed"]),
         )
         for lobe in data["lobes"]
     ]

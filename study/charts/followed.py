@@ -39,6 +39,7 @@ _COAT = {"kind": "dielectric", "ior": 1.5, "roughness": 0.3}
 _BRUSHED, _FILM = {"anisotropy": 0.7, "rotation": 0.1}, {"film_thickness": 400.0, "film_ior": 1.9}
 _GREY, _METAL = {"kind": "lambert", "color": [0.7, 0.45, 0.25]}, {"kind": "conductor", "metal": "copper", "roughness": 0.4}
 _GLASS = {"kind": "dielectric", "ior": 1.5}
+_STAINED = _GLASS | {"tint": [0.9, 0.5, 0.3]}
 STANDS_IN = {
     "film on bare metal": ([], _METAL | _FILM),
     "brushed metal": ([], _METAL | _BRUSHED),
@@ -56,6 +57,15 @@ STANDS_IN = {
     "rough coat over brushed metal": ([_COAT], _METAL | _BRUSHED),
     "brushed coat of textured roughness over metal": ([_COAT | _BRUSHED], _METAL, Place(0, "roughness")),
     "smooth coat over brushed metal of textured roughness": ([_GLASS], _METAL | _BRUSHED, Place(None, "roughness")),
+    "brushed coat over paint of textured color": ([_COAT | _BRUSHED], _GREY, Place(None, "color")),
+    "rough coat of textured tint over brushed metal": ([_COAT], _METAL | _BRUSHED, Place(0, "tint")),
+    "smooth coat of textured thickness over brushed metal of textured roughness": (
+        [_STAINED],
+        _METAL | _BRUSHED,
+        Place(0, "thickness"),
+        Place(None, "roughness"),
+    ),
+    "smooth coat over brushed metal of textured anisotropy": ([_GLASS], _METAL | _BRUSHED, Place(None, "anisotropy")),
     "coat and metal brushed in two directions": ([_COAT | _BRUSHED], _METAL | _BRUSHED | {"rotation": 0.35}),
 }
 _STANDS_IN_COLUMNS = ("stack", "stands_in", "albedo_worst", "beyond_4_stderr")

@@ -10,10 +10,13 @@ import bpy
 from support.goniometer import TOLERANCE, tangent_parity
 
 from lamina.addon.material import material
+from lamina.addon.material.elements import node_of
+from lamina.addon.material.live_values import live_values
+from lamina.addon.material.roles import node_with
 from lamina.addon.material.shader_node import shader_of
 from lamina.addon.rendering.measure import render_furnace, render_sun_sphere
 from lamina.addon.shader.nodes.stock_nodes import stock_tables
-from lamina.reference_py.lobes.closure import lobe_f
+from lamina.reference_py.lobes.closure import lobe_energy, lobe_f
 from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import azimuth, spherical
@@ -126,6 +129,41 @@ def test_a_bake_has_the_energy_of_the_rotation(blender, turns, backend):
     measured, stderr = render_furnace(new, theta_deg, samples=64, size=16)
     print(f"{360 * turns:g} degrees, {backend}: {np.round(measured, 4).tolist()}, truth {np.round(truth, 4).tolist()}, +-{stderr.max():.4f}")
     assert np.all(np.abs(measured - truth) < 0.01 * truth + 3.0 * (stderr + noise))
+
+
+@pytest.mark.parametrize(
+    "layers, base, links",
+    [
+        ([{**COAT, "roughness": 0.0}], {**STEEL, "metal": "copper", **BRUSHED}, {(None, "Roughness"): 0.37}),
+        ([{**COAT, **BRUSHED, "tint": [0.9, 0.7, 0.4]}], STEEL, {(0, "Roughness"): 0.43, (0, "Thickness"): 1.3}),
+        ([{**COAT, **BRUSHED}], GREY, {(None, "Color"): (0.2, 0.6, 0.7)}),
+    ],
+)
+def test_a_bake_over_live_values_equals_its_lobe_set(blender, layers, base, links):
+    new = shown(layers, base, "baked", "auto")
+    for (number, label), value in links.items():
+        color = isinstance(value, tuple)
+        source = new.node_tree.nodes.new("ShaderNodeRGB" if color else "ShaderNodeValue")
+        socket = node_of(new.lamina.base if number is None else new.lamina.layers[number]).inputs[label]
+        source.outputs[0].default_value = socket.default_value = (*value, 1.0) if color else value
+        new.node_tree.links.new(source.outputs[0], socket)
+    material.refresh(new, settle=True)
+    lobe_set = make_lobe_set(material.stack_of(new), "baked", live=live_values(new)).lobe_set
+    assert set(lobe_set.followed) == set(live_values(new)) and len(lobe_set.followed) == len(links)
+    text, group = shader_of(new).script.as_string(), node_with(new, "nodes")
+    assert len([socket for socket in group.inputs if socket.is_linked]) == len(links) + 1, "and the tangent"
+    for shown_set in (lobe_set, stock_tables(make_lobe_set(material.stack_of(new), "baked", live=live_values(new)))):
+
+        def f(wo, wi, shown_set=shown_set):
+            return sum(lobe_f(lobe, wo, wi) for lobe in shown_set.lobes(wo[..., 2], azimuth(wo))) * (wi[..., 2:] > 0.0)
+
+        result = tangent_parity(new, f, 45.0, 32)
+        print(f"{type(shown_set).__name__}: 99th percentile {result.percentile_99:.1e}, text {len(text) / 1e3:.0f} kB, {len(group.node_tree.nodes)} nodes")
+        assert result.finite and result.errors.size > 300 and result.percentile_99 <= 4e-4
+        new.node_tree.links.new(group.outputs["BSDF"], new.node_tree.get_output_node("ALL").inputs["Surface"])
+    views, phis = np.cos(np.radians([0.0, 40.0, 65.0, 80.0])), np.radians([0.0, 36.0, 80.0, 126.0])
+    energy, expected = (np.array([sum(lobe_energy(lobe, views, phi) for lobe in a.lobes(views, phi)) for phi in phis]) for a in (shown_set, lobe_set))
+    assert energy == pytest.approx(expected, rel=0.015)
 
 
 def test_a_bake_falls_back_and_says_why(blender):

@@ -15,6 +15,7 @@ from ....reference_py.lobes.axes import (
     LEAST_COUNT,
     REFLECTANCE_OFFSET,
     Axis,
+    AzimuthAxis,
     DepthAxis,
     EdgeAxis,
     IndexAxis,
@@ -189,6 +190,8 @@ class LiveNodes:
         return [self._coordinate(axis) for axis in self._tables.axes]
 
     def _coordinate(self, axis: Axis) -> list:
+        if isinstance(axis, AzimuthAxis):
+            return [self._view.turned(self._tables.brushing)] * 4
         build, first = self._build, self._input(axis.live[0])
         if isinstance(axis, NumberAxis):
             return [first] * 4

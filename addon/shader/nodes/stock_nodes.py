@@ -64,10 +64,10 @@ def group_inputs(lobe_set: Tables, owners: Sequence[str] | None = None) -> tuple
         owners = owners or _whole(lobe_set)
         normals = [normal_input(table.normal, owners) for table in lobe_set.tables if table.normal is not None]
         if isinstance(lobe_set, LiveTables):
-            return tuple(dict.fromkeys([*(place_input(lobe_set.stack, place, owners) for place in lobe_set.followed), *normals]))
-        return tuple(
-            dict.fromkeys([*([TANGENT_INPUT] if lobe_set.is_brushed else []), *([base_color_input(owners[-1])] if lobe_set.followed else []), *normals])
-        )
+            followed = [place_input(lobe_set.stack, place, owners) for place in lobe_set.followed]
+        else:
+            followed = [base_color_input(owners[-1])] if lobe_set.followed else []
+        return tuple(dict.fromkeys([*([TANGENT_INPUT] if lobe_set.is_brushed else []), *followed, *normals]))
     covers = [i for i in shader_inputs(lobe_set.stack) if i.parameter in COVERAGE.parameters]
     return (*covers, *dict.fromkeys(i for patch, part in lobe_set.parts for i in group_inputs(part, owners_of(patch))))
 
@@ -221,7 +221,7 @@ class _LivePart:
     """The same of tables over live values too."""
 
     def __init__(self, build: Builder, view: View, lobe_set: LiveTables, owners: Sequence[str]):
-        self._build, self.tables = build, lobe_set.tables
+        self._build, self.tables, self._brushing = build, lobe_set.tables, lobe_set.brushing
         self._views = _views(view, lobe_set, owners)
         first = LiveNodes(build, view, lobe_set, owners)
         known = {view: first} | {other: first.about(other) for other in dict.fromkeys(self._views) if other is not view}
@@ -251,7 +251,8 @@ class _LivePart:
         def anisotropy():
             return _anisotropy(build, lambda a, b: build.math("DIVIDE", a, b), root_x, root_y, shape)
 
-        return _glossy_node(build, view, table.distribution, self.weight(number), roughness, anisotropy, slope, shape)
+        frame = self._brushing if table.is_brushed else None
+        return _glossy_node(build, view, table.distribution, self.weight(number), roughness, anisotropy, slope, shape, frame)
 
     def is_same(self, number: int, other, other_number: int) -> bool:
         return False

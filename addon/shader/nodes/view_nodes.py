@@ -45,6 +45,7 @@ class View:
         self._base_colors: dict[str, bpy.types.NodeSocket] = {}
         self._base_lights: dict[tuple[str, bytes], bpy.types.NodeSocket] = {}
         self._azimuths: dict[float, list[bpy.types.NodeSocket]] = {}
+        self._turned: dict[float, bpy.types.NodeSocket] = {}
 
     def about(self, own: ShaderInput | None) -> "View":
         """The view from the own normal that the group gets for a layer or the base; this one for None."""
@@ -139,16 +140,24 @@ class View:
             self._azimuths[axis] = self._shares(axis)
         return self._azimuths[axis]
 
+    def turned(self, axis: float) -> bpy.types.NodeSocket:
+        """The cosine of the view's azimuth from an axis, in radians from the given tangent."""
+        if axis not in self._turned:
+            self._turned[axis] = self._cosine_from(axis)
+        return self._turned[axis]
+
     def _shares(self, axis: float) -> list[bpy.types.NodeSocket]:
+        place = self._build.math("MULTIPLY", self.turned(axis), AZIMUTH_PLACES[-1] / RAMP_PLACES)
+        return numbers(self._build, place, AZIMUTH_PLACES, np.eye(len(AZIMUTH_PLACES)))
+
+    def _cosine_from(self, axis: float) -> bpy.types.NodeSocket:
         build = self._build
         across = build.vector("NORMALIZE", build.vector("CROSS_PRODUCT", self.normal, self.given_tangent))
         along = build.vector("CROSS_PRODUCT", across, self.normal)
         direction = build.vector("ADD", build.vector("SCALE", along, scale=float(np.cos(axis))), build.vector("SCALE", across, scale=float(np.sin(axis))))
         # along the normal all azimuths have the same weights
         length = build.math("MAXIMUM", build.vector("LENGTH", self.side), 1e-6)
-        cosine = build.math("ABSOLUTE", build.math("DIVIDE", build.vector("DOT_PRODUCT", self.side, direction), length))
-        place = build.math("MULTIPLY", cosine, AZIMUTH_PLACES[-1] / RAMP_PLACES)
-        return numbers(build, place, AZIMUTH_PLACES, np.eye(len(AZIMUTH_PLACES)))
+        return build.math("ABSOLUTE", build.math("DIVIDE", build.vector("DOT_PRODUCT", self.side, direction), length))
 
     @cached_property
     def tangent(self) -> bpy.types.NodeSocket:

@@ -10,6 +10,7 @@ from ....reference_py.lobes.axes import (
     LEAST_COUNT,
     REFLECTANCE_OFFSET,
     Axis,
+    AzimuthAxis,
     DepthAxis,
     EdgeAxis,
     IndexAxis,
@@ -56,6 +57,10 @@ class _Writer:
         self._about = Frame()
         """Whose normal the view is seen from in what is being written."""
         self._said: set[str] = set()
+        self._brushed = self._name("brushed")
+        if lobe_set.brushing is not None:
+            self.functions.append("rotate_tangent.h")
+            self._say(f"vector {self._brushed} = rotate_tangent(Tangent, N, {lobe_set.brushing / (2.0 * np.pi):.9g});")
         self._coordinates = [self._coordinate(i, axis, lobe_set.stack, owners) for i, axis in enumerate(lobe_set.axes)]
         self._lobes(lobe_set, clamped_color(owners[-1]))
 
@@ -71,6 +76,10 @@ class _Writer:
 
     def _coordinate(self, i: int, axis: Axis, stack: Stack, owners: list[str]) -> tuple[str, str]:
         """Expressions for an axis' coordinate, and for the one that shapes are read at."""
+        if isinstance(axis, AzimuthAxis):
+            name = self._name("turned")
+            self._say(f"float {name} = min(abs(dot(side, {self._brushed})) / max(length(side), 1e-6), 1.0);")
+            return (name,) * 2
         owner = owners[-1] if axis.layer is None else owners[axis.layer]
 
         def value(name: str) -> str:
@@ -157,6 +166,9 @@ class _Writer:
     def _value(self, name: str, values: np.ndarray, which: str = "knots", axes: tuple[int, ...] | None = None) -> str:
         """An expression for values (..., KNOTS, 1 or 3) over some axes, all unless told, at the live parameters and the view."""
         axes = tuple(range(len(self._axes))) if axes is None else axes
+        changing = [number for number in range(len(axes)) if np.any(values != values.take([0], number))] or [0]
+        values = values[tuple(slice(None) if number in changing else 0 for number in range(len(axes)))]
+        axes = tuple(axes[number] for number in changing)
         rows = values.reshape(-1, values.shape[-1])
         is_shared = rows.shape[1] == 1 or not any(self._axes[i].is_color for i in axes)
         if is_shared and np.all(rows == rows[:, :1]):
@@ -236,11 +248,18 @@ class _Writer:
             return f"diffuse({self._about.normal})", True, ()
         if lobe.is_specular:
             return f'microfacet("{lobe.distribution}", {upright}, 0.0, 0.0, 1.0, 0)', True, ("0.0",) * 3
-        if isinstance(lobe.fresnel, DielectricCurve):
+        if lobe.is_brushed:
+            upright = f"{self._about.normal}, {self._brushed}"
+        elif isinstance(lobe.fresnel, DielectricCurve):
             alpha = self._alpha(f"alpha_{i}", self._value(f"Root{i}", lobe.shape[..., :1]))
             eta = self._index or f"{lobe.fresnel.eta:.9g}"
             return f'interface_bsdf({upright}, {alpha}, break_isotropy({alpha}), {eta}, "{lobe.distribution}")', True, ()
         alphas = [self._alpha(f"alpha_{axis}{i}", self._value(f"Root{axis.upper()}{i}", lobe.shape[..., c : c + 1])) for c, axis in enumerate("xy")]
+        if lobe.is_brushed and lobe.fresnel is not None:
+            eta = self._index or f"{lobe.fresnel.eta:.9g}"
+            return f'interface_bsdf({upright}, {", ".join(alphas)}, {eta}, "{lobe.distribution}")', True, ()
+        if lobe.is_brushed:
+            return f'microfacet("{lobe.distribution}", {upright}, {", ".join(alphas)}, 1.0, 0)', True, ()
         slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
         return f'microfacet("{lobe.distribution}", {self._about.tilted(slope)}, {", ".join(alphas)}, 1.0, 0)', True, (*alphas, slope)
 

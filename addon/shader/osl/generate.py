@@ -67,7 +67,7 @@ def generate(made: Made, schema: Schema = SCHEMA) -> Shader:
     emitters = [_EMITTERS[type(part)] for *_, part in parts]
     is_live = any(emitter.reads_all for emitter in emitters)
     followed = {place for owners, _, part in parts for place in _followed(part, owners)}
-    followed |= {(TANGENT_INPUT.owner, TANGENT_INPUT.parameter.name) for *_, part in parts if isinstance(part, TableLobes) and part.is_brushed}
+    followed |= {(TANGENT_INPUT.owner, TANGENT_INPUT.parameter.name) for *_, part in parts if isinstance(part, TableLobes | LiveLobes) and part.is_brushed}
     inputs = tuple(i for i in shader_inputs(stack, schema) if is_live or i.parameter.name in ALWAYS_LIVE or (i.owner, i.parameter.name) in followed)
     blocks = []
     for number, ((owners, covered, part), emitter) in enumerate(zip(parts, emitters)):

@@ -28,6 +28,11 @@ def has_brushing(stack: Stack) -> bool:
     return any(element.has(ANISOTROPY) for _, element in places(stack))
 
 
+def directions(stack: Stack) -> set[float]:
+    """Directions of brushing in radians from the tangent, 0 to pi."""
+    return {round(Microfacets.of(element).anisotropic.angle % np.pi, 9) for _, element in places(stack) if element.has(ANISOTROPY)}
+
+
 def isotropic(stack: Stack) -> Stack:
     """The stack without anisotropy; its surfaces are as rough as those that they had."""
     names = {p.name for p in ANISOTROPY.parameters}

@@ -23,6 +23,7 @@ from ..truth import truth_of
 from ..view_table import BASE_COLOR, KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
 from .black_and_white import BlackAndWhite, base_of, followed, over
 from .brushed_bake import brushed, is_brushed
+from .brushed_grid import bake_brushed
 from .fit_lobes import LEAST_ALPHA
 from .knot_energies import left_over, top_lobe
 from .live import bake_live
@@ -191,7 +192,7 @@ def _media(stack: Stack) -> list[tuple[str, float]]:
 def baked(stack: Stack, live: tuple[Place, ...], glossy: int, progress: Callable[[float], None] | None) -> TableLobes | LiveLobes:
     """The lobe set of a stack that follows these live values, which `follows` allows."""
     if is_brushed(stack):
-        return brushed(stack, progress)
+        return bake_brushed(stack, live, progress or (lambda share: None)) if live else brushed(stack, progress)
     if not live:
         return Baker(stack, truth_of(stack), progress).bake(glossy).lobe_set
     if live == (BASE_COLOR,):

@@ -6,21 +6,20 @@ coefficients of E(cos, psi) / E(cos), psi being the azimuth from the brushing an
 Towards the normal a harmonic of 2 k psi fades as sin^2k, as it has to.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ...material.place import places
-from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
+from ...material.schema import SCATTERING, THIN_FILM
 from ...material.stack import Stack
 from ...models.position_free import BATCH, PositionFree
 from ...optics.diffuse import oren_nayar_albedo
 from ...optics.frame import spherical
-from ...optics.interface import Microfacets
 from ...optics.quadrature import points
 from ..analytic import AnalyticLobes
-from ..analytic.brushed import BrushedLobes, has_brushing, isotropic
+from ..analytic.brushed import BrushedLobes, directions, has_brushing, isotropic
 from ..closure import lobe_energy
 from ..own_normals import has_own_normals
 from ..tabulate import tables_of
@@ -42,12 +41,12 @@ def is_brushed(stack: Stack) -> bool:
     A bare brushed metal needs no bake: `analytic` is right within 1 %.
     """
     others = any(element.has(feature) for _, element in places(stack) for feature in (THIN_FILM, SCATTERING))
-    return has_brushing(stack) and bool(stack.layers) and len(_axes(stack)) == 1 and not others and not has_own_normals(stack)
+    return has_brushing(stack) and bool(stack.layers) and len(directions(stack)) == 1 and not others and not has_own_normals(stack)
 
 
 def brushed(stack: Stack, progress: Callable[[float], None] | None = None) -> TableLobes:
     """The lobe set of a stack of which `is_brushed` is true."""
-    axis = _axes(stack).pop()
+    axis = directions(stack).pop()
     return _carrying(tables_of(BrushedLobes(stack)), _energies(stack, axis, progress or (lambda share: None)), axis)
 
 
@@ -59,7 +58,7 @@ def level(stack: Stack) -> TableLobes:
 
 def _carrying(tables: list, wanted: np.ndarray, axis: float | None) -> TableLobes:
     """Tables whose energies together are `wanted`, (AZIMUTHS, KNOTS, 3) about an axis or, without one, (KNOTS, 3)."""
-    tables, cosines = [_plain(table) for table in tables], knot_cosines()
+    tables, cosines = [plain(table) for table in tables], knot_cosines()
     # what a top that is not brushed reflects is exact
     exact = [isinstance(t, GlossyTable) and t.fresnel is not None and t.frame is None and t.axis is None for t in tables]
 
@@ -74,12 +73,7 @@ def _carrying(tables: list, wanted: np.ndarray, axis: float | None) -> TableLobe
     return TableLobes(tuple(t if e else replace(t, weight=t.weight * ratio, axis=axis) for t, e in zip(tables, exact)))
 
 
-def _axes(stack: Stack) -> set[float]:
-    """Directions of brushing in radians from the tangent, 0 to pi."""
-    return {round(Microfacets.of(element).anisotropic.angle % np.pi, 9) for _, element in places(stack) if element.has(ANISOTROPY)}
-
-
-def _plain(table):
+def plain(table):
     """An Oren-Nayar lobe as a Lambert lobe of its energy, which scripts with tables know."""
     if not isinstance(table, OrenNayarTable):
         return table
@@ -88,19 +82,31 @@ def _plain(table):
 
 def _energies(stack: Stack, axis: float, report: Callable[[float], None]) -> np.ndarray:
     """Albedos (AZIMUTHS, KNOTS, 3) by walks."""
-    cosines = knot_cosines()
-    level = np.maximum(truth_of(isotropic(stack)).albedo(spherical(np.arccos(cosines), 0.0)), _LEAST)
-    model, rng = PositionFree(stack), np.random.default_rng(_SEED)
+    level = truth_of(isotropic(stack)).albedo(spherical(np.arccos(knot_cosines()), 0.0))
+    return level * ratios([stack], level[None], np.ones((1, 1)), AZIMUTHS, report)[0]
+
+
+def ratios(stacks: Sequence[Stack], levels: np.ndarray, terms: np.ndarray, turned: np.ndarray, report: Callable[[float], None]) -> np.ndarray:
+    """Albedos of brushed stacks over those without brushing, `levels` (n, KNOTS, 3), for cosines (a,) of azimuths from the brushing: (n, a, KNOTS, 3).
+
+    Every coefficient is a sum of the columns of `terms` (n, m), each times a number that walks give. All are brushed along one axis.
+    """
+    cosines, levels = knot_cosines(), np.maximum(levels, _LEAST)
+    axis, rng, count = directions(stacks[0]).pop(), np.random.default_rng(_SEED), round(_BATCHES * terms.shape[1] ** 0.5)
+    order = np.concatenate([rng.permutation(len(stacks)) for _ in range(-(-count // len(stacks)))])[:count]
+    models = {i: PositionFree(stacks[i]) for i in dict.fromkeys(order)}
     gram, right = 0.0, 0.0
-    for batch in range(_BATCHES):
+    for done, i in enumerate(order):
         root, turn = ((place + shift) % 1.0 for place, shift in zip(points(BATCH), rng.random(2)))
         cos_o, psi = np.maximum(np.square(root), cosines[0]), 2.0 * np.pi * turn
         basis = _basis(root, psi)
-        gram = gram + basis.T @ basis
-        right = right + basis.T @ (model.walked(spherical(np.arccos(cos_o), axis + psi), rng) / interpolate(level, cos_o))
-        report((batch + 1) / _BATCHES)
-    coefficients = np.linalg.solve(gram, right)
-    return level * np.stack([_basis(np.sqrt(cosines), np.full(KNOTS, psi)) @ coefficients for psi in np.arccos(AZIMUTHS)])
+        share = models[i].walked(spherical(np.arccos(cos_o), axis + psi), rng) / interpolate(levels[i], cos_o)
+        gram = gram + np.kron(np.outer(terms[i], terms[i]), basis.T @ basis)
+        right = right + np.kron(terms[i][:, None], basis.T @ share)
+        report((done + 1) / count)
+    coefficients = np.linalg.solve(gram, right).reshape(terms.shape[1], -1, 3)
+    views = np.stack([_basis(np.sqrt(cosines), np.full(KNOTS, psi)) for psi in np.arccos(turned)])
+    return np.einsum("nm,akb,mbc->nakc", terms, views, coefficients)
 
 
 def _basis(root: np.ndarray, psi: np.ndarray) -> np.ndarray:

@@ -20,6 +20,7 @@ _CLOSE, _MOST_MODES = 0.002, 15
 _SEEN, _UNSEEN_WEIGHT = 9, 0.3
 # Places of a coefficient, of which there are thousands.
 _DIGITS = 3
+NAMES = ("mirrors", "fitted", "through", "back")
 
 
 def energies_of(
@@ -29,15 +30,25 @@ def energies_of(
 
     `has_top`: a lobe that is exact for the top has its own energy; `over_color`: the base is black, and what one of a color adds is asked too.
     """
-    size = tuple(scale.count for scale in sampled)
-    stacks = [at([float(scale.knots[i]) for scale, i in zip(sampled, node)]) for node in np.ndindex(size)]
+    stacks = stacks_of(sampled, at)
 
     def of(truth, count: int) -> list[np.ndarray]:
         parts = [*shares(truth, top_lobe(truth.stack) if has_top else None), *(light_of(truth) if over_color else ())]
         return np.split(np.stack(parts), count, axis=-1)
 
+    size = tuple(scale.count for scale in sampled)
     found = np.moveaxis(np.array(in_groups(stacks, of)).reshape(*size, -1, KNOTS, 3), len(size), 0)
-    names = ("mirrors", "fitted", "through", "back")[: len(found)]
+    return told(axes, sampled, dict(zip(NAMES, found)))
+
+
+def stacks_of(sampled: Sequence[Scale], at: Callable[[Sequence[float]], Stack]) -> list[Stack]:
+    """Those at all crossings of the knots of scales, the last one's the nearest to each other."""
+    return [at([float(scale.knots[i]) for scale, i in zip(sampled, node)]) for node in np.ndindex(*(scale.count for scale in sampled))]
+
+
+def told(axes: tuple[Axis, ...], sampled: Sequence[Scale], energies: dict[str, np.ndarray]) -> tuple[dict[str, LogEnergy], np.ndarray | None]:
+    """What `energies_of` gives, of energies (..., KNOTS, 3) by name at the crossings of the knots of `sampled`."""
+    names, found = tuple(energies), np.array(list(energies.values()))
     is_log = not any(axis.has_waves for axis in axes)
     parts = [_apart(axes, sampled, np.log(values + FLOOR) if is_log else values) for values in found]
     if len(axes) == 1:

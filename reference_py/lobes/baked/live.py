@@ -17,6 +17,7 @@ from ..analytic.brushed import has_brushing
 from ..axes import (
     HALF_DEPTH,
     Axis,
+    AzimuthAxis,
     DepthAxis,
     EdgeAxis,
     FilmAxis,
@@ -32,11 +33,14 @@ from ..live_grid import LiveLobes, grid_of
 from ..truth import truth_of
 from ..view_table import BASE_COLOR, DiffuseTable, GlossyTable
 from .black_and_white import over
+from .brushed_bake import is_brushed
 from .grid_energies import energies_of
 
 MOST_AXES = 3
 # By how many axes there are: knots of shapes, as a shader's text is limited; and knots of energies, on the way between those that are computed, along one axis and of all together.
 _KNOTS, _KNOTS_OF_ROUGHNESS = {1: 8, 2: 5, 3: 3}, {1: 8, 2: 5, 3: 5}
+# Of brushed surfaces, whose lobes need no fits and get flat towards grazing in their own way at each azimuth.
+_KNOTS_OF_BRUSHED = {2: 13, 3: 8}
 _FINE, _CROSS = 33, {1: 2, 2: 25, 3: 13}
 # Values of an axis whose energies are computed, by how many axes there are; of what channels have alone, which takes less time; and of a rough base's slopes, which do little.
 _COMPUTED, _COMPUTED_FAST, _COMPUTED_SLOPES = {1: 13, 2: 9, 3: 7}, {1: 17, 2: 17, 3: 9}, {1: 13, 2: 7, 3: 5}
@@ -50,17 +54,19 @@ _DEEPEST, _DEEPEST_MEDIUM = 6.0, 30.0
 _THICKEST_PATH, _FILM_KNOTS, _FILM_FINE = 1600.0, 33, 4
 # The bend of a scale of energies (`Scale`) that change fastest where surfaces are narrow, tints thin, metals dark and indices near 1.
 _BEND = 0.7
+# Of the azimuth from a brushing: energies turn where a view is nearly across it. That of walks is known everywhere.
+_AZIMUTH = AzimuthAxis((), *(Scale(0.0, 1.0, count, _BEND) for count in (6, 17, 9)))
 
 
 def follows(stack: Stack, live: tuple[Place, ...]) -> bool:
-    """Whether a bake follows these live values. Beside brushed surfaces none is followed."""
-    if has_brushing(stack):
+    """Whether a bake follows these live values."""
+    if has_brushing(stack) and not is_brushed(stack):
         return not live
-    rest = _without_color(stack, live)
+    rest = without_color(stack, live)
     return not rest or axes_of(stack, rest) is not None
 
 
-def _without_color(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
+def without_color(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
     """The live values that need knots: all but the color of a diffuse base."""
     return tuple(place for place in live if place != BASE_COLOR) if _is_diffuse(stack) else live
 
@@ -69,7 +75,7 @@ def in_tables(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
     """Those of the live values that a bake follows, where it does not follow all: the color of a diffuse base alone."""
     if not live or follows(stack, live):
         return live
-    return () if has_brushing(stack) else (BASE_COLOR,) if BASE_COLOR in live and _is_diffuse(stack) else ()
+    return (BASE_COLOR,) if BASE_COLOR in live and follows(stack, (BASE_COLOR,)) else ()
 
 
 def _is_diffuse(stack: Stack) -> bool:
@@ -77,16 +83,17 @@ def _is_diffuse(stack: Stack) -> bool:
 
 
 def axes_of(stack: Stack, live: tuple[Place, ...]) -> tuple[Axis, ...] | None:
-    """The axes that follow these live values; None where a bake cannot: more than MOST_AXES, or others than these kinds."""
+    """The axes that follow these live values; None where a bake cannot: more than MOST_AXES, or others than these kinds. Brushing takes one, the last."""
     groups: dict[tuple, tuple[Place, ...]] = {}
     for place in live:
         # a tint and a thickness are one optical depth
         key = (place.layer, "depth" if place.name in ("tint", "thickness") else place.name)
         groups[key] = (*groups.get(key, ()), place)
     # a density and a thickness would be one depth too, which no axis is
-    if not 0 < len(groups) <= MOST_AXES or any(name == "density" and (layer, "depth") in groups for layer, name in groups):
+    count = len(groups) + has_brushing(stack)
+    if not 0 < count <= MOST_AXES or any(name == "density" and (layer, "depth") in groups for layer, name in groups):
         return None
-    axes = [_axis(stack, places, len(groups)) for places in groups.values()]
+    axes = [_axis(stack, places, count) for places in groups.values()] + [_AZIMUTH] * has_brushing(stack)
     return None if None in axes else tuple(axes)
 
 
@@ -102,7 +109,8 @@ def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
     if name in ("tint", "thickness"):
         return _axis_between(DepthAxis, live, (0.0, _DEEPEST / (_DEEPEST + HALF_DEPTH)), count, _BEND)
     if name == "roughness":
-        axis, (low, high), fitted = _axis_between(NumberAxis, live, _ROUGHNESSES, count, _BEND), _ROUGHNESSES, _KNOTS_OF_ROUGHNESS[count]
+        axis, (low, high) = _axis_between(NumberAxis, live, _ROUGHNESSES, count, _BEND), _ROUGHNESSES
+        fitted = (_KNOTS_OF_BRUSHED if has_brushing(stack) else _KNOTS_OF_ROUGHNESS)[count]
         step = (high - low) / (fitted - 1)
         before = int(np.ceil(low / step))
         knots = Scale(low - before * step, high, fitted + before)
@@ -130,9 +138,9 @@ def _film_knots(live: Place) -> int:
     return (_FILM_KNOTS - 1) * (2 if live.layer is None else 1) + 1
 
 
-def _computed(axis: Axis, count: int) -> Scale:
+def computed_of(axis: Axis, count: int) -> Scale:
     """The values of an axis, one of so many, whose energies are computed."""
-    if isinstance(axis, FilmAxis):
+    if isinstance(axis, FilmAxis | AzimuthAxis):
         return axis.cross
     if axis.live[0].name == "sigma_deg":
         return replace(axis.cross, count=_COMPUTED_SLOPES[count])
@@ -167,7 +175,7 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
 
     `make_baker` is `Baker`; `report` gets the share done and may raise to cancel.
     """
-    axes = axes_of(stack, _without_color(stack, live))
+    axes = axes_of(stack, without_color(stack, live))
     assert axes is not None, "see follows"
     over_color = BASE_COLOR in live
     ground = over(stack, 0.0) if over_color else stack
@@ -202,5 +210,5 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
             _better_from(tuple(n - 1 if other is axis else n // 2 for other, n in zip(axes, size)), bakers, found, glossy)
     nodes |= {node: tables(baker, node) for node, baker in bakers.items()}
     report(0.8)
-    computed = [_computed(axis, len(axes)) for axis in axes]
+    computed = [computed_of(axis, len(axes)) for axis in axes]
     return grid_of(stack, axes, nodes, *energies_of(axes, computed, at, bool(found[center].plan), over_color))

@@ -18,7 +18,7 @@ from ...optics.frame import spherical
 from ...optics.optical_stack import Support
 from ..analytic import AnalyticLobes
 from ..analytic.brushed import isotropic
-from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, baked, brushed, follows, is_brushed, level, pack_lobes, unpack_lobes
+from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, baked, follows, is_brushed, level, pack_lobes, unpack_lobes
 from ..cache import stack_key
 from ..closure import lobe_energy
 from ..error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosines
@@ -114,14 +114,18 @@ def _best(tried: list[tuple[Candidate, object]], tolerance: float) -> tuple[tupl
 
 
 def choose_brushed(stack: Stack, options: Options, cosines: np.ndarray | None = None, light_deg: float = SOFT_LIGHT_DEG) -> Choice:
-    """As `choose`, for a stack of which `is_brushed` is true: a bake is tried too."""
-    plain, report = isotropic(stack), options.report
+    """As `choose`, for a stack of which `is_brushed` is true: a bake is tried too, or, where values are live and it follows them, alone."""
+    plain, report, live = isotropic(stack), options.report, options.live
     truth, brushing = truth_of(plain), tuple(Place(i, ANISOTROPY.name) for i, element in places(stack) if element.has(ANISOTROPY))
     choice = choose(plain, truth, replace(options, live=brushing, progress=lambda share: report(0.3 * share)), cosines, light_deg)
-    lobe_set = brushed(stack, lambda share: report(0.3 + 0.5 * share))
+    if not follows(stack, live):
+        choice = with_anisotropy(choice, stack, options.tolerance, cosines)
+        return replace(choice, reason=f"{choice.reason}; a bake cannot follow {in_words(live)}")
+    lobe_set = baked(stack, live, DEFAULT_GLOSSY, lambda share: report(0.3 + 0.5 * share))
     errors = ErrorEstimator(plain, truth, ball_cosines() if cosines is None else cosines, light_deg).errors(level(plain))
-    candidate = _candidate("baked, brushed", lobe_set, errors, False)
-    return with_anisotropy(replace(choice, tried=(*choice.tried, candidate)), stack, options.tolerance, cosines, {candidate.label: lobe_set})
+    candidate = _candidate(f"baked over {in_words(live)}, brushed" if live else "baked, brushed", lobe_set, errors, bool(live))
+    tried = (candidate,) if live else (*choice.tried, candidate)
+    return with_anisotropy(replace(choice, tried=tried), stack, options.tolerance, cosines, {candidate.label: lobe_set})
 
 
 def with_anisotropy(
