@@ -13,6 +13,7 @@ It is what doubling (de Hulst; Grant69) tends to from an infinitely thin slab on
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -42,7 +43,7 @@ def slab(cos_theta: np.ndarray, weights: np.ndarray, tau: float, albedo: float, 
     weights (N,): of a quadrature over the cosines from 0 to 1. Azimuth is that of travel. Operators_ij / (mu_j w_j) are symmetric.
     """
     tau, albedo = without_peak(tau, albedo, g, terms)
-    even, odd = _phase(cos_theta, weights, g, modes, terms)
+    even, odd = _phase(tuple(cos_theta.tolist()), tuple(weights.tolist()), g, modes, terms)
     both, opposite = _admittances(cos_theta, albedo, even, odd, 0.5 * tau)
     identity = np.eye(len(cos_theta))
     both, opposite = np.linalg.inv(identity + both), np.linalg.inv(identity + opposite)
@@ -93,7 +94,7 @@ def half_space_albedo(albedo: np.ndarray, g: float, nodes: int = 24) -> np.ndarr
     psi = 0.25 * np.pi * (u + 1.0)
     cos_theta, weights = np.cos(psi), 0.25 * np.pi * np.sin(psi) * gauss
     terms = 2 * nodes
-    even, odd = _phase(cos_theta, weights, g, 1, terms)
+    even, odd = _phase(tuple(cos_theta.tolist()), tuple(weights.tolist()), g, 1, terms)
     flux = cos_theta * weights / np.sum(cos_theta * weights)
     root = np.sqrt(flux)
     result = []
@@ -125,10 +126,12 @@ def _admittances(cos_theta, albedo: float, even, odd, half_tau: float) -> tuple[
     return (shapes * tanh[:, None]) @ across, (shapes * coth[:, None]) @ across
 
 
-def _phase(cos_theta, weights, g: float, modes: int, terms: int) -> tuple[np.ndarray, np.ndarray]:
-    """(modes, N, N) each: what the phase function sends forward plus backward, and forward minus backward, times
+# the channels of a medium share it
+@lru_cache(maxsize=4)
+def _phase(cosines: tuple[float, ...], weights_of: tuple[float, ...], g: float, modes: int, terms: int) -> tuple[np.ndarray, np.ndarray]:
+    """(modes, N, N) each, not to be written to: what the phase function sends forward plus backward, and forward minus backward, times
     sqrt(w w' / (mu mu')), the first with sums of 1 over w."""
-    count = len(cos_theta)
+    cos_theta, weights, count = np.array(cosines), np.array(weights_of), len(cosines)
     even, odd = np.zeros((2, modes, count, count))
     degrees, cut, back = np.arange(terms), peak(g, terms), _back_peak(g, terms)
     moments = (g**degrees - cut - back * (-1.0) ** degrees) / (1.0 - cut - back)
