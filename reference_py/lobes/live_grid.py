@@ -109,6 +109,8 @@ class LiveLobes:
     log_sum: LogEnergy
     coefficients: np.ndarray | None = None
     base: LiveBase | None = None
+    rotation: Place | None = None
+    """The rotation of the brushing, where it is live."""
 
     name = "baked"
     is_live = False
@@ -116,7 +118,8 @@ class LiveLobes:
     @property
     def followed(self) -> tuple[Place, ...]:
         """The live values that the tables follow."""
-        return (*(place for axis in self.axes for place in axis.live), *([BASE_COLOR] if self.base is not None else []))
+        rotation = () if self.rotation is None else (self.rotation,)
+        return (*(place for axis in self.axes for place in axis.live), *rotation, *([BASE_COLOR] if self.base is not None else []))
 
     @property
     def brushing(self) -> float | None:

@@ -62,6 +62,8 @@ class LiveTables:
     axes: tuple[Axis, ...]
     scales: tuple[Scale, ...]
     tables: tuple[LiveTable, ...]
+    rotation: Place | None = None
+    """The rotation of the brushing, where it is live."""
 
     name = "baked"
     is_live = False
@@ -70,7 +72,8 @@ class LiveTables:
     def followed(self) -> tuple[Place, ...]:
         """The live values that the tables follow."""
         over_color = any(table.through is not None for table in self.tables)
-        return (*(place for axis in self.axes for place in axis.live), *([BASE_COLOR] if over_color else []))
+        rotation = () if self.rotation is None else (self.rotation,)
+        return (*(place for axis in self.axes for place in axis.live), *rotation, *([BASE_COLOR] if over_color else []))
 
     @property
     def is_color(self) -> bool:
@@ -188,7 +191,7 @@ def live_tables(lobe_set: LiveLobes, keep_dielectrics: bool = False) -> LiveTabl
     scales = tuple(_rows(axis, count) for axis, count in zip(axes, rows[len(axes)]))
     grid = _Grid(lobe_set, axes, scales)
     total = grid.exponential(lobe_set.log_sum)
-    return LiveTables(lobe_set.stack, axes, scales, tuple(_table(grid, lobe_set, lobe, total, keep_dielectrics) for lobe in lobe_set.grid))
+    return LiveTables(lobe_set.stack, axes, scales, tuple(_table(grid, lobe_set, lobe, total, keep_dielectrics) for lobe in lobe_set.grid), lobe_set.rotation)
 
 
 def _table(grid: "_Grid", lobe_set: LiveLobes, lobe: LiveLobe, total: np.ndarray, keep_dielectrics: bool) -> LiveTable:

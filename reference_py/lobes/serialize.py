@@ -71,7 +71,14 @@ def pack_grid(lobe_set: LiveLobes) -> dict:
     ]
     base = lobe_set.base and {"log_through": _pack_log(lobe_set.base.log_through), "log_back": _pack_log(lobe_set.base.log_back)}
     coefficients = None if lobe_set.coefficients is None else lobe_set.coefficients.tolist()
-    return {"axes": axes, "lobes": lobes, "log_sum": _pack_log(lobe_set.log_sum), "coefficients": coefficients, "base": base}
+    return {
+        "axes": axes,
+        "lobes": lobes,
+        "log_sum": _pack_log(lobe_set.log_sum),
+        "coefficients": coefficients,
+        "base": base,
+        "rotation": lobe_set.rotation and lobe_set.rotation.pair(),
+    }
 
 
 def _pack_log(energy: LogEnergy) -> dict:
@@ -115,7 +122,8 @@ def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
         for lobe in data["lobes"]
     ]
     base = data["base"] and LiveBase(log_energy(data["base"]["log_through"]), log_energy(data["base"]["log_back"]))
-    return LiveLobes(stack, axes, tuple(lobes), log_energy(data["log_sum"]), coefficients, base)
+    rotation = data["rotation"] and Place.of_pair(*data["rotation"])
+    return LiveLobes(stack, axes, tuple(lobes), log_energy(data["log_sum"]), coefficients, base, rotation)
 
 
 def _array(values, shape: tuple[int, ...] = (KNOTS, 3)) -> np.ndarray:

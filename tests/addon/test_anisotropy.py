@@ -134,8 +134,8 @@ def test_a_bake_has_the_energy_of_the_rotation(blender, turns, backend):
 @pytest.mark.parametrize(
     "layers, base, links",
     [
-        ([{**COAT, "roughness": 0.0}], {**STEEL, "metal": "copper", **BRUSHED}, {(None, "Roughness"): 0.37}),
-        ([{**COAT, **BRUSHED, "tint": [0.9, 0.7, 0.4]}], STEEL, {(0, "Roughness"): 0.43, (0, "Thickness"): 1.3}),
+        ([{**COAT, "roughness": 0.0}], {**STEEL, "metal": "copper", **BRUSHED}, {(None, "Roughness"): 0.37, (None, "Rotation"): 0.29}),
+        ([{**COAT, **BRUSHED, "tint": [0.9, 0.7, 0.4]}], STEEL, {(0, "Roughness"): 0.43, (0, "Thickness"): 1.3, (0, "Rotation"): 0.83}),
         ([{**COAT, **BRUSHED}], GREY, {(None, "Color"): (0.2, 0.6, 0.7)}),
     ],
 )

@@ -72,7 +72,7 @@ def test_what_is_kept_is_what_was_made():
     ([COAT | BRUSHED], COPPER | BRUSHED | {"rotation": 0.35}, ()),
     ([GLASS], COPPER | BRUSHED, (Place(None, "anisotropy"),)),
     ([GLASS | {"tint": [0.9, 0.5, 0.3]}], COPPER | BRUSHED, (Place(None, "roughness"), Place(0, "ior"), Place(0, "tint"))),
-    ([COAT | BRUSHED], CLAY, (Place(0, "rotation"),)),
+    ([COAT | BRUSHED], COPPER | BRUSHED, (Place(0, "rotation"),)),
     ([COAT | BRUSHED | {"normal": [0, 0, 0]}], CLAY, ()),
 ])  # fmt: skip
 def test_what_no_bake_holds_has_live_lobes(layers, base, live):
@@ -85,6 +85,8 @@ LIVE = {
     "smudges on a metal under glass": ([GLASS], COPPER | BRUSHED, [{(None, "roughness"): r} for r in (0.13, 0.37, 0.72)], 0.01),
     "smudges on a varnish over metal": ([COAT], COPPER | BRUSHED, [{(0, "roughness"): r} for r in (0.13, 0.37, 0.72)], 0.01),
     "smudges on a brushed coat over metal": ([COAT | BRUSHED], COPPER, [{(0, "roughness"): r} for r in (0.13, 0.37, 0.72)], 0.01),
+    "a metal under glass, turned": ([GLASS], COPPER | BRUSHED, [{(None, "rotation"): t} for t in (0.27, 0.9)], 0.01),
+    "smudges on a turned metal": ([COAT], COPPER | BRUSHED, [{(None, "rotation"): 0.27, (None, "roughness"): 0.37}], 0.01),
     "a metal's color under glass": ([GLASS], STEEL | BRUSHED, [{(None, "reflectance"): c} for c in ((0.9, 0.6, 0.2), (0.05, 0.4, 0.75))], 0.02),
     "a picture under a brushed coat": ([COAT | BRUSHED], CLAY, [{(None, "color"): c} for c in ((0.9, 0.1, 0.4), (0.0, 0.3, 1.0))], 0.01),
     "a stain on a metal": ([COAT], COPPER | BRUSHED, [{(0, "tint"): (0.9, 0.5, 0.2), (0, "thickness"): t} for t in (0.3, 1.7)], 0.02),
@@ -115,7 +117,8 @@ def test_energies_of_live_values_over_the_rotation(name):
 
 def test_what_is_kept_of_live_values_is_what_was_made():
     stack = brushed(*STACKS["metal under glass"])
-    lobe_set = make_lobe_set(stack, "baked", live=(Place(None, "roughness"),)).lobe_set
+    lobe_set = make_lobe_set(stack, "baked", live=(Place(None, "roughness"), Place(None, "rotation"))).lobe_set
+    assert unpack_lobes(pack_lobes(lobe_set), stack).followed == lobe_set.followed
     np.testing.assert_array_equal(energy(unpack_lobes(pack_lobes(lobe_set), stack)), energy(lobe_set))
 
 
@@ -125,8 +128,8 @@ def test_auto_follows_live_values():
     made = make_lobe_set(brushed(*STACKS["metal under glass"]), "auto", live=live)
     assert made.lobe_set.followed == live and [candidate.label for candidate in made.choice.tried] == ["baked over the roughness of the base, brushed"]
     assert made.choice.chosen.albedo < 0.015
-    turned = make_lobe_set(brushed(*STACKS["metal under glass"]), "auto", live=(Place(None, "rotation"),))
-    assert turned.lobe_set.is_live and "a bake cannot follow the rotation of the base" in turned.reason
+    stretched = make_lobe_set(brushed(*STACKS["metal under glass"]), "auto", live=(Place(None, "anisotropy"),))
+    assert stretched.lobe_set.is_live and "a bake cannot follow the anisotropy of the base" in stretched.reason
 
 
 def test_auto_tries_the_bake_and_says_how_good_it_is():

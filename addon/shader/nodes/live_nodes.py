@@ -85,6 +85,12 @@ class LiveNodes:
         axis = self._tables.index
         return self._input(axis.live[0]) if axis is not None else None
 
+    @property
+    def brushing(self) -> float | bpy.types.NodeSocket | None:
+        """The direction of the brushing, as `View.turned` takes it."""
+        rotation = self._tables.rotation
+        return self._tables.brushing if rotation is None else self._input(rotation)
+
     def _input(self, place: Place) -> bpy.types.NodeSocket:
         return self._view.given(place_input(self._tables.stack, place, self._owners))
 
@@ -191,7 +197,7 @@ class LiveNodes:
 
     def _coordinate(self, axis: Axis) -> list:
         if isinstance(axis, AzimuthAxis):
-            return [self._view.turned(self._tables.brushing)] * 4
+            return [self._view.turned(self.brushing)] * 4
         build, first = self._build, self._input(axis.live[0])
         if isinstance(axis, NumberAxis):
             return [first] * 4

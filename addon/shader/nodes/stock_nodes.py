@@ -221,7 +221,7 @@ class _LivePart:
     """The same of tables over live values too."""
 
     def __init__(self, build: Builder, view: View, lobe_set: LiveTables, owners: Sequence[str]):
-        self._build, self.tables, self._brushing = build, lobe_set.tables, lobe_set.brushing
+        self._build, self.tables = build, lobe_set.tables
         self._views = _views(view, lobe_set, owners)
         first = LiveNodes(build, view, lobe_set, owners)
         known = {view: first} | {other: first.about(other) for other in dict.fromkeys(self._views) if other is not view}
@@ -251,7 +251,7 @@ class _LivePart:
         def anisotropy():
             return _anisotropy(build, lambda a, b: build.math("DIVIDE", a, b), root_x, root_y, shape)
 
-        frame = self._brushing if table.is_brushed else None
+        frame = self._nodes[number].brushing if table.is_brushed else None
         return _glossy_node(build, view, table.distribution, self.weight(number), roughness, anisotropy, slope, shape, frame)
 
     def is_same(self, number: int, other, other_number: int) -> bool:
@@ -285,16 +285,20 @@ def _glossy_node(
     anisotropy: Callable,
     slope,
     shape: np.ndarray,
-    frame: float | None = None,
+    frame: float | bpy.types.NodeSocket | None = None,
 ) -> bpy.types.NodeSocket:
-    """A Glossy node of these operands; `shape` (n, 3) is all that its alphas and slope can be, and `anisotropy` is asked where it is not round."""
+    """A Glossy node of these operands; `shape` (n, 3) is all that its alphas and slope can be, and `anisotropy` is asked where it is not round.
+
+    `frame` is in radians from the tangent, or a socket of full turns.
+    """
     sockets = {"Color": color, "Roughness": roughness}
     if _is_round(shape) and np.min(shape[:, 0]) < NARROW_ALPHA < np.max(shape[:, 0]):
         sockets["Anisotropy"] = build.math("MULTIPLY", build.math("LESS_THAN", roughness, NARROW_ALPHA**0.5), _LEAST_ANISOTROPY)
     else:
         sockets["Anisotropy"] = _kept_apart(build, 0.0 if _is_round(shape) else anisotropy(), shape[:, :2])
     if frame is not None:
-        sockets["Tangent"], sockets["Rotation"] = view.given_tangent, frame / (2.0 * np.pi)
+        turns = frame if isinstance(frame, bpy.types.NodeSocket) else frame / (2.0 * np.pi)
+        sockets["Tangent"], sockets["Rotation"] = view.given_tangent, turns
     elif sockets["Anisotropy"] != 0.0:
         sockets["Tangent"] = view.tangent
     if np.any(shape[:, 2]):

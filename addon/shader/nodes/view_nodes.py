@@ -45,7 +45,7 @@ class View:
         self._base_colors: dict[str, bpy.types.NodeSocket] = {}
         self._base_lights: dict[tuple[str, bytes], bpy.types.NodeSocket] = {}
         self._azimuths: dict[float, list[bpy.types.NodeSocket]] = {}
-        self._turned: dict[float, bpy.types.NodeSocket] = {}
+        self._turned: dict[float | bpy.types.NodeSocket, bpy.types.NodeSocket] = {}
 
     def about(self, own: ShaderInput | None) -> "View":
         """The view from the own normal that the group gets for a layer or the base; this one for None."""
@@ -140,8 +140,8 @@ class View:
             self._azimuths[axis] = self._shares(axis)
         return self._azimuths[axis]
 
-    def turned(self, axis: float) -> bpy.types.NodeSocket:
-        """The cosine of the view's azimuth from an axis, in radians from the given tangent."""
+    def turned(self, axis: float | bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """The cosine of the view's azimuth from an axis, in radians from the given tangent, or a socket of full turns."""
         if axis not in self._turned:
             self._turned[axis] = self._cosine_from(axis)
         return self._turned[axis]
@@ -150,11 +150,16 @@ class View:
         place = self._build.math("MULTIPLY", self.turned(axis), AZIMUTH_PLACES[-1] / RAMP_PLACES)
         return numbers(self._build, place, AZIMUTH_PLACES, np.eye(len(AZIMUTH_PLACES)))
 
-    def _cosine_from(self, axis: float) -> bpy.types.NodeSocket:
+    def _cosine_from(self, axis: float | bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         build = self._build
+        if isinstance(axis, bpy.types.NodeSocket):
+            angle = build.math("MULTIPLY", axis, 2.0 * np.pi)
+            cos, sin = build.math("COSINE", angle), build.math("SINE", angle)
+        else:
+            cos, sin = float(np.cos(axis)), float(np.sin(axis))
         across = build.vector("NORMALIZE", build.vector("CROSS_PRODUCT", self.normal, self.given_tangent))
         along = build.vector("CROSS_PRODUCT", across, self.normal)
-        direction = build.vector("ADD", build.vector("SCALE", along, scale=float(np.cos(axis))), build.vector("SCALE", across, scale=float(np.sin(axis))))
+        direction = build.vector("ADD", build.vector("SCALE", along, scale=cos), build.vector("SCALE", across, scale=sin))
         # along the normal all azimuths have the same weights
         length = build.math("MAXIMUM", build.vector("LENGTH", self.side), 1e-6)
         return build.math("ABSOLUTE", build.math("DIVIDE", build.vector("DOT_PRODUCT", self.side, direction), length))

@@ -27,6 +27,7 @@ from ....reference_py.material.place import Place
 from ....reference_py.material.schema import COLOR, SCHEMA
 from ....reference_py.material.stack import Stack
 from ....reference_py.optics.scattering import FIT
+from ..inputs import place_input
 from .block import Block, Closure, numbers
 from .emit_tables import clamped_color
 from .view_frame import FRAME_FUNCTIONS, Frame
@@ -60,7 +61,9 @@ class _Writer:
         self._brushed = self._name("brushed")
         if lobe_set.brushing is not None:
             self.functions.append("rotate_tangent.h")
-            self._say(f"vector {self._brushed} = rotate_tangent(Tangent, N, {lobe_set.brushing / (2.0 * np.pi):.9g});")
+            rotation = lobe_set.rotation
+            turns = f"{lobe_set.brushing / (2.0 * np.pi):.9g}" if rotation is None else place_input(lobe_set.stack, rotation, owners).osl_name
+            self._say(f"vector {self._brushed} = rotate_tangent(Tangent, N, {turns});")
         self._coordinates = [self._coordinate(i, axis, lobe_set.stack, owners) for i, axis in enumerate(lobe_set.axes)]
         self._lobes(lobe_set, clamped_color(owners[-1]))
 

@@ -26,7 +26,7 @@ from ..view_table import BASE_COLOR, KNOTS, GlossyTable, TableLobes, knot_cosine
 from .black_and_white import light_of, over
 from .brushed_bake import plain, ratios
 from .grid_energies import NAMES, stacks_of, told
-from .live import axes_of, computed_of, without_color
+from .live import axes_of, computed_of, rotation_of, without_knots
 from .side_by_side import in_groups
 
 # Polynomials in the way along an axis: what brushing does has a most at a middle roughness, and bends where facets are as wide as can be. Those of several axes
@@ -44,7 +44,7 @@ _MOST = 4.0
 
 def bake_brushed(stack: Stack, live: tuple[Place, ...], report: Callable[[float], None]) -> LiveLobes:
     """The grid of a stack of which `is_brushed` is true over live values that `follows` allows; `report` gets the share done and may raise to cancel."""
-    axes = axes_of(stack, without_color(stack, live))
+    axes = axes_of(stack, without_knots(stack, live))
     assert axes is not None, "see follows"
     over_color, (*given, turn) = BASE_COLOR in live, axes
     ground, dark = (over(stack, grey) if over_color else stack for grey in (0.0, _DARK))
@@ -60,7 +60,8 @@ def bake_brushed(stack: Stack, live: tuple[Place, ...], report: Callable[[float]
         for number, psi in enumerate(np.arccos(turn.knots.knots)):
             nodes[(*node, number)] = TableLobes(tuple(_seen(table, angle, psi) for table in tables))
     sampled = [replace(axis.cross, count=_COMPUTED[len(axes)]) if _is_roughness(axis) else computed_of(axis, len(axes)) for axis in axes]
-    return grid_of(stack, axes, nodes, *_energies(axes, sampled, stacks_of(sampled[:-1], at), over_color, report))
+    grid = grid_of(stack, axes, nodes, *_energies(axes, sampled, stacks_of(sampled[:-1], at), over_color, report))
+    return replace(grid, rotation=rotation_of(stack) if rotation_of(stack) in live else None)
 
 
 def _one_mirror(tables: list) -> list:

@@ -8,8 +8,8 @@ from functools import reduce
 
 import numpy as np
 
-from ...material.place import Place
-from ...material.schema import SCATTERING
+from ...material.place import Place, places
+from ...material.schema import ANISOTROPY, SCATTERING
 from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
@@ -62,13 +62,20 @@ def follows(stack: Stack, live: tuple[Place, ...]) -> bool:
     """Whether a bake follows these live values."""
     if has_brushing(stack) and not is_brushed(stack):
         return not live
-    rest = without_color(stack, live)
+    rest = without_knots(stack, live)
     return not rest or axes_of(stack, rest) is not None
 
 
-def without_color(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
-    """The live values that need knots: all but the color of a diffuse base."""
-    return tuple(place for place in live if place != BASE_COLOR) if _is_diffuse(stack) else live
+def without_knots(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
+    """The live values that need knots: all but the color of a diffuse base and where a brushing turns."""
+    free = {rotation_of(stack)} | ({BASE_COLOR} if _is_diffuse(stack) else set())
+    return tuple(place for place in live if place not in free)
+
+
+def rotation_of(stack: Stack) -> Place | None:
+    """The rotation of a stack's brushing, which all that is made about it turns with; None where there is none, or two that would come apart."""
+    found = [Place(i, "rotation") for i, element in places(stack) if element.has(ANISOTROPY)]
+    return found[0] if len(found) == 1 and is_brushed(stack) else None
 
 
 def in_tables(stack: Stack, live: tuple[Place, ...]) -> tuple[Place, ...]:
@@ -93,7 +100,7 @@ def axes_of(stack: Stack, live: tuple[Place, ...]) -> tuple[Axis, ...] | None:
     count = len(groups) + has_brushing(stack)
     if not 0 < count <= MOST_AXES or any(name == "density" and (layer, "depth") in groups for layer, name in groups):
         return None
-    axes = [_axis(stack, places, count) for places in groups.values()] + [_AZIMUTH] * has_brushing(stack)
+    axes = [_axis(stack, together, count) for together in groups.values()] + [_AZIMUTH] * has_brushing(stack)
     return None if None in axes else tuple(axes)
 
 
@@ -175,7 +182,7 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
 
     `make_baker` is `Baker`; `report` gets the share done and may raise to cancel.
     """
-    axes = axes_of(stack, without_color(stack, live))
+    axes = axes_of(stack, without_knots(stack, live))
     assert axes is not None, "see follows"
     over_color = BASE_COLOR in live
     ground = over(stack, 0.0) if over_color else stack
