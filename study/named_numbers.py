@@ -173,6 +173,11 @@ def shape_over_own() -> np.ndarray:
     return column(rows("base_color"), "shape_median") / column(rows("base_color"), "own_shape_median")
 
 
+def live_shapes(is_meant: Callable[[Row], bool]) -> list[float]:
+    """How many times as much of the shape is elsewhere as in bakes of each value, in the median, by rows."""
+    return [float(r["shape_median"]) / float(r["own_shape_median"]) for r in rows("live_values") if is_meant(r)]
+
+
 def start_ms() -> np.ndarray:
     found = where("branches", osl="on")
     return column(found, "start_ms") - column(found, "alone_start_ms")
@@ -341,9 +346,12 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "base color energy": lambda: percent(max(column(rows("base_color"), "albedo_worst")), 1),
     "base color shape": lambda: plain(np.median(shape_over_own()), 1),
     "base color shape worst": lambda: plain(max(shape_over_own()), 1),
-    "two live with color shape": lambda: span([float(r["shape_median"]) / float(r["own_shape_median"]) for r in rows("live_values") if "and the color" in r["live"] and "film" not in r["live"]], 1),
+    "two live with color shape": lambda: span(live_shapes(lambda r: "and the color" in r["live"] and "film" not in r["live"] and r["axes"] != "3"), 1),
+    "three live energy": lambda: span([100.0 * float(r["albedo_worst"]) for r in rows("live_values") if r["axes"] == "3"], 1) + " %",
+    "three live shape": lambda: span(live_shapes(lambda r: r["axes"] == "3"), 1),
+    "live bakes seconds": lambda: span(column(rows("live_values"), "cpu_s"), 0) + " s",
     "medium energy": lambda: percent(max(cell("live_values", "albedo_worst", stack="milk over metal", live=f"the {name} of layer 0") for name in ("density", "scatter color")), 1),
-    "medium shape": lambda: span([float(r["shape_median"]) / float(r["own_shape_median"]) for r in rows("live_values") if "milk" in r["stack"]], 1),
+    "medium shape": lambda: span(live_shapes(lambda r: "milk" in r["stack"]), 1),
     "medium energy of both": lambda: percent(cell("live_values", "albedo_worst", stack="milk over paint"), 1),
     "film bakes": lambda: plain(max(stands_in("film", "baked")), 1) + " %",
     "textured films": lambda: span(stands_in("textured", "weidlich_wilkie"), 0) + " %",

@@ -9,6 +9,7 @@ import numpy as np
 from ...reference_py.atomic import require_writable
 from ...reference_py.lobes.baked import baked
 from ...reference_py.lobes.error_estimate import ErrorEstimator
+from ...reference_py.lobes.live_grid import LiveLobes
 from ...reference_py.lobes.methods import make_lobe_set
 from ...reference_py.lobes.truth import truth_of
 from ...reference_py.material.place import Place, in_words
@@ -32,6 +33,7 @@ STACKS = {
     "milk over metal": ([_MILK], _METAL),
     "milk over paint": ([_MILK], _WOOD),
     "varnish over glaze over metal": ([_VARNISH, _GLAZE], _METAL),
+    "varnish over frosted glaze over metal": ([_VARNISH, _GLAZE | {"roughness": 0.3}], _METAL),
     "filmed glaze over paint": ([_GLAZE | {"film_thickness": 300.0, "film_ior": 1.9}], _WOOD),
 }
 _COLOR = Place(None, "color")
@@ -61,6 +63,8 @@ CASES = (
     ("varnish over paint", (Place(0, "roughness"), Place(0, "tint"), Place(0, "ior"), _COLOR)),
     ("varnish over glaze over metal", (Place(0, "roughness"), Place(1, "thickness"), Place(None, "reflectance"))),
     ("varnish over metal", (Place(None, "roughness"), Place(None, "reflectance"), Place(0, "thickness"))),
+    ("varnish over metal", (Place(0, "roughness"), Place(None, "roughness"), Place(0, "thickness"))),
+    ("varnish over frosted glaze over metal", (Place(0, "roughness"), Place(1, "roughness"), Place(None, "roughness"))),
 )
 VALUES, _SEED, _GLOSSY = 9, 17, 2
 # What values are drawn from; colors from .03 to .97.
@@ -72,11 +76,23 @@ _RANGES = {
     "density": (0.05, 12.0),
     "film_thickness": (0.0, 840.0),
 }
-COLUMNS = ("stack", "live", "cpu_s", "albedo_worst", "albedo_median", "shape_worst", "shape_median", "own_albedo_worst", "own_shape_worst", "own_shape_median")
+COLUMNS = (
+    "stack",
+    "live",
+    "axes",
+    "cpu_s",
+    "albedo_worst",
+    "albedo_median",
+    "shape_worst",
+    "shape_median",
+    "own_albedo_worst",
+    "own_shape_worst",
+    "own_shape_median",
+)
 _HEADING = (
     "lamina chart live_values",
     f"against adding at {', '.join(f'{t:g}' for t in THETA_DEG)} degrees, {VALUES} combinations of seed {_SEED}",
-    "own: bakes of each combination alone; cpu_s: of making the bake that follows",
+    "own: bakes of each combination alone; axes: of its grid; cpu_s: of making the bake that follows",
     "albedo: relative, worst view and channel; shape: cosine-weighted L1 over albedo, worst channel",
 )
 
@@ -106,5 +122,6 @@ def _row(stack: Stack, live: tuple[Place, ...]) -> list[str]:
         errors, own = (estimator.errors(lobes) for lobes in (followed.with_values_of(here), make_lobe_set(here, "baked").lobe_set))
         found.append([f(e) for e in (errors, own) for f in (lambda e: np.max(e.albedo), lambda e: np.max(e.shape), lambda e: np.median(e.shape))])
     albedo, shape, middle, own_albedo, own_shape, own_middle = np.array(found).T
+    axes = len(followed.axes) if isinstance(followed, LiveLobes) else 0
     cells = (np.max(albedo), np.median(albedo), np.max(shape), np.median(middle), np.max(own_albedo), np.max(own_shape), np.median(own_middle))
-    return [f"{seconds:.1f}", *(f"{value:.5f}" for value in cells)]
+    return [str(axes), f"{seconds:.1f}", *(f"{value:.5f}" for value in cells)]

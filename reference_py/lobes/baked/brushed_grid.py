@@ -59,7 +59,7 @@ def bake_brushed(stack: Stack, live: tuple[Place, ...], report: Callable[[float]
         tables = _one_mirror([plain(table) for table in tables_of(BrushedLobes(at([float(values[i]) for values, i in zip(knots, node)], dark)))])
         for number, psi in enumerate(np.arccos(turn.knots.knots)):
             nodes[(*node, number)] = TableLobes(tuple(_seen(table, angle, psi) for table in tables))
-    sampled = [replace(axis.cross, count=_COMPUTED[len(axes)]) if _is_roughness(axis) else computed_of(axis, len(axes)) for axis in axes]
+    sampled = [replace(axis.cross, count=_COMPUTED[len(axes)]) if _is_roughness(axis) else computed_of(axis, axes) for axis in axes]
     grid = grid_of(stack, axes, nodes, *_energies(axes, sampled, stacks_of(sampled[:-1], at), over_color, report))
     return replace(grid, rotation=rotation_of(stack) if rotation_of(stack) in live else None)
 

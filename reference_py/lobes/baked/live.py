@@ -42,7 +42,7 @@ _KNOTS, _KNOTS_OF_ROUGHNESS = {1: 8, 2: 5, 3: 3}, {1: 8, 2: 5, 3: 5}
 # Of brushed surfaces, whose lobes need no fits and get flat towards grazing in their own way at each azimuth.
 _KNOTS_OF_BRUSHED = {2: 13, 3: 8}
 _FINE, _CROSS = 33, {1: 2, 2: 25, 3: 13}
-# Values of an axis whose energies are computed, by how many axes there are; of what channels have alone, which takes less time; and of a rough base's slopes, which do little.
+# Values of an axis whose energies are computed, by how many axes there are; of what channels have alone, which takes less time, where such axes are several; and of a rough base's slopes, which do little.
 _COMPUTED, _COMPUTED_FAST, _COMPUTED_SLOPES = {1: 13, 2: 9, 3: 7}, {1: 17, 2: 17, 3: 9}, {1: 13, 2: 7, 3: 5}
 _FAST = (DepthAxis, ReflectanceAxis, ScatterColorAxis, ThicknessAxis)
 # Shapes of lower roughness go on as they began; energies are known from there.
@@ -145,13 +145,17 @@ def _film_knots(live: Place) -> int:
     return (_FILM_KNOTS - 1) * (2 if live.layer is None else 1) + 1
 
 
-def computed_of(axis: Axis, count: int) -> Scale:
-    """The values of an axis, one of so many, whose energies are computed."""
+def computed_of(axis: Axis, axes: tuple[Axis, ...]) -> Scale:
+    """The values of one of the axes whose energies are computed."""
+    count = len(axes)
     if isinstance(axis, FilmAxis | AzimuthAxis):
         return axis.cross
     if axis.live[0].name == "sigma_deg":
         return replace(axis.cross, count=_COMPUTED_SLOPES[count])
-    return replace(axis.cross, count=(_COMPUTED_FAST if isinstance(axis, _FAST) else _COMPUTED)[count])
+    if not isinstance(axis, _FAST):
+        return replace(axis.cross, count=_COMPUTED[count])
+    is_one = sum(isinstance(other, _FAST) for other in axes) == 1
+    return replace(axis.cross, count=_COMPUTED_FAST[1 if is_one else count])
 
 
 def _apart(node: tuple[int, ...], other: tuple[int, ...]) -> int:
@@ -217,5 +221,5 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
             _better_from(tuple(n - 1 if other is axis else n // 2 for other, n in zip(axes, size)), bakers, found, glossy)
     nodes |= {node: tables(baker, node) for node, baker in bakers.items()}
     report(0.8)
-    computed = [computed_of(axis, len(axes)) for axis in axes]
+    computed = [computed_of(axis, axes) for axis in axes]
     return grid_of(stack, axes, nodes, *energies_of(axes, computed, at, bool(found[center].plan), over_color))
