@@ -86,7 +86,7 @@ def drawn(rng, stack: Stack, live) -> Stack:
         ([MILK], METAL, [(0, "scatter_color")], 0.004, 1.2),
         ([MILK], WOOD, [(0, "density"), (0, "scatter_color")], 0.0085, 1.3),
         ([VARNISH], WOOD, [(0, "roughness"), (0, "tint"), (0, "ior")], 0.012, 1.5),
-        ([VARNISH], WOOD, [(0, "roughness"), (0, "tint"), (0, "ior"), (None, "color")], 0.01, 2.4),
+        ([VARNISH], WOOD, [(0, "roughness"), (0, "tint"), (0, "ior"), (None, "color")], 0.011, 2.4),
         ([GLAZE], METAL, [(None, "roughness"), (None, "reflectance"), (0, "thickness")], 0.02, 1.9),
     ],
 )
