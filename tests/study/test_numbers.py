@@ -7,7 +7,7 @@ import pytest
 
 from lamina.reference_py.errors import LaminaError
 from lamina.study import named_numbers, numbers
-from lamina.study.named_numbers import NUMBERS, percent, plain, span, where
+from lamina.study.named_numbers import NUMBERS, percent, plain, span, where, within_two_percent
 from lamina.study.numbers import DOCUMENTS, differences, filled, main, names_in
 
 
@@ -66,3 +66,7 @@ def test_a_row_that_is_not_there_is_named():
 def test_how_numbers_are_written():
     assert (plain(0.645, 1), plain(52.3, 0), percent(0.0064, 2), percent(0.0, 1)) == (".6", "52", ".64 %", ".0 %")
     assert span([1.284, 1.028], 2) == "1.03 to 1.28"
+
+
+def test_on_every_surface_a_bake_within_two_percent_costs_no_more_than_principled():
+    assert max(within_two_percent()) <= 1.0

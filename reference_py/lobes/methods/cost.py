@@ -20,10 +20,10 @@ PARTS = {
     "mirror": 0.1,
     "glossy": 0.2,
     "folded_layer": 0.15,
-    "folded_layer_over_metal": 0.9,
+    "folded_layer_over_metal": 0.8,
     "analytic_layer": 0.8,
     "analytic_layer_over_metal": 2.4,
-    "weidlich_wilkie_layer": 0.25,
+    "weidlich_wilkie_layer": 0.5,
 }
 FOLDED_LAYERS = 3
 
@@ -32,8 +32,8 @@ def cost(lobe_set, live: bool = False) -> float:
     """An estimate of the CPU time of a frame-filling object over that of a plain glossy node; `live` values are not constant.
 
     Of 30 materials of up to five closures the worst is 12 % off, with live methods of rough tinted layers 43 % (figures/cost_fit.csv).
-    Of those of `lamina chart pareto` bare copper and three rough layers over gold are off by more than a quarter: by `analytic`, 1.05 is
-    estimated for 1.75 and 4.15 for 2.2 (tests/study/test_calibration.py).
+    Of those of `lamina chart pareto` bare copper by `analytic` is off by more than a quarter: 1.05 is estimated for 1.53
+    (tests/study/test_calibration.py).
     """
     return sum(PARTS[part] * count for part, count in parts(lobe_set, live).items())
 
