@@ -386,6 +386,7 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "fits with noise f within": partial(within, "0.05", "shape_error", 0.03),
     "fits with noise f worst": lambda: percent(np.max(column(recovered("0.05"), "shape_error")), 1),
     "fits with noise values within": partial(within, "0.05", "worst_parameter_error", 0.03),
+    "fits with noise worst value": lambda: max(recovered("0.05"), key=lambda row: float(row["worst_parameter_error"]))["worst_parameter"],
     "fits with noise values worst": lambda: percent(np.max(column(recovered("0.05"), "worst_parameter_error"))),
     "fits determined": lambda: percent(np.sum(column(rows("fit_recovery"), "determined")) / np.sum(column(rows("fit_recovery"), "parameters"))),
     "blue paint": partial(blue_paint, PAPER_READING, "weidlich_wilkie, 1 layer over lambert"),
