@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from ...reference_py.errors import LaminaError
-from ...reference_py.lobes.analytic.brushed import has_brushing
 from ...reference_py.lobes.baked import MAX_GLOSSY, is_brushed
+from ...reference_py.lobes.brushing import has_brushing
 from ...reference_py.lobes.error_estimate import SOFT_LIGHT_DEG
 from ...reference_py.lobes.made import DEFAULT_TOLERANCE, Options
 from ...reference_py.lobes.methods import MAX_CLOSURES, glossy_of_each, require_bake_follows

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...reference_py.lobes.analytic.brushed import has_brushing
+from ...reference_py.lobes.brushing import has_brushing
 from ...reference_py.lobes.error_estimate import ErrorEstimator
 from ...reference_py.lobes.made import Made
 from ...reference_py.lobes.methods import DEFAULT_METHOD, make_lobe_set

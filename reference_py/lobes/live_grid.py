@@ -15,8 +15,8 @@ import numpy as np
 from ..errors import LaminaError
 from ..material.place import Place
 from ..material.stack import Stack
-from .analytic.brushed import directions
 from .axes import Axis, AzimuthAxis, Scale, top_index
+from .brushing import directions
 from .closure import unit_energy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from .own_normals import BELOW, DIFFUSE, TOP, normals_of_fits

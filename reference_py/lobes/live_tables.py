@@ -12,8 +12,8 @@ import numpy as np
 
 from ..material.place import Place
 from ..material.stack import Stack
-from .analytic.brushed import directions
 from .axes import Axis, AzimuthAxis, IndexAxis, NumberAxis, Scale, top_index
+from .brushing import directions
 from .closure import fresnel_share
 from .live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy, at_azimuths
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe

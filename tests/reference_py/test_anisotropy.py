@@ -4,8 +4,9 @@
 import numpy as np
 import pytest
 
-from lamina.reference_py.lobes.analytic.brushed import isotropic, seen_alpha
+from lamina.reference_py.lobes.analytic.brushed import seen_alpha
 from lamina.reference_py.lobes.analytic.interface_tables import anisotropic_energy
+from lamina.reference_py.lobes.brushing import isotropic
 from lamina.reference_py.lobes.closure import lobe_energy, lobe_f, unit_energy
 from lamina.reference_py.lobes.lobe import DielectricCurve, GlossyLobe
 from lamina.reference_py.lobes.made import DEFAULT_TOLERANCE

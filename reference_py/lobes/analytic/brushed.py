@@ -8,42 +8,17 @@ there; what other anisotropic surfaces do to light that crosses them has no dire
 
 from dataclasses import replace
 from functools import partial
-from types import MappingProxyType
 
 import numpy as np
 
-from ...material.place import places
-from ...material.schema import ANISOTROPY
-from ...material.stack import LayerOrBase, Stack
+from ...material.stack import Stack
 from ...optics.interface import AnisotropicRoughness, Microfacets
+from ..brushing import isotropic
 from ..lobe import DiffuseLobe, GlossyLobe
 from ..view_table import MIN_COS_O
 from .base import Facets
 from .interface_tables import anisotropic_energy, closure_energy
 from .lobe_set import AnalyticLobes, at_views
-
-
-def has_brushing(stack: Stack) -> bool:
-    """Whether a surface of the stack is anisotropic."""
-    return any(element.has(ANISOTROPY) for _, element in places(stack))
-
-
-def directions(stack: Stack) -> set[float]:
-    """Directions of brushing in radians from the tangent, 0 to pi."""
-    return {round(Microfacets.of(element).anisotropic.angle % np.pi, 9) for _, element in places(stack) if element.has(ANISOTROPY)}
-
-
-def isotropic(stack: Stack) -> Stack:
-    """The stack without anisotropy; its surfaces are as rough as those that they had."""
-    names = {p.name for p in ANISOTROPY.parameters}
-
-    def plain(element: LayerOrBase) -> LayerOrBase:
-        if not element.has(ANISOTROPY):
-            return element
-        values = {k: v for k, v in element.values.items() if k not in names} | {"roughness": Microfacets.of(element).alpha ** 0.5}
-        return replace(element, values=MappingProxyType(values))
-
-    return replace(stack, layers=tuple(map(plain, stack.layers)), base=plain(stack.base))
 
 
 class BrushedLobes(AnalyticLobes):

@@ -19,7 +19,8 @@ from ...optics.diffuse import oren_nayar_albedo
 from ...optics.frame import spherical
 from ...optics.quadrature import points
 from ..analytic import AnalyticLobes
-from ..analytic.brushed import BrushedLobes, directions, has_brushing, isotropic
+from ..analytic.brushed import BrushedLobes
+from ..brushing import directions, has_brushing, isotropic
 from ..closure import lobe_energy
 from ..own_normals import has_own_normals
 from ..tabulate import tables_of

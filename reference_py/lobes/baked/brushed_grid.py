@@ -16,8 +16,9 @@ from ...material.place import Place
 from ...material.stack import Stack
 from ...optics.frame import spherical
 from ...optics.interface import Microfacets
-from ..analytic.brushed import BrushedLobes, directions, isotropic
+from ..analytic.brushed import BrushedLobes
 from ..axes import Axis, Scale
+from ..brushing import directions, isotropic
 from ..closure import unit_energy
 from ..live_grid import LiveLobes, grid_of
 from ..lobe import DielectricCurve, GlossyLobe

@@ -13,7 +13,6 @@ from ...material.schema import ANISOTROPY, SCATTERING
 from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
-from ..analytic.brushed import has_brushing
 from ..axes import (
     HALF_DEPTH,
     Axis,
@@ -29,6 +28,7 @@ from ..axes import (
     ThicknessAxis,
     of_reflectance,
 )
+from ..brushing import has_brushing
 from ..live_grid import LiveLobes, grid_of
 from ..truth import truth_of
 from ..view_table import BASE_COLOR, DiffuseTable, GlossyTable

@@ -17,8 +17,8 @@ from ...optics.error_measure import albedo_error, worst_share
 from ...optics.frame import spherical
 from ...optics.optical_stack import Support
 from ..analytic import AnalyticLobes
-from ..analytic.brushed import isotropic
 from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, baked, follows, is_brushed, level, pack_lobes, unpack_lobes
+from ..brushing import isotropic
 from ..cache import stack_key
 from ..closure import lobe_energy
 from ..error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosines

@@ -3,7 +3,8 @@
 
 from ...material.stack import Stack
 from ..analytic import AnalyticLobes
-from ..analytic.brushed import BrushedLobes, has_brushing
+from ..analytic.brushed import BrushedLobes
+from ..brushing import has_brushing
 from .not_bakeable import has_film
 from .paper import PaperLobes
 

@@ -8,8 +8,8 @@ from ...material.place import Place, in_words, places
 from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM, Feature
 from ...material.stack import Stack
 from ...optics.interface import Microfacets, film_of
-from ..analytic.brushed import isotropic
 from ..baked import is_brushed
+from ..brushing import isotropic
 from ..own_normals import has_own_normals
 
 
