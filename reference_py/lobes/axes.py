@@ -17,6 +17,7 @@ from ..material.schema import CONDUCTOR, DIELECTRIC, SCATTERING
 from ..material.stack import Stack
 from ..optics.interface import optical_depth
 from ..optics.scattering import color_of_similarity, similarity_of_color
+from .brushing import directions
 
 # In the coordinate of a metal's reflectance: added to it, about what a layer above reflects, and to what it is short of 1.
 REFLECTANCE_OFFSET, BRIGHT_OFFSET = 0.03, 0.3
@@ -241,6 +242,11 @@ class AzimuthAxis(Axis):
 def top_index(axes: tuple[Axis, ...]) -> IndexAxis | None:
     """The axis of the top layer's index, which its Fresnel curve follows, if there is one."""
     return next((axis for axis in axes if isinstance(axis, IndexAxis) and axis.layer == 0), None)
+
+
+def brushing_of(axes: tuple[Axis, ...], stack: Stack) -> float | None:
+    """The direction of the stack's brushing in radians from the tangent, where there is an axis about it."""
+    return directions(stack).pop() if any(isinstance(axis, AzimuthAxis) for axis in axes) else None
 
 
 _KINDS = (NumberAxis, FilmAxis, IndexAxis, ThicknessAxis, DepthAxis, ReflectanceAxis, EdgeAxis, ScatterColorAxis, AzimuthAxis)

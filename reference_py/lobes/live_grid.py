@@ -15,8 +15,7 @@ import numpy as np
 from ..errors import LaminaError
 from ..material.place import Place
 from ..material.stack import Stack
-from .axes import Axis, AzimuthAxis, Scale, top_index
-from .brushing import directions
+from .axes import Axis, AzimuthAxis, Scale, brushing_of, top_index
 from .closure import unit_energy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from .own_normals import BELOW, DIFFUSE, TOP, normals_of_fits
@@ -123,8 +122,8 @@ class LiveLobes:
 
     @property
     def brushing(self) -> float | None:
-        """The direction of the brushing in radians from the tangent, where there is an axis about it."""
-        return directions(self.stack).pop() if any(isinstance(axis, AzimuthAxis) for axis in self.axes) else None
+        """As `brushing_of`."""
+        return brushing_of(self.axes, self.stack)
 
     @property
     def is_brushed(self) -> bool:

@@ -12,8 +12,7 @@ import numpy as np
 
 from ..material.place import Place
 from ..material.stack import Stack
-from .axes import Axis, AzimuthAxis, IndexAxis, NumberAxis, Scale, top_index
-from .brushing import directions
+from .axes import Axis, AzimuthAxis, IndexAxis, NumberAxis, Scale, brushing_of, top_index
 from .closure import fresnel_share
 from .live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy, at_azimuths
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
@@ -87,8 +86,8 @@ class LiveTables:
 
     @property
     def brushing(self) -> float | None:
-        """As that of `LiveLobes`."""
-        return directions(self.stack).pop() if any(isinstance(axis, AzimuthAxis) for axis in self.axes) else None
+        """As `brushing_of`."""
+        return brushing_of(self.axes, self.stack)
 
     @property
     def is_brushed(self) -> bool:

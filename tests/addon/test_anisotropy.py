@@ -8,9 +8,9 @@ pytest.importorskip("bpy")
 
 import bpy
 from support.goniometer import TOLERANCE, tangent_parity
+from support.linked_values import link_values
 
 from lamina.addon.material import material
-from lamina.addon.material.elements import node_of
 from lamina.addon.material.live_values import live_values
 from lamina.addon.material.roles import node_with
 from lamina.addon.material.shader_node import shader_of
@@ -141,12 +141,7 @@ def test_a_bake_has_the_energy_of_the_rotation(blender, turns, backend):
 )
 def test_a_bake_over_live_values_equals_its_lobe_set(blender, layers, base, links):
     new = shown(layers, base, "baked", "auto")
-    for (number, label), value in links.items():
-        color = isinstance(value, tuple)
-        source = new.node_tree.nodes.new("ShaderNodeRGB" if color else "ShaderNodeValue")
-        socket = node_of(new.lamina.base if number is None else new.lamina.layers[number]).inputs[label]
-        source.outputs[0].default_value = socket.default_value = (*value, 1.0) if color else value
-        new.node_tree.links.new(source.outputs[0], socket)
+    link_values(new, links)
     material.refresh(new, settle=True)
     lobe_set = make_lobe_set(material.stack_of(new), "baked", live=live_values(new)).lobe_set
     assert set(lobe_set.followed) == set(live_values(new)) and len(lobe_set.followed) == len(links)

@@ -129,17 +129,13 @@ LIVE = pytest.mark.parametrize(
 
 def _live(blender, layers, base, links):
     """A baked material whose values come in through sockets, as from textures; those of the test lie between knots, and below the first."""
-    from lamina.addon.material.elements import node_of
+    from support.linked_values import link_values
+
     from lamina.addon.material.material import apply_stack, refresh
 
     material = blender.data.materials.new("Live")
     apply_stack(material, Stack.from_dict({"layers": layers, "base": base}), "baked")
-    for (number, label), value in links.items():
-        color = isinstance(value, tuple)
-        source = material.node_tree.nodes.new("ShaderNodeRGB" if color else "ShaderNodeValue")
-        socket = node_of(material.lamina.base if number is None else material.lamina.layers[number]).inputs[label]
-        source.outputs[0].default_value = socket.default_value = (*value, 1.0) if color else value
-        material.node_tree.links.new(source.outputs[0], socket)
+    link_values(material, links)
     refresh(material, settle=True)
     return material
 
