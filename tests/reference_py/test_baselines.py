@@ -8,7 +8,7 @@ import pytest
 
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.material.stack import Stack
-from lamina.reference_py.models.baselines import BASELINES
+from lamina.reference_py.models.baselines import BASELINES, cycles
 from lamina.reference_py.models.baselines.cycles import Closure
 from lamina.reference_py.models.baselines.energy import mean_fresnel
 from lamina.reference_py.models.baselines.parts import dielectric, f82
@@ -16,6 +16,7 @@ from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.optics.fresnel import fresnel_conductor, fresnel_dielectric
 from lamina.reference_py.optics.quadrature import directional_albedo
 from lamina.reference_py.registry import MODELS, make_model
+from lamina.study import make_cycles_energies
 
 NAMES = [baseline.name for baseline in BASELINES]
 NORMAL = spherical(0.0, 0.0)
@@ -316,3 +317,16 @@ def test_mean_fresnel_and_f82_have_their_closed_forms():
     np.testing.assert_allclose(curve(np.full((), 1.0 / 7.0)), edge)
     drop = (f0 + (1.0 - f0) * (6.0 / 7.0) ** 5 - edge) * 7.0 / (6.0 / 7.0) ** 6
     np.testing.assert_allclose(mean_fresnel(curve), f0 + (1.0 - f0) / 21.0 - drop / 126.0, rtol=1e-6)
+
+
+def test_tables_of_cycles_hold_their_integrals():
+    """Those of the file at nodes of every axis, and read between two of them."""
+    tables, even, few = cycles.tables(), make_cycles_energies.nodes(32), make_cycles_energies.nodes(16)
+    for i in (0, 7, 20, 31):
+        np.testing.assert_allclose(tables["energy"][i], make_cycles_energies.energy(even, even[i] ** 2), atol=1e-8)
+        assert tables["mean"][i] == pytest.approx(make_cycles_energies.mean_energy(even[i] ** 2), abs=1e-8)
+    for i, depth in ((0, 3), (5, 15), (15, 0), (9, 8)):
+        np.testing.assert_allclose(tables["rise"][i, depth], make_cycles_energies.rise(few, few[i] ** 2, few[depth]), atol=1e-8)
+    lossless = Closure(0.3, "multi_ggx", dielectric(1.5), np.ones(1))
+    kept = make_cycles_energies.energy(np.array([0.7]), 0.3)
+    assert lossless.gain(np.array([0.7])) * kept == pytest.approx(1.0, abs=2e-3)
