@@ -7,6 +7,7 @@ A default or a range is written here and nowhere else.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import isfinite
 from types import MappingProxyType
 
@@ -20,7 +21,8 @@ ILLUMINANTS = ("D65", "A", "E")
 FLOAT, COLOR, VECTOR, CHOICE = "float", "color", "vector", "choice"
 
 
-@dataclass(frozen=True)
+# Of parameters, features and kinds there is one each, so they are compared by identity: a save does that some hundred thousand times.
+@dataclass(frozen=True, eq=False)
 class Parameter:
     """One parameter. Values of type float, color and vector live in sockets; a choice is structure."""
 
@@ -128,10 +130,11 @@ class _WithAlternatives:
 
     def not_given_by(self, choice: str) -> tuple[Parameter, ...]:
         """The parameters of the other alternatives."""
-        return tuple(p for p in self.parameters if p not in self.given_by(choice))
+        given = self.given_by(choice)
+        return tuple(p for p in self.parameters if p not in given)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Feature(_WithAlternatives):
     """Something that a layer or base may have: it has it where a stack gives any of the feature's parameters.
 
@@ -145,7 +148,7 @@ class Feature(_WithAlternatives):
     alternatives: tuple[tuple[str, ...], ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Kind(_WithAlternatives):
     """A kind of layer or base: its own parameters, and those of its optional features, in socket order.
 
@@ -160,7 +163,7 @@ class Kind(_WithAlternatives):
     alternatives: tuple[tuple[str, ...], ...] = ()
     features: tuple[Feature, ...] = ()
 
-    @property
+    @cached_property
     def all_parameters(self) -> tuple[Parameter, ...]:
         """The kind's parameters, then those of its features."""
         return (*self.parameters, *(p for feature in self.features for p in feature.parameters))
@@ -169,12 +172,12 @@ class Kind(_WithAlternatives):
         """The parameter of a name, which must be the kind's own or a feature's."""
         return next(p for p in self.all_parameters if p.name == name)
 
-    @property
+    @cached_property
     def sockets(self) -> tuple[Parameter, ...]:
         """The parameters whose values live in node sockets."""
         return tuple(p for p in self.all_parameters if not p.is_structural)
 
-    @property
+    @cached_property
     def structure(self) -> tuple[Parameter, ...]:
         """The parameters that change the generated shader's text."""
         return tuple(p for p in self.parameters if p.is_structural)
