@@ -2,7 +2,7 @@
 """The mean of what is linked to a value: of an image's pixels, of a constant, or of a small bake by Cycles of any other nodes.
 
 The bake is 1,024 points, spread evenly over the UV square (all tiles of UDIM images) and over the unit cube that generated and object coordinates run
-through, and facing all ways. It needs no OSL, 20 to 60 ms, and a scene, a mesh, an image and a copy of the material, which are gone afterwards.
+through, and facing all ways, with what the things that show the material have there. It needs no OSL, 20 to 60 ms, and a scene, a mesh, an image and a copy of the material, which are gone afterwards.
 """
 
 import hashlib
@@ -18,6 +18,7 @@ from ...reference_py.errors import LaminaError
 from ...reference_py.material.schema import FLOAT, Parameter
 from ..shader.working_space import out_of_working, working_space
 from .image_mean import files_of, image_mean
+from .shown_values import ShownValues, shown_values
 
 # Of luminance in linear Rec.709, which a color gives to a number (ITU-R BT.709).
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -49,18 +50,18 @@ def name_of(source: bpy.types.NodeSocket) -> str:
 
 def state_of(source: bpy.types.NodeSocket, parameter: Parameter) -> str:
     """A hash of all that a mean follows from: nodes with their values, files by size and date. Pixels that are painted count for nothing."""
-    words = [parameter.name, parameter.type, working_space(), source.identifier, *_words(source.node, _Way())]
+    words = [parameter.name, parameter.type, working_space(), source.identifier, *_words(source.node, _Way()), *_shown(source).words()]
     return hashlib.sha256("\n".join(words).encode()).hexdigest()[:16]
 
 
 def is_painted(source: bpy.types.NodeSocket) -> bool:
     """Whether an image before a socket has pixels that are in no file, which may have changed without a trace."""
-    return any(image.is_dirty or image.source == "GENERATED" for image in _images(source.node, _Way()))
+    return any(image.is_dirty or image.source == "GENERATED" for image in _images(source.node))
 
 
 def has_images(source: bpy.types.NodeSocket) -> bool:
     """Whether an image is before a socket."""
-    return next(_images(source.node, _Way()), None) is not None
+    return next(_images(source.node), None) is not None
 
 
 def mean_of(source: bpy.types.NodeSocket, parameter: Parameter) -> list[float] | float:
@@ -122,13 +123,21 @@ def _all_before(node: bpy.types.Node, way: _Way) -> Iterator[bpy.types.Node]:
             yield from _all_before(other, way)
 
 
-def _images(node: bpy.types.Node, way: _Way) -> Iterator[bpy.types.Image]:
-    if not way.is_new(node):
-        return
-    if isinstance(getattr(node, "image", None), bpy.types.Image):
-        yield node.image
-    for other in (*way.before(node), *(node.node_tree.nodes if getattr(node, "node_tree", None) is not None else ())):
-        yield from _images(other, way)
+def _with_groups(node: bpy.types.Node, way: _Way) -> Iterator[bpy.types.Node]:
+    """A node and all before it, with the nodes of groups."""
+    if way.is_new(node):
+        yield node
+        for other in (*way.before(node), *(node.node_tree.nodes if getattr(node, "node_tree", None) is not None else ())):
+            yield from _with_groups(other, way)
+
+
+def _images(node: bpy.types.Node) -> Iterator[bpy.types.Image]:
+    return (other.image for other in _with_groups(node, _Way()) if isinstance(getattr(other, "image", None), bpy.types.Image))
+
+
+def _shown(source: bpy.types.NodeSocket) -> ShownValues:
+    """What is read before a socket of the things that show its material."""
+    return shown_values(list(_with_groups(source.node, _Way())), source.id_data, _SIDE**2)
 
 
 def _words(node: bpy.types.Node, way: _Way) -> Iterator[str]:
@@ -197,8 +206,10 @@ def _points() -> np.ndarray:
 
 def _baked(source: bpy.types.NodeSocket, is_float: bool) -> np.ndarray:
     """What a socket gives at the points, (n, 3), in the working space."""
-    tiles = sorted({tile.number for image in _images(source.node, _Way()) if image.source == "TILED" for tile in image.tiles}) or [1001]
+    tiles = sorted({tile.number for image in _images(source.node) if image.source == "TILED" for tile in image.tiles}) or [1001]
+    shown = _shown(source)
     with _painted_kept(), _bench(source.id_data, tiles) as (scene, item, material, image):
+        shown.dress(scene, item)
         tree = material.node_tree
         before = {node.name for node in _all_before(source.node, _Way())}
         for other in [node for node in tree.nodes if node.name not in before and node != tree.nodes.active]:

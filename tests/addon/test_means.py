@@ -312,3 +312,80 @@ def test_measuring_and_copying_keep_the_keyframes_of_the_rest(blender):
     materials.refresh(owner, settle=True)
     conversion.principled_copy(owner)
     assert [place.name for place in live_values(owner)] == ["roughness", "color"]
+
+
+def _strip(name: str, owner, x: float = 0.0):
+    """A strip of three faces, of areas 1 and 3 of the material and 2 of none, with a property and a color; its mesh."""
+    mesh = bpy.data.meshes.new(name)
+    ends = (0.0, 1.0, 4.0, 6.0)
+    mesh.from_pydata([(x + e, y, 0.0) for e in ends for y in (0.0, 1.0)], [], [(2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1) for i in range(3)])
+    mesh.materials.append(owner)
+    mesh.materials.append(None)
+    mesh.polygons[2].material_index = 1
+    item = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(item)
+    return item
+
+
+def _attribute(tree, kind: str, name: str):
+    node = tree.nodes.new("ShaderNodeAttribute")
+    node.attribute_type, node.attribute_name = kind, name
+    return node
+
+
+def test_attributes_are_those_of_what_shows_the_material(blender):
+    """A vertex color, a wear mask or a property of objects was taken for black: a bench of Lamina's own has none of them."""
+    owner = layered()
+    tree = owner.node_tree
+    items = [_strip("wide 厨", owner), _strip("other", owner, 8.0)]
+    faces = items[0].data.attributes.new("Maske ä", "FLOAT_COLOR", "FACE")
+    faces.data.foreach_set("color", np.array([[0.8, 0.2, 0.1, 1.0], [0.4, 0.6, 0.1, 1.0], [0.0, 0.0, 1.0, 1.0]], np.float32).ravel())
+    wear = items[1].data.attributes.new("wear", "BOOLEAN", "POINT")
+    wear.data.foreach_set("value", np.ones(8, bool))
+    active = items[0].data.color_attributes.new("Col", "FLOAT_COLOR", "POINT")
+    active.data.foreach_set("color", np.tile(np.array([0.6, 0.4, 0.2, 1.0], np.float32), 8))
+    items[0].data.attributes.default_color_name = active.name
+    items[0]["tone"], items[1]["tone"] = 0.3, 0.5
+    items[0].color, items[1].color = (0.2, 0.4, 0.6, 1.0), (0.4, 0.4, 0.8, 1.0)
+    bpy.context.scene["rain"] = 0.35
+    # of the first thing's faces a quarter and three quarters; the other one has none, which is 0
+    mask = 0.5 * np.array([0.25 * 0.8 + 0.75 * 0.4, 0.25 * 0.2 + 0.75 * 0.6, 0.1])
+    nodes = {
+        "surface": (_attribute(tree, "GEOMETRY", "Maske ä").outputs["Color"], mask),
+        "flags": (_attribute(tree, "GEOMETRY", "wear").outputs["Fac"], [0.5] * 3),
+        "active color": (tree.nodes.new("ShaderNodeVertexColor").outputs["Color"], [0.3, 0.2, 0.1]),
+        "objects": (_attribute(tree, "OBJECT", "tone").outputs["Fac"], [0.4] * 3),
+        "object color": (tree.nodes.new("ShaderNodeObjectInfo").outputs["Color"], [0.3, 0.4, 0.7]),
+        "scene": (_attribute(tree, "VIEW_LAYER", "rain").outputs["Fac"], [0.35] * 3),
+        "nobody": (_attribute(tree, "GEOMETRY", "nobody has it").outputs["Color"], [0.0] * 3),
+    }
+    before = state()
+    for name, (source, wanted) in nodes.items():
+        assert mean_of(source, COLORS) == pytest.approx(wanted, abs=3e-3), name
+    assert state() == before
+    tree.links.new(nodes["surface"][0], node_of(owner.lamina.base).inputs["Color"])
+    assert measured_stack(owner).base["color"] == pytest.approx(mask, abs=3e-3)
+    faces.data.foreach_set("color", np.tile(np.array([0.2, 0.2, 0.2, 1.0], np.float32), 3))
+    assert measured_stack(owner).base["color"] == pytest.approx([0.1, 0.1, 0.1], abs=3e-3), "it is painted anew"
+    bpy.context.scene.collection.objects.link(items[0].copy())  # two of three such things
+    assert measured_stack(owner).base["color"] == pytest.approx([0.4 / 3.0] * 3, abs=3e-3)
+    bpy.context.view_layer.objects.active = items[0]
+    bpy.ops.object.mode_set(mode="EDIT")  # in which Blender shows no attributes
+    assert measured_stack(owner).base["color"] == pytest.approx([0.4 / 3.0] * 3, abs=3e-3)
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_an_attribute_that_modifiers_make_counts(blender):
+    owner = layered()
+    item = _strip("made", owner)
+    group = bpy.data.node_groups.new("store", "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        group.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    store = group.nodes.new("GeometryNodeStoreNamedAttribute")
+    store.inputs["Name"].default_value, store.inputs["Value"].default_value = "dirt", 0.42
+    group.links.new(group.nodes.new("NodeGroupInput").outputs[0], store.inputs["Geometry"])
+    group.links.new(store.outputs[0], group.nodes.new("NodeGroupOutput").inputs[0])
+    item.modifiers.new("store", "NODES").node_group = group
+    bpy.context.view_layer.update()
+    owner.node_tree.links.new(_attribute(owner.node_tree, "GEOMETRY", "dirt").outputs["Fac"], node_of(owner.lamina.layers[0]).inputs["Roughness"])
+    assert measured_stack(owner).layers[0]["roughness"] == pytest.approx(0.42, abs=1e-3)
