@@ -14,7 +14,6 @@ from bpy.app.handlers import persistent
 from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.lobes.cache import stack_key
 from ...reference_py.material.schema import SCHEMA_VERSION
-from ..blender.user_folders import cache_folder
 from ..material import first_click, osl_setting, pasted, reading, record, shader_node, state
 from ..material import material as materials
 from ..material.marks import concern_us
@@ -30,7 +29,7 @@ class Bake(Process):
     def __init__(self, wanted: "state.Wanted"):
         from ...reference_py.lobes.methods import bake_process  # that package is imported with the first bake
 
-        super().__init__(Sentence("a bake"), worker(bake_process.MODULE), [wanted.request(cache_folder())])
+        super().__init__(Sentence("a bake"), worker(bake_process.MODULE), [wanted.request()])
         self.wanted, self.key = wanted, wanted.key
 
 

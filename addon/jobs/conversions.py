@@ -9,7 +9,6 @@ from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.exchange import conversion_process
 from ...reference_py.exchange import hand_over as solving
 from ...reference_py.material.stack import Stack
-from ..blender.user_folders import cache_folder
 from ..material import hand_over, principled_node, reading
 from ..material import material as materials
 from .process import Process, worker
@@ -19,7 +18,7 @@ class _Conversion(Process):
     """One base color in the making, in a process of its own."""
 
     def __init__(self, stack: Stack, textured: bool, key: str):
-        super().__init__(Sentence("a conversion"), worker(conversion_process.MODULE), [conversion_process.request(stack, textured, cache_folder())])
+        super().__init__(Sentence("a conversion"), worker(conversion_process.MODULE), [conversion_process.request(stack, textured)])
         self.stack, self.textured, self.key = stack, textured, key
 
 

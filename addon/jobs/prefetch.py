@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from ...reference_py.errors import Sentence
 from ...reference_py.exchange import conversion_process
 from ...reference_py.lobes.cache import stack_key
-from ..blender.user_folders import cache_folder
 from ..material.hand_over import WantedHandOver
 from ..material.state import Wanted
 from .process import Process, worker
@@ -29,7 +28,7 @@ class Baker(Process):
         for group in left:
             for wanted in group:
                 self.result = None
-                yield wanted.request(cache_folder())
+                yield wanted.request()
                 if self.result is not None:
                     self.made.append((wanted, self.result))
 

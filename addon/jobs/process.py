@@ -55,8 +55,6 @@ class Process:
             word, _, rest = line.strip().partition(" ")
             if word == "progress":
                 self.share = float(rest)
-            elif word == "warning":
-                print(f"Lamina: {rest}")
             elif word in ("result", "error"):
                 if word == "result":
                     self.result = json.loads(rest)

@@ -9,7 +9,6 @@ base color takes up to a second to solve: until values rest it is the stack's ow
 import hashlib
 import json
 from dataclasses import dataclass
-from pathlib import Path
 
 import bpy
 import numpy as np
@@ -50,9 +49,9 @@ class WantedHandOver:
     def is_cached(self) -> bool:
         return cached_hand_over(self.stack, self.textured) is not None
 
-    def request(self, folder: Path | None) -> str:
-        """What a process is asked for it, which also keeps it in the folder."""
-        return conversion_process.request(self.stack, self.textured, folder)
+    def request(self) -> str:
+        """What a process is asked for it."""
+        return conversion_process.request(self.stack, self.textured)
 
     def put(self, packed: dict) -> None:
         """Keep what another process solved."""

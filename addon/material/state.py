@@ -3,7 +3,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import bpy
 
@@ -49,9 +48,9 @@ class Wanted:
     def make(self, progress: Callable[[float], None] | None = None) -> Made:
         return methods.make_lobe_set(self.stack, self.method, live=self.live, tolerance=self.tolerance, progress=progress)
 
-    def request(self, folder: Path | None) -> str:
-        """What a process is asked for it, which also keeps it in the folder."""
-        return bake_process.request(self.stack, self.method, self.live, self.tolerance, folder)
+    def request(self) -> str:
+        """What a process is asked for it."""
+        return bake_process.request(self.stack, self.method, self.live, self.tolerance)
 
     def put(self, packed: list[dict]) -> None:
         """Keep what another process computed."""

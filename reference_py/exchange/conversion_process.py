@@ -6,7 +6,6 @@ It takes requests of bakes too: a hand-over that follows the bake of its stack s
 
 import json
 import sys
-from pathlib import Path
 
 from ..errors import LaminaError
 from ..lobes.methods import bake_process
@@ -16,9 +15,9 @@ from .hand_over import solved
 MODULE = "exchange.conversion_process"
 
 
-def request(stack: Stack, textured: bool, folder: Path | None) -> str:
+def request(stack: Stack, textured: bool) -> str:
     """A line that `main` reads."""
-    return json.dumps({"stack": stack.to_dict(), "textured": textured, "folder": None if folder is None else str(folder)})
+    return json.dumps({"stack": stack.to_dict(), "textured": textured})
 
 
 def main() -> None:
@@ -29,7 +28,6 @@ def main() -> None:
 
 
 def _serve(data: dict) -> None:
-    bake_process.keep_what_is_computed(data)
     try:
         hand = solved(Stack.from_dict(data["stack"]), data["textured"])
     except LaminaError as error:

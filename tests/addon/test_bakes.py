@@ -137,7 +137,7 @@ def test_what_was_baked_before_is_there_at_once(window):
 def test_a_save_without_a_window_bakes_all_that_it_needs_in_as_many_processes_as_there_are_cores(window, monkeypatch, tmp_path, capsys):
     started, asked = [], []
     monkeypatch.setattr(prefetch, "Baker", lambda left: started.append(Baker(left)) or started[-1])
-    monkeypatch.setattr(Wanted, "request", lambda wanted, folder, own=Wanted.request: asked.append(wanted.key) or own(wanted, folder))
+    monkeypatch.setattr(Wanted, "request", lambda wanted, own=Wanted.request: asked.append(wanted.key) or own(wanted))
     monkeypatch.setattr(prefetch.os, "cpu_count", lambda: 2)
     monkeypatch.setattr(solving, "to_principled", None)  # they solve the hand-overs too, next to each stack's truth
     owners = [coated(window) for _ in range(4)]
@@ -160,7 +160,7 @@ def test_a_bake_that_fails_leaves_the_next_to_its_process(window, monkeypatch):
     monkeypatch.setattr(prefetch.os, "cpu_count", lambda: 1)
     own, wrong, told = Wanted.request, Wanted(COATED, "baked"), []
     right = Wanted(suite_stack("plastic_white_smooth"), "baked")
-    monkeypatch.setattr(Wanted, "request", lambda one, folder: own(one, folder).replace('"baked"', '"none"' if one is wrong else '"baked"'))
+    monkeypatch.setattr(Wanted, "request", lambda one: own(one).replace('"baked"', '"none"' if one is wrong else '"baked"'))
     prefetch.prefetch([wrong, right], [], told.append)
     assert right.is_cached() and not wrong.is_cached() and told == ["1 of 2 bakes are done"]
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes lobe sets in a process of its own, so that a window stays responsive and a cancelled bake is gone at once.
 
-Reads requests from stdin, a line of JSON each; prints for each lines "progress SHARE" and "warning TEXT" and at last "result JSON" or "error
-JSON", a packed `Sentence`. Stacks that are alike in part share what is computed. The process is started by `command` and needs nothing but this package and numpy.
+Reads requests from stdin, a line of JSON each; prints for each lines "progress SHARE" and at last "result JSON" or "error JSON", a packed
+`Sentence`. Stacks that are alike in part share what is computed; who asks keeps the result. The process is started by `command` and needs nothing but this package and numpy.
 """
 
 import json
@@ -13,7 +13,6 @@ from pathlib import Path
 from ...errors import LaminaError
 from ...material.place import Place
 from ...material.stack import Stack
-from ..cache import keep_in
 
 MODULE = "lobes.methods.bake_process"
 _ROOT = Path(__file__).resolve().parents[3]
@@ -38,10 +37,9 @@ def command(python: str, module: str) -> list[str]:
     return [python, "-I", "-c", _START, str(_ROOT), module]
 
 
-def request(stack: Stack, method: str, live: Sequence[Place], tolerance: float, folder: Path | None) -> str:
+def request(stack: Stack, method: str, live: Sequence[Place], tolerance: float) -> str:
     """A line that `main` reads."""
-    kept = None if folder is None else str(folder)
-    return json.dumps({"stack": stack.to_dict(), "method": method, "live": [place.pair() for place in live], "tolerance": tolerance, "folder": kept})
+    return json.dumps({"stack": stack.to_dict(), "method": method, "live": [place.pair() for place in live], "tolerance": tolerance})
 
 
 def main() -> None:
@@ -54,7 +52,6 @@ def serve(data: dict) -> None:
     """Answer one request."""
     from . import packed
 
-    keep_what_is_computed(data)
     live = tuple(Place.of_pair(*pair) for pair in data["live"])
     try:
         result = packed(Stack.from_dict(data["stack"]), data["method"], live=live, tolerance=data["tolerance"], progress=_progress)
@@ -62,11 +59,6 @@ def serve(data: dict) -> None:
         print(f"error {json.dumps(error.sentence.packed())}", flush=True)
         return
     print(f"result {json.dumps(result)}", flush=True)
-
-
-def keep_what_is_computed(data: dict) -> None:
-    """Keep it in the folder that a request names."""
-    keep_in(Path(data["folder"]) if data["folder"] else None, lambda message: print(f"warning {message}", flush=True))
 
 
 def _progress(share: float) -> None:
