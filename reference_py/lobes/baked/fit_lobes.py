@@ -102,8 +102,8 @@ class ViewFits:
     def columns(self, distributions: tuple[str, ...], shape: np.ndarray, dtype: type = np.float64) -> np.ndarray:
         """f (V, k + 1, Q) of lobes of these shapes (V, k, 3) and weight 1, computed in this precision, and of the Lambert lobe."""
         result, directions = np.empty((len(shape), len(distributions) + 1, self.x.shape[1])), self._directions(dtype)
-        for i, distribution in enumerate(distributions):
-            result[:, i] = glossy_values(distribution, *self._parameters(shape[:, i], dtype), *directions)
+        for distribution, places in _alike(distributions):
+            result[:, places] = glossy_values(distribution, *self._parameters(shape[:, places], dtype), *directions)
         result[:, -1] = 1.0 / np.pi
         return result
 
@@ -159,23 +159,25 @@ class ViewFits:
         return self.share * self._residual(self.columns(distributions, mixtures.shape), mixtures.weight)
 
     def _directions(self, dtype: type) -> tuple[tuple[np.ndarray, ...], tuple[np.ndarray, ...]]:
-        """wo and wi as `glossy_rates` takes them."""
-        return tuple(self.wo[:, :, axis].astype(dtype) for axis in (0, 2)), tuple(axis.astype(dtype, copy=False) for axis in (self.x, self.y, self.z))
+        """wo and wi as `glossy_rates` takes them, with an axis for lobes."""
+        wo, wi = (self.wo[..., axis, None] for axis in (0, 2)), (axis[:, None] for axis in (self.x, self.y, self.z))
+        return tuple(axis.astype(dtype) for axis in wo), tuple(axis.astype(dtype, copy=False) for axis in wi)
 
     def _parameters(self, shape: np.ndarray, dtype: type) -> tuple[np.ndarray, ...]:
-        """alpha_x, alpha_y and tilt, each (V, 1), of one lobe's shape (V, 3)."""
-        parameters = np.exp(shape[:, :1]), np.exp(shape[:, 1:2]), np.arctan(shape[:, 2] * self.sin_o)[:, None]
+        """alpha_x, alpha_y and tilt, each (V, k, 1), of lobes' shapes (V, k, 3)."""
+        parameters = np.exp(shape[..., :1]), np.exp(shape[..., 1:2]), np.arctan(shape[..., 2:] * self.sin_o[:, None, None])
         return tuple(values.astype(dtype, copy=False) for values in parameters)
 
     def _rows(self, distributions: tuple[str, ...], shape: np.ndarray, directions: tuple) -> np.ndarray:
         """(V, 4 k + 1, Q): the derivatives of the lobes by their shapes, and their columns, in single precision."""
-        result = np.empty((len(shape), 4 * len(distributions) + 1, self.x.shape[1]))
-        for i, distribution in enumerate(distributions):
-            value, *rates = glossy_rates(distribution, *self._parameters(shape[:, i], np.float32), *directions)
-            result[:, 3 * len(distributions) + i] = value
-            for j, rate in enumerate(rates):
-                result[:, 3 * i + j] = rate
-            result[:, 3 * i + 2] *= (self.sin_o / (1.0 + np.square(shape[:, i, 2] * self.sin_o)))[:, None]
+        views, lobes = len(shape), len(distributions)
+        result = np.empty((views, 4 * lobes + 1, self.x.shape[1]))
+        rates, values = result[:, : 3 * lobes].reshape(views, lobes, 3, -1), result[:, 3 * lobes : -1]
+        for distribution, places in _alike(distributions):
+            values[:, places], *found = glossy_rates(distribution, *self._parameters(shape[:, places], np.float32), *directions)
+            for j, rate in enumerate(found):
+                rates[:, places, j] = rate
+        rates[:, :, 2] *= (self.sin_o[:, None] / (1.0 + np.square(shape[:, :, 2] * self.sin_o[:, None])))[..., None]
         result[:, -1] = 1.0 / np.pi
         return result
 
@@ -205,6 +207,14 @@ class ViewFits:
         for channel in range(weights.shape[1]):
             np.matmul(rows * weights[:, channel, None], across, out=gram[:, channel])
         return gram, (weights * self.goal) @ across
+
+
+@cache
+def _alike(distributions: tuple[str, ...]) -> tuple[tuple[str, list[int] | slice], ...]:
+    """Each distribution and the places of its lobes."""
+    if len(set(distributions)) == 1:
+        return ((distributions[0], slice(None, len(distributions))),)
+    return tuple((one, [i for i, other in enumerate(distributions) if other == one]) for one in dict.fromkeys(distributions))
 
 
 def _squares(gram, moments, weight) -> np.ndarray:
@@ -238,17 +248,16 @@ def _solve(gram, right) -> np.ndarray:
 
 
 def non_negative(gram: np.ndarray, moments: np.ndarray) -> np.ndarray:
-    """Minimisers c >= 0 (..., m) of c G c - 2 b c for gram G (..., m, m) and moments b (..., m).
-
-    Where the free minimiser is not one, every active set is tried.
-    """
-    if moments.shape[-1] == 2:
+    """Minimisers c >= 0 (..., m) of c G c - 2 b c for gram G (..., m, m) and moments b (..., m): the best of every active set's."""
+    count = moments.shape[-1]
+    if count == 2:
         return _of_two(gram, moments)
-    c = _solve(gram, moments[..., None])[..., 0]
-    bad = np.any(c < 0.0, axis=-1)
-    if bad.any():
-        c[bad] = _by_active_sets(gram[bad], moments[bad])
-    return c
+    on, both_on, off = _active_sets(count)
+    b = moments.reshape(-1, count).T[:, None]
+    c = _eliminated(gram.reshape(-1, count, count).transpose(1, 2, 0)[:, :, None] * both_on, b * on, off)
+    # at a minimiser c G c is b c
+    value = np.where(np.all(c >= 0.0, axis=0), np.sum(b * c, axis=0), -np.inf)
+    return c[:, np.argmax(value, axis=0), np.arange(value.shape[-1])].T.reshape(moments.shape)
 
 
 def _of_two(gram, moments) -> np.ndarray:
@@ -267,20 +276,10 @@ def _of_two(gram, moments) -> np.ndarray:
     return c
 
 
-def _by_active_sets(gram, moments) -> np.ndarray:
-    on, both_on, off = _active_sets(moments.shape[-1])
-    b = np.ascontiguousarray(moments.T)[:, None]
-    systems = np.ascontiguousarray(gram.transpose(1, 2, 0))[:, :, None] * both_on
-    c = _eliminated(systems, b * on, off)
-    # at a minimiser c G c is b c
-    value = np.where(np.all(c >= 0.0, axis=0), np.sum(b * c, axis=0), -np.inf)
-    return c[:, np.argmax(value, axis=0), np.arange(len(gram))].T
-
-
 @cache
 def _active_sets(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Where each set but that of all has a row (count, sets, 1), a row and a column (count, count, sets, 1), and no row; not to be written to."""
-    on = ((np.arange(2**count - 1) >> np.arange(count)[:, None]) & 1).astype(float)[..., None]
+    """Where each set has a row (count, sets, 1), a row and a column (count, count, sets, 1), and no row; not to be written to."""
+    on = ((np.arange(2**count) >> np.arange(count)[:, None]) & 1).astype(float)[..., None]
     return on, on[:, None] * on, 1.0 - on
 
 
