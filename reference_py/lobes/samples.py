@@ -43,8 +43,7 @@ def truth_at(truth, cosines: np.ndarray, widths: list[float], count: int) -> Vie
     """Samples of `truth` at view cosines (V,); `widths` are the alphas of the stack's rough surfaces, `count` the points of each strategy."""
     strategies = [(GGX, alpha) for alpha in _ladder(widths)]
     wo = np.stack([view_of(c) for c in cosines])
-    placed = [balanced_directions(view, strategies, count) for view in wo]
-    wi, share = (np.stack(parts) for parts in zip(*placed))
+    wi, share = balanced_directions(wo, strategies, count)
     wi[..., 1] = np.abs(wi[..., 1])  # f is even in azimuth
     f = truth.f(np.broadcast_to(wo[:, None], wi.shape), wi)
     return Views(np.asarray(cosines, float), wo, wi, share, f)

@@ -79,24 +79,25 @@ def _albedo_of_view(f, wo, lobes, count) -> np.ndarray:
 
 
 def balanced_directions(wo: np.ndarray, lobes: Sequence[tuple[str, float]], count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Directions wi (q, 3) for a view wo (3,), and the measure cos(theta_i) dw (q,) of each, 0 below the surface.
+    """Directions wi (..., q, 3) for views wo (..., 3), and the measure cos(theta_i) dw (..., q) of each, 0 below the surface.
 
     `count` points are spent on the cosine and on each (distribution, alpha), weighted by the balance heuristic (Veach95).
     """
-    u1, u2 = points(count)
-    wi = np.concatenate([cosine_directions(u1, u2)] + [reflect(wo, _facets(count, alpha, distribution)) for distribution, alpha in lobes])
-    above = wi[:, 2] > 0.0
-    return wi, np.where(above, wi[:, 2] / (count * _mixture_density(wo, np.where(above[:, None], wi, wo), lobes)), 0.0)
+    even, wo = cosine_directions(*points(count)), wo[..., None, :]
+    mirrored = [reflect(wo, _facets(count, alpha, distribution)) for distribution, alpha in lobes]
+    wi = np.concatenate([np.broadcast_to(even, (*wo.shape[:-2], count, 3)), *mirrored], axis=-2)
+    above = wi[..., 2] > 0.0
+    return wi, np.where(above, wi[..., 2] / (count * _mixture_density(wo, np.where(above[..., None], wi, wo), lobes)), 0.0)
 
 
 def _mixture_density(wo, wi, lobes) -> np.ndarray:
     """Sum of the strategies' densities at wi; each strategy draws the same number of points."""
-    density = wi[:, 2] / np.pi
+    density = wi[..., 2] / np.pi
     if lobes:
         wh = half_vector(wi, wo)
-        jacobian = wh[:, 2] / np.maximum(4.0 * dot(wi, wh), 1e-300)
+        jacobian = wh[..., 2] / np.maximum(4.0 * dot(wi, wh), 1e-300)
         for distribution, alpha in lobes:
-            density = density + microfacet.distribution(wh[:, 2], alpha, distribution) * jacobian
+            density = density + microfacet.distribution(wh[..., 2], alpha, distribution) * jacobian
     return density
 
 
