@@ -80,7 +80,7 @@ def layers_lines(stack: Stack, owners: Sequence[str], surfaces: Sequence[Surface
     for way in ("down", "up"):
         lines += _before(stack, energies, way)
     for way in ("down", "up"):
-        lines += _in_order(stack, energies, way) if loops else []
+        lines += _in_order(stack, energies, way) if loops and count > 1 else []
     lines.append("Beam beam;")
     if not is_metal(stack):
         lines += _escaping(stack, energies, loops)
@@ -143,7 +143,7 @@ def _before(stack: Stack, energies: Tables, way: str) -> list[str]:
 
 
 def _crossings(stack: Stack, energies: Tables, loops: bool, beam: str, way: str, top_alpha: str = "alpha_0") -> list[str]:
-    if loops:
+    if loops and len(stack.layers) > 1:  # a lone layer has none before it, which thrice the code would look for
         names = {name: f"{way}_{name}[j]" for name in ("kind", "beckmann", "alpha", "own", "other", "tau")}
         if top_alpha != "alpha_0":
             names["alpha"] = f"(j == 0 ? {top_alpha} : {names['alpha']})"
