@@ -29,9 +29,7 @@ def text_of(shader: Shader) -> bpy.types.Text:
 
 def drop_text(text: bpy.types.Text | None) -> None:
     """Remove a generated text that no node uses any more. A text edited by hand stays."""
-    if text is None or text.library is not None or not is_untouched(text.as_string()):
-        return
-    if not bpy.data.user_map(subset={text})[text]:
+    if text is not None and text.library is None and not text.users and is_untouched(text.as_string()):
         bpy.data.texts.remove(text)
 
 
