@@ -44,8 +44,8 @@ _BEGINNINGS = (None, 1.0, None)
 _NEAR = 2.0 * MODEL_ERROR
 # Residuals of neighbours that are more alike than this are misfit rather than noise, and below this error there may be a stack without.
 _ALIKE, _EXPLAINED = 0.5, 10.0 * MODEL_ERROR
-# Good enough, as a residual: an order below the accuracy of `adding`.
-_EXACT = 3e-4
+# Good enough, as a residual: far below the accuracy of `adding`.
+_EXACT = 1e-4
 
 Progress = Callable[[float], None]
 
@@ -280,8 +280,9 @@ def fit_structure(
     progress: Progress | None = None,
     options: Mapping = MappingProxyType({}),
 ) -> Fit:
-    """The best stack of one structure; where it nearly explains the data and leaves no noise, other starts are followed too.
+    """The best stack of one structure: a few steps of the model itself from every place that the stand-in ends in tell which to follow.
 
+    Where that one nearly explains the data and leaves no noise, the others are followed to their ends too.
     `options` as in `corrected`. Raises LaminaError for a model that cannot be fitted.
     """
     require_fittable(model)
@@ -289,18 +290,21 @@ def fit_structure(
     _, is_other = stand_in(model, Parameters(structure, measurement.channels), metric)
     if starts is None:
         starts = STARTS if is_other else DIRECT_STARTS
-    found = rough_fits(metric, [structure], model, starts, np.random.default_rng(seed))
-    start = nearest(metric, found, model, options)
-    first = corrected(metric, start, model, _FIRST_STEPS, share_of(progress, 0.0, 0.5), options)
+    found = [solution.x for _, solution in rough_fits(metric, [structure], model, starts, np.random.default_rng(seed))]
+    places = [x for i, x in enumerate(found) if all(are_apart(x, other) for other in found[:i])] if is_other else found[:1]
+    begun: list[Fit] = []
+    for i, x in enumerate(places):
+        part = share_of(progress, 0.5 * i / len(places), 0.5 * (i + 1) / len(places))
+        begun.append(corrected(metric, Start(structure, x), model, _FIRST_STEPS, part, options))
+    first, *others = sorted(begun, key=lambda fit: fit.error)
     best = polished(first, share_of(progress, 0.5, 1.0), options)
-    evaluations = best.evaluations
-    for _, solution in found:
+    evaluations = best.evaluations + sum(fit.evaluations for fit in others)
+    for begun_elsewhere in others:
         if not may_be_stuck(best):
             break
-        if solution.x is not start.x:
-            other = polished(corrected(metric, Start(structure, solution.x), model, _FIRST_STEPS, options=options), options=options)
-            evaluations += other.evaluations
-            best = min(best, other, key=lambda fit: fit.error)
+        other = polished(begun_elsewhere, options=options)
+        evaluations += other.evaluations - begun_elsewhere.evaluations
+        best = min(best, other, key=lambda fit: fit.error)
     return replace(best, evaluations=evaluations)
 
 

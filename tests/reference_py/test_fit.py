@@ -195,31 +195,42 @@ def test_a_fit_begins_where_the_model_itself_is_near():
     assert nearest(metric, [found[0], (structure, Solution(right, np.full(1, 3.0), 1))], "adding", QUICK["adding"]).x is found[0][1].x
 
 
-def test_a_fit_that_leaves_no_noise_and_does_not_explain_the_data_begins_elsewhere(monkeypatch):
+def test_a_fit_follows_the_place_that_first_steps_bring_nearest_and_others_where_no_noise_is_left(monkeypatch):
     data = sample_model("adding", COATED, pairs=60)
     structure = Structure.of(1, "lambert")
     smooth = np.repeat(np.cos(data.wi[:, 2]) - 0.5, 3)
-
-    def ends(residuals):
-        tried, starts = [], [(structure, Solution(np.full(Parameters(structure, 3).size, 0.2 * i), np.full(1, 1.0 + 0.1 * i), 1)) for i in range(3)]
-        monkeypatch.setattr(fitting, "rough_fits", lambda *given: starts)
-        monkeypatch.setattr(fitting, "nearest", lambda *given: Start(structure, starts[0][1].x))
-        monkeypatch.setattr(fitting, "polished", lambda fit, *more, **options: fit)
-
-        def corrected_to(metric, start, *more, **options):
-            tried.append(start)
-            residual = residuals[len(tried) - 1]
-            return Fit("adding", Parameters(structure, 3), metric, start.x, residual, np.zeros((180, start.x.size)), 1, residual)
-
-        monkeypatch.setattr(fitting, "corrected", corrected_to)
-        return fit_structure(data, structure).error, len(tried)
-
-    size = float(np.sqrt(np.mean(np.square(smooth))))
+    smooth /= np.sqrt(np.mean(np.square(smooth)))
     noise = np.random.default_rng(0).standard_normal(180)
-    assert ends([0.02 / size * smooth, 0.03 / size * smooth, 0.001 / size * smooth]) == (pytest.approx(0.001), 3)
-    assert ends([0.004 / size * smooth]) == (pytest.approx(0.004), 1), "explained"
-    assert ends([0.3 / size * smooth]) == (pytest.approx(0.3), 1), "no stack does"
-    assert ends([0.03 * noise])[1] == 1, "noise"
+
+    def followed(begun, ended):
+        """The error, and the places that are followed to their ends, whose residuals are `ended`; `begun` those of first steps."""
+        places = [np.full(Parameters(structure, 3).size, 0.2 * i) for i in range(3)]
+        taken = []
+
+        def fit_at(x, residual):
+            return Fit("adding", Parameters(structure, 3), subsampled(data), x, residual, np.zeros((180, x.size)), 1, residual)
+
+        def number_of(x):
+            return round(float(x[0]) / 0.2)
+
+        def polished_from(fit, *more, **options):
+            taken.append(number_of(fit.x))
+            return fit_at(fit.x, ended[taken[-1]])
+
+        # the last place is where the first is, and not begun from again
+        monkeypatch.setattr(fitting, "rough_fits", lambda *given: [(structure, Solution(x, np.ones(1), 1)) for x in (*places, places[0] + 1e-3)])
+        monkeypatch.setattr(fitting, "corrected", lambda metric, start, *more: fit_at(start.x, begun[number_of(start.x)]))
+        monkeypatch.setattr(fitting, "polished", polished_from)
+        fit = fit_structure(data, structure)
+        assert fit.evaluations == 3, "one of each place"
+        return fit.error, taken
+
+    begun = [0.03 * smooth, 0.02 * smooth, 0.025 * smooth]
+    assert followed(begun, begun) == (pytest.approx(0.02), [1, 2, 0])
+    assert followed(begun, [begun[0], begun[1], 0.001 * smooth]) == (pytest.approx(0.001), [1, 2])
+    assert followed(begun, [begun[0], 0.004 * smooth, begun[2]]) == (pytest.approx(0.004), [1]), "explained"
+    assert followed([0.4 * smooth, 0.3 * smooth, 0.5 * smooth], [smooth, 0.3 * smooth, smooth]) == (pytest.approx(0.3), [1]), "no stack does"
+    assert followed(begun, [begun[0], 0.03 * noise, begun[2]])[1] == [1], "noise"
 
 
 def test_a_choice_that_leaves_no_noise_and_does_not_explain_the_data_begins_elsewhere(monkeypatch):
