@@ -34,13 +34,16 @@ _KINDS = (("lambert", "ggx"), ("conductor", "ggx"), ("oren_nayar", "beckmann"), 
 @dataclass(frozen=True)
 class Recovery:
     """One stack found again. `shape` and `error` are those of f at pairs that were not fitted, against data without noise;
-    `worst` the largest relative error of a determined parameter.
+    `worst` the largest relative error of a determined parameter. `data_error` is what the fit leaves of the data that it was
+    given, and `true_data_error` what the true stack leaves of them, so the noise: a fit that leaves no more is as near as data can tell.
     """
 
     structure: Structure
     noise: float
     shape: float
     error: float
+    data_error: float
+    true_data_error: float
     worst: float
     worst_name: str
     determined: int
@@ -82,9 +85,12 @@ def recovery(stack: Stack, structure: Structure, model: str, noise: float, seed:
 
 def judged(fit: Fit, stack: Stack, clean: Measurement, model: str, noise: float) -> Recovery:
     """Compare a fit with the stack that it was made from."""
-    f = make_model(model, fit.stack, **SETTINGS.get(model, {})).f(clean.wo, clean.wi)
+    settings, given = SETTINGS.get(model, {}), fit.metric.measurement
+    f = make_model(model, fit.stack, **settings).f(clean.wo, clean.wi)
+    noise_alone = fit.metric.error(make_model(model, stack, **settings).f(given.wo, given.wi)[:, : given.channels])
     parameters = fit.parameters
     truth = parameters.values(parameters.coordinates(stack))
     known = [(abs(v.value / t - 1.0), v.name) for v, t in zip(certainty(fit), truth) if v.determined]
     worst, name = max(known, default=(0.0, ""))
-    return Recovery(fit.structure, noise, shape_error(f, clean.f, clean.wi[:, 2]), Metric(clean).error(f), worst, name, len(known), fit.count, fit.evaluations)
+    shape, error = shape_error(f, clean.f, clean.wi[:, 2]), Metric(clean).error(f)
+    return Recovery(fit.structure, noise, shape, error, fit.error, noise_alone, worst, name, len(known), fit.count, fit.evaluations)

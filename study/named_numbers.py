@@ -248,6 +248,11 @@ def within(noise: str, of: str, most: float) -> str:
     return str(np.sum(column(recovered(noise), of) <= most))
 
 
+def left_of_noise() -> np.ndarray:
+    """What fits leave of noisy data, over what the stacks leave that these were made from."""
+    return column(recovered("0.05"), "data_error") / column(recovered("0.05"), "true_data_error")
+
+
 def glaze_error(name: str, glaze: str, thickness: str) -> str:
     """Over white."""
     return percent(cell("tint_spectrum", name, glaze=glaze, base="white", thickness=thickness))
@@ -388,6 +393,8 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "fits with noise values within": partial(within, "0.05", "worst_parameter_error", 0.03),
     "fits with noise worst value": lambda: max(recovered("0.05"), key=lambda row: float(row["worst_parameter_error"]))["worst_parameter"],
     "fits with noise values worst": lambda: percent(np.max(column(recovered("0.05"), "worst_parameter_error"))),
+    "fits with noise as near": lambda: str(np.sum(left_of_noise() <= 1.0)),
+    "fits with noise left": lambda: plain(np.max(left_of_noise()), 3),
     "fits determined": lambda: percent(np.sum(column(rows("fit_recovery"), "determined")) / np.sum(column(rows("fit_recovery"), "parameters"))),
     "blue paint": partial(blue_paint, PAPER_READING, "weidlich_wilkie, 1 layer over lambert"),
     "blue paint three layers": partial(blue_paint, GGX, "weidlich_wilkie, 3 layers over oren_nayar"),
