@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lobe sets over axes of live parameters as stock nodes have them: tables over the view and rows of the axes.
 
-An image holds them, so rows are many and cost nothing. All is linear between rows, but energies by their fourth root, as absorption
-is exponential; not along a film's thickness. On an axis of colors energies are read at each channel's own coordinate, and what channels share at one.
+An image holds them, so rows are many and cost nothing. All is linear between rows and views, energies too: where two lobes change places their
+sum stays, of which roots would lose most. On an axis of colors energies are read at each channel's own coordinate, and what channels share at one.
 """
 
 from dataclasses import dataclass, replace
@@ -22,8 +22,6 @@ from .view_table import BASE_COLOR, KNOTS, MIN_COS_O, interpolate, knot_cosines
 NARROWEST_CURVE = 0.01
 # Roots that differ by less are one, but for how they were interpolated.
 _SAME = 1e-9
-# Energies are this power of what is kept.
-POWER = 4
 # Rows of one axis, of two and of three.
 _ROWS = {1: (64,), 2: (41, 17), 3: (33, 13, 13)}
 # The same with a roughness, a color and the azimuth: what a brushed top reflects across its brushing changes fastest.
@@ -80,11 +78,6 @@ class LiveTables:
         return any(axis.is_color for axis in self.axes)
 
     @property
-    def is_rooted(self) -> bool:
-        """Whether energies are kept by their roots: interference takes nearly all of one at some values, beside which its root is far from even."""
-        return not any(axis.has_waves for axis in self.axes)
-
-    @property
     def brushing(self) -> float | None:
         """As `brushing_of`."""
         return brushing_of(self.axes, self.stack)
@@ -134,14 +127,13 @@ class LiveTables:
         own = [[float(np.broadcast_to(coordinate, 3)[c]) for coordinate in at] for c in range(3)]
 
         def energy(table):
-            kept = np.stack([interpolate(self._at(table, place)[:, c : c + 1], cos_o)[..., 0] for c, place in enumerate(own)], axis=-1)
-            return kept**POWER if self.is_rooted else kept
+            return np.stack([interpolate(self._at(table, place)[:, c : c + 1], cos_o)[..., 0] for c, place in enumerate(own)], axis=-1)
 
         def shared(table):
             return interpolate(self._at(table, one), cos_o)
 
         result: list[tuple[np.ndarray, np.ndarray | None]] = []
-        for table in (kept(table, self.is_color, self.is_rooted) for table in self.tables):
+        for table in (kept(table, self.is_color) for table in self.tables):
             weight = np.ones((*cos_o.shape, 3)) if table.energy is None else energy(table.energy)
             if table.through is not None:
                 color = np.clip(self.stack.base["color"], 0.0, 1.0)
@@ -173,14 +165,9 @@ class LiveTables:
         return reduce(lambda part, place: np.tensordot(_hats(*place)[0], part, 1), zip(self.scales, coordinates), table)
 
 
-def kept(table: LiveTable, is_color: bool, is_rooted: bool) -> LiveTable:
-    """The table with what of its energies is linear, their roots if `is_rooted`; where channels have no coordinates of their own, with that of weights."""
-    if table.unit is not None and not is_color:
-        table = replace(table, energy=table.energy / table.unit, unit=None)
-    if not is_rooted:
-        return table
-    roots = {name: getattr(table, name) ** (1.0 / POWER) for name in ("energy", "through", "back") if getattr(table, name) is not None}
-    return replace(table, **roots)
+def kept(table: LiveTable, is_color: bool) -> LiveTable:
+    """The table as it is kept: where channels have no coordinates of their own, with the weight in the place of the energy."""
+    return replace(table, energy=table.energy / table.unit, unit=None) if table.unit is not None and not is_color else table
 
 
 def live_tables(lobe_set: LiveLobes, keep_dielectrics: bool = False) -> LiveTables:

@@ -25,7 +25,7 @@ from ....reference_py.lobes.axes import (
     ThicknessAxis,
 )
 from ....reference_py.lobes.live_grid import MIN_ALPHA
-from ....reference_py.lobes.live_tables import POWER, LiveTable, LiveTables, kept
+from ....reference_py.lobes.live_tables import LiveTable, LiveTables, kept
 from ....reference_py.lobes.view_table import KNOTS
 from ....reference_py.material.place import Place
 from ....reference_py.optics.interface import TINT_FLOOR, optical_depth
@@ -36,7 +36,6 @@ from .node_builder import Builder
 from .table_image import TableImage
 from .view_nodes import View, in_space
 
-assert POWER == 4, "see _energy"
 # Where numbers that all channels share are looked up.
 _SHARED = 3
 # Numbers that differ by less are one.
@@ -104,14 +103,7 @@ class LiveNodes:
 
     def _energy(self, parts: list["_Part"]):
         """Three energies: a socket, or numbers."""
-        roots = self._build.combined([self._number(part) for part in parts])
-        if not self._tables.is_rooted:
-            return roots
-        if not isinstance(roots, bpy.types.NodeSocket):
-            return tuple(root**POWER for root in roots)
-        multiply = self._build.math if roots.type == "VALUE" else self._build.vector
-        square = multiply("MULTIPLY", roots, roots)
-        return multiply("MULTIPLY", square, square)
+        return self._build.combined([self._number(part) for part in parts])
 
     def _numbers(self, where: int, block: int) -> list[bpy.types.NodeSocket]:
         """The numbers of a block."""
@@ -283,15 +275,15 @@ class _Plan:
         return self.image.make()
 
     def _lobe(self, table: LiveTable) -> dict[str, list[_Part]]:
-        table, lobe = kept(table, self._tables.is_color, self._tables.is_rooted), {}
+        table, lobe = kept(table, self._tables.is_color), {}
         for name in ("energy", "through", "back"):
             values = getattr(table, name)
             if values is not None:
-                lobe[name] = [self._part(self._where(values[..., c], c), values[..., c], self._tables.is_rooted) for c in range(3)]
+                lobe[name] = [self._part(self._where(values[..., c], c), values[..., c]) for c in range(3)]
         if table.unit is not None:
-            lobe["unit"] = [self._part(_SHARED, table.unit[..., 0], False)]
+            lobe["unit"] = [self._part(_SHARED, table.unit[..., 0])]
         if table.shape is not None:
-            lobe["shape"] = [self._part(_SHARED, table.shape[..., column], False) for column in range(3)]
+            lobe["shape"] = [self._part(_SHARED, table.shape[..., column]) for column in range(3)]
         return lobe
 
     def _where(self, values: np.ndarray, channel: int) -> int:
@@ -299,10 +291,10 @@ class _Plan:
         own = [number for number, axis in enumerate(self._tables.axes) if axis.is_color]
         return channel if any(np.any(np.ptp(values, axis=number) > _SAME) for number in own) else _SHARED
 
-    def _part(self, where: int, values: np.ndarray, is_root: bool) -> _Part:
+    def _part(self, where: int, values: np.ndarray) -> _Part:
         if np.ptp(values) == 0.0:
             return _Part(float(values.flat[0]))
-        if not is_root and (axis := self._tables.axis_of(values)) is not None:
+        if (axis := self._tables.axis_of(values)) is not None:
             return _Part(axis=axis)
         for known, part in zip(self._numbers[where], self._parts[where]):
             if np.array_equal(known, values):
