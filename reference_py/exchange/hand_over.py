@@ -9,7 +9,7 @@ from ..lobes.cache import cached, get, stack_key
 from ..material.schema import COVERAGE
 from ..material.stack import Stack
 from .matching import ColorMap
-from .principled import NAME, to_principled, values_of
+from .principled import NAME, exported_values, to_principled
 from .slots import from_stack
 
 
@@ -43,13 +43,13 @@ def unpacked(data: dict) -> HandOver:
 def key_of(stack: Stack, textured: bool) -> str:
     """Names the hand-over of a stack by content."""
     shares = [f"{layer[COVERAGE.parameters[0].name]:.5g}" if layer.has(COVERAGE) else "" for layer in stack.layers]
-    return f"{NAME} {textured:d} {stack_key(stack)} {' '.join(shares)}"
+    return f"{NAME} exported {textured:d} {stack_key(stack)} {' '.join(shares)}"
 
 
 def provisional(stack: Stack) -> HandOver:
     """At once: every value but the base color as it will be; that one is the stack's own, too bright under a coat."""
     placed = from_stack(stack, NAME)
-    return HandOver(values_of(placed.slots), placed.owners)
+    return HandOver(exported_values(placed.slots), placed.owners)
 
 
 def cached_hand_over(stack: Stack, textured: bool) -> HandOver | None:
@@ -61,7 +61,7 @@ def solved(stack: Stack, textured: bool) -> HandOver:
     """With the base color solved, and, where `textured`, with a map for textures of it. Raises LaminaError."""
 
     def make() -> HandOver:
-        converted = to_principled(stack, textured)
+        converted = to_principled(stack, textured, exported=True)
         return HandOver(converted.values, converted.owners, converted.report.match.soft_light, converted.colors)
 
     return cached(key_of(stack, textured), make, HandOver.packed, unpacked)

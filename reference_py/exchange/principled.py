@@ -18,7 +18,7 @@ from .report import APPROXIMATED, KEPT, LOST, Loss, Report, metal_or_not
 from .slots import BASE, COAT, GLOSS, SUBSURFACE, Slots, Surface, edge_of_f82, effective_ior, sigma_of_fujii
 from .surfaces import OPENPBR
 
-NAME = "Principled"
+NAME, COAT_TINT = "Principled", "Coat Tint"
 DEFAULTS = {
     "Base Color": (0.8, 0.8, 0.8), "Metallic": 0.0, "Roughness": 0.5, "IOR": 1.5, "Alpha": 1.0, "Diffuse Roughness": 0.0,
     "Subsurface Weight": 0.0, "Subsurface Radius": (1.0, 0.2, 0.1), "Subsurface Scale": 0.05, "Subsurface Anisotropy": 0.0, "Specular IOR Level": 0.5, "Specular Tint": (1.0, 1.0, 1.0), "Anisotropic": 0.0,
@@ -45,17 +45,32 @@ PLACES = (
     ("Anisotropic", (GLOSS, BASE), "anisotropy"), ("Anisotropic Rotation", (GLOSS, BASE), "rotation"),
     ("Thin Film Thickness", (GLOSS, BASE), "film_thickness"), ("Thin Film IOR", (GLOSS, BASE), "film_ior"),
     ("Coat Weight", (COAT,), "coverage"), ("Coat Roughness", (COAT,), "roughness"), ("Coat IOR", (COAT,), "ior"),
-    ("Coat Tint", (COAT,), "tint"), ("Coat Normal", (COAT,), "normal"),
+    (COAT_TINT, (COAT,), "tint"), ("Coat Normal", (COAT,), "normal"),
 )  # fmt: skip
 
 
-def to_principled(stack: Stack, textured: bool = False) -> Converted:
-    """Socket values as bright as the stack. `textured`: with a map for textures of the base color, which takes seconds."""
-    slots, owners, report, colors = stack_to_slots(stack, NAME, lambda slots: rendered_by(PrincipledCoat.name, slots), frozenset({SUBSURFACE}), textured)
+def to_principled(stack: Stack, textured: bool = False, exported: bool = False) -> Converted:
+    """Socket values as bright as the stack. `textured`: with a map for textures of the base color, which takes seconds.
+
+    `exported`: as glTF and USD can say it, whose coats have no tint; the base color has it.
+    """
+    shaped = _untinted if exported else lambda slots: slots
+    room = frozenset({SUBSURFACE})
+    slots, owners, report, colors = stack_to_slots(stack, NAME, lambda slots: rendered_by(PrincipledCoat.name, shaped(slots)), room, textured)
     if slots.body and slots.body.g < 0.0:
         backward = Loss("scatter_g", slots.body.g, LOST, Sentence("light below the surface of Principled is not scattered backward; its anisotropy is 0"))
         report = replace(report, losses=(*report.losses, backward))
-    return Converted(stack, values_of(slots), slots, owners, report, colors)
+    return Converted(stack, exported_values(slots) if exported else values_of(slots), shaped(slots), owners, report, colors)
+
+
+def _untinted(slots: Slots) -> Slots:
+    return replace(slots, coat_tint=(1.0, 1.0, 1.0))
+
+
+def exported_values(slots: Slots) -> dict:
+    """As `values_of`, without a coat's tint, and with the index of a surface that is none: USD knows no Specular IOR Level."""
+    values = {socket: value for socket, value in values_of(slots).items() if socket != COAT_TINT}
+    return values | ({"IOR": 1.0} if values.get("Specular IOR Level") == 0.0 else {})
 
 
 def values_of(slots: Slots) -> dict:
@@ -63,7 +78,7 @@ def values_of(slots: Slots) -> dict:
     values = {"Base Color": tuple(slots.color)}
     coat, gloss = slots.coat, slots.gloss
     if coat:
-        values |= {"Coat Weight": slots.coat_weight, "Coat Roughness": coat.roughness, "Coat IOR": coat.eta, "Coat Tint": tuple(slots.coat_tint)}
+        values |= {"Coat Weight": slots.coat_weight, "Coat Roughness": coat.roughness, "Coat IOR": coat.eta, COAT_TINT: tuple(slots.coat_tint)}
     features = gloss.features if gloss else slots.features
     if slots.is_metal:
         tint = metal_colors(OpticalStack.of(slots.image(False)))[1]
