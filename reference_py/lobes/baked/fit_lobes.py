@@ -134,14 +134,14 @@ class ViewFits:
             step = _gauss_newton_step(gram, moments, weight, damping)
             step = np.minimum(np.maximum(step, -_LONGEST_STEP), _LONGEST_STEP)
             trial = np.minimum(np.maximum(shape + step, self.low), _HIGH)
-            before = _squares(gram[:, :, slopes:, slopes:], moments[:, :, slopes:], weight)
+            before = _gained(moments[:, :, slopes:], weight)
             if left:
                 trial_rows = self._rows(distributions, trial, directions)
             else:  # nobody asks for derivatives any more
                 trial_rows, rows, slopes = self.columns(distributions, trial, np.float32), rows[:, slopes:], 0
             trial_gram, trial_moments = self._moments(trial_rows[:, slopes:], weights)
             trial_weight = non_negative(trial_gram, trial_moments)
-            worse = _squares(trial_gram, trial_moments, trial_weight) >= before
+            worse = _gained(trial_moments, trial_weight) <= before
             damping = np.where(worse, 8.0 * damping, np.maximum(0.2 * damping, _LEAST_DAMPING))
             trial[worse], trial_rows[worse], trial_weight[worse] = shape[worse], rows[worse], weight[worse]
             shape, rows, weight = trial, trial_rows, trial_weight
@@ -217,9 +217,9 @@ def _alike(distributions: tuple[str, ...]) -> tuple[tuple[str, list[int] | slice
     return tuple((one, [i for i, other in enumerate(distributions) if other == one]) for one in dict.fromkeys(distributions))
 
 
-def _squares(gram, moments, weight) -> np.ndarray:
-    """Weighted sums (V,) of squares of what is left of the goal, but for a part that the weights do not change."""
-    return np.einsum("vci,vcij,vcj->v", weight, gram, weight) - 2.0 * np.einsum("vci,vci->v", weight, moments)
+def _gained(moments, weight) -> np.ndarray:
+    """By how much weights (V, C, k + 1) of `non_negative` lower the weighted sums (V,) of squares of what is left of the goal."""
+    return np.sum(weight * moments, axis=(1, 2))
 
 
 def _gauss_newton_step(gram, moments, weight, damping) -> np.ndarray:
