@@ -110,7 +110,7 @@ class NumberAxis(Axis):
 
 
 class FilmAxis(NumberAxis):
-    """The thickness of a thin film: energies go up and down with it as waves do."""
+    """The thickness of a thin film, or its index: energies go up and down with it as waves do."""
 
     has_waves = True
 
@@ -242,6 +242,11 @@ class AzimuthAxis(Axis):
 def top_index(axes: tuple[Axis, ...]) -> IndexAxis | None:
     """The axis of the top layer's index, which its Fresnel curve follows, if there is one."""
     return next((axis for axis in axes if isinstance(axis, IndexAxis) and axis.layer == 0), None)
+
+
+def has_waves(axes: tuple[Axis, ...]) -> bool:
+    """Whether energies go up and down along one of the axes."""
+    return any(axis.has_waves for axis in axes)
 
 
 def brushing_of(axes: tuple[Axis, ...], stack: Stack) -> float | None:

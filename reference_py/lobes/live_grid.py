@@ -15,7 +15,7 @@ import numpy as np
 from ..errors import LaminaError
 from ..material.place import Place
 from ..material.stack import Stack
-from .axes import Axis, AzimuthAxis, Scale, brushing_of, top_index
+from .axes import Axis, AzimuthAxis, Scale, brushing_of, has_waves, top_index
 from .closure import unit_energy
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from .own_normals import BELOW, DIFFUSE, TOP, normals_of_fits
@@ -54,7 +54,8 @@ class LiveLobe:
     """One lobe on the grid, arrays with the axes first: `energy` and `shape` (..., KNOTS, 3), `unit` (..., KNOTS, 1).
 
     A fitted lobe's `energy` is its share of what these have together, and `unit` the energy that it has with weight 1. A mirror has no
-    shape, and its energy as a logarithm; the lobe that is exact for a rough top has none: its weight is 1.
+    shape, and its energy as a logarithm; the lobe that is exact for a rough top has none: its weight is 1. Beside an axis of waves, along which
+    shapes are the same, `unit` is (1, fine, KNOTS, 1), as there are fewer knots of shapes than energies need.
     Columns of the shape: roots of alpha along and across, and tan(tilt) / sin(theta_o).
     """
 
@@ -175,9 +176,12 @@ class LiveLobes:
                 total = total + interpolate(np.stack([left[c] @ log.modes[..., c].reshape(len(left[c]), -1) for c in range(3)], axis=-1), cos_theta_o)
             return log.of(total)
 
-        def shared(array):
-            return interpolate(_blend(array, one), cos_theta_o)
+        def shared(array, places=one):
+            return interpolate(_blend(array, places), cos_theta_o)
 
+        where_units = one
+        if has_waves(self.axes):
+            where_units = [axis.fine.place(axis.shared(at)) for axis, at in zip(self.axes, coordinates)]
         total = energy(self.log_sum)
         result = []
         for lobe in self.grid:
@@ -186,7 +190,7 @@ class LiveLobes:
             elif isinstance(lobe.energy, LogEnergy):
                 weight = energy(lobe.energy)
             else:
-                weight = total * color(lobe.energy) / shared(lobe.unit)
+                weight = total * color(lobe.energy) / shared(lobe.unit, where_units)
             shape = None
             if lobe.is_diffuse and self.base is not None:
                 base = np.clip(self.stack.base["color"], 0.0, 1.0)
@@ -256,7 +260,7 @@ def grid_of(
     lobes = []
     for number, first in enumerate(nodes[(0,) * len(axes)].tables):
         if isinstance(first, DiffuseTable):
-            lobes.append(LiveLobe(gathered(number, lambda table: table.weight), unit=before(np.ones((*size, KNOTS, 1)), 0)))
+            lobes.append(LiveLobe(gathered(number, lambda table: table.weight), unit=np.ones((*unit_sizes(axes), KNOTS, 1))))
         elif not np.any(first.shape):
             lobes.append(LiveLobe(energies["mirrors"], first.distribution))
         else:
@@ -265,8 +269,9 @@ def grid_of(
             if first.fresnel is not None:
                 lobes.append(LiveLobe(None, first.distribution, shape, first.fresnel, is_brushed=first.frame is not None))
                 continue
-            unit = gathered(number, _unit)
-            units = _all_units(axes, lambda node, number=number: nodes[node].tables[number], shape, unit)
+            known: dict[tuple, np.ndarray] = {}
+            unit = gathered(number, lambda table, known=known: _unit(table, known))
+            units = _all_units(axes, lambda node, number=number: nodes[node].tables[number], shape, unit, known)
             energy = gathered(number, lambda table: table.weight) * unit
             lobes.append(LiveLobe(energy, first.distribution, shape, unit=units, is_brushed=first.frame is not None))
     total = np.maximum(sum(lobe.energy for lobe in lobes if lobe.unit is not None), MIN_ENERGY)
@@ -275,8 +280,18 @@ def grid_of(
     return LiveLobes(stack, axes, tuple(lobes), energies["fitted"], coefficients, base)
 
 
-def _all_units(axes: tuple[Axis, ...], table_at: Callable, shape: np.ndarray, fitted: np.ndarray) -> np.ndarray:
-    """The energies (..., KNOTS, 1) of a lobe of weight 1 at all knots of shapes (..., KNOTS, 3), of which those that were fitted are known, as is the table there."""
+def unit_sizes(axes: tuple[Axis, ...]) -> tuple[int, ...]:
+    """How many rows of each axis `LiveLobe.unit` has."""
+    return tuple((1 if axis.has_waves else axis.fine.count) if has_waves(axes) else axis.knots.count for axis in axes)
+
+
+def _all_units(axes: tuple[Axis, ...], table_at: Callable, shape: np.ndarray, fitted: np.ndarray, known_units: dict) -> np.ndarray:
+    """The energies (..., KNOTS, 1) of a lobe of weight 1 at all knots of shapes (..., KNOTS, 3), of which those that were fitted are known, as is the table there.
+
+    Beside an axis of waves, along which lobes keep their shapes, those at the fine knots of the other.
+    """
+    if has_waves(axes):
+        return _fine_units(axes, table_at((0,) * len(axes)), shape, known_units)
     units = np.empty((*shape.shape[:-1], 1))
     for node in np.ndindex(*(axis.knots.count for axis in axes)):
         known = tuple(i - axis.before for i, axis in zip(node, axes))
@@ -285,14 +300,34 @@ def _all_units(axes: tuple[Axis, ...], table_at: Callable, shape: np.ndarray, fi
         else:
             alphas = np.clip(np.square(np.maximum(shape[node][:, :2], 0.0)), MIN_ALPHA, 1.0)
             nearest = table_at(tuple(max(i, 0) for i in known))
-            units[node] = _unit(replace(nearest, shape=np.concatenate([alphas, shape[node][:, 2:]], axis=1)))
+            units[node] = _unit(replace(nearest, shape=np.concatenate([alphas, shape[node][:, 2:]], axis=1)), known_units)
     return units.round(DIGITS)
 
 
-def _unit(table: GlossyTable) -> np.ndarray:
+def _fine_units(axes: tuple[Axis, ...], table: GlossyTable, shape: np.ndarray, known_units: dict) -> np.ndarray:
+    for number, axis in enumerate(axes):
+        places = [(0, 0.0)] if axis.has_waves else list(zip(*axis.knots.place(axis.fine.knots)))
+        rows = np.moveaxis(shape, number, 0)
+        shape = np.stack([_blend(rows, [place]) for place in places], axis=number)
+    units = np.empty((*shape.shape[:-1], 1))
+    for node in np.ndindex(shape.shape[:-2]):
+        alphas = np.clip(np.square(np.maximum(shape[node][:, :2], 0.0)), MIN_ALPHA, 1.0)
+        units[node] = _unit(replace(table, shape=np.concatenate([alphas, shape[node][:, 2:]], axis=1)), known_units)
+    return units.round(DIGITS)
+
+
+def _unit(table: GlossyTable, known: dict[tuple, np.ndarray]) -> np.ndarray:
+    """Its energy (KNOTS, 1) at weight 1, which is `known` of shapes that others have too."""
+    key = table.shape.tobytes(), table.frame
+    if key not in known:
+        known[key] = _unit_energy(table)
+    return known[key]
+
+
+def _unit_energy(table: GlossyTable) -> np.ndarray:
     return np.maximum(unit_energy(table.lobe(knot_cosines()), knot_cosines())[:, :1], 1e-3)
 
 
 def _blend(array: np.ndarray, places: list) -> np.ndarray:
-    """The array without its leading axes, interpolated at their places."""
-    return reduce(lambda part, place: part[place[0]] * (1.0 - place[1]) + part[place[0] + 1] * place[1], places, array)
+    """The array without its leading axes, interpolated at their places; along one of a single row all is the same."""
+    return reduce(lambda part, place: part[0] if len(part) == 1 else part[place[0]] * (1.0 - place[1]) + part[place[0] + 1] * place[1], places, array)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..material.place import Place
 from ..material.stack import Stack
-from .axes import Axis, AzimuthAxis, IndexAxis, NumberAxis, Scale, brushing_of, top_index
+from .axes import Axis, AzimuthAxis, IndexAxis, NumberAxis, Scale, brushing_of, has_waves, top_index
 from .closure import fresnel_share
 from .live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy, at_azimuths
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
@@ -26,6 +26,8 @@ _SAME = 1e-9
 _ROWS = {1: (64,), 2: (41, 17), 3: (33, 13, 13)}
 # The same with a roughness, a color and the azimuth: what a brushed top reflects across its brushing changes fastest.
 _ROWS_OF_BRUSHED = _ROWS | {3: (33, 17, 13)}
+# The same, of an axis of numbers and of one of colors, beside one of waves, which has as many as energies have knots.
+_ROWS_BESIDE_WAVES = {False: 25, True: 33}
 # What a Fresnel curve makes of a lobe is smooth in its width and index, and takes long: knots of an axis that changes these, by how many do.
 _FOLDED = {0: 2, 1: 25, 2: 13, 3: 9}
 # Of the azimuth from a brushing.
@@ -174,7 +176,8 @@ def live_tables(lobe_set: LiveLobes, keep_dielectrics: bool = False) -> LiveTabl
     """A grid of lobes in tables; `keep_dielectrics` leaves the top lobe its Fresnel curve, which else is folded into its energy."""
     axes = tuple(sorted(lobe_set.axes, key=lambda axis: not axis.is_color))  # the same row for all channels, where there are two
     rows = _ROWS if lobe_set.brushing is None else _ROWS_OF_BRUSHED
-    scales = tuple(_rows(axis, count) for axis, count in zip(axes, rows[len(axes)]))
+    counts = [_ROWS_BESIDE_WAVES[axis.is_color] for axis in axes] if has_waves(axes) else rows[len(axes)]
+    scales = tuple(_rows(axis, count) for axis, count in zip(axes, counts))
     grid = _Grid(lobe_set, axes, scales)
     total = grid.exponential(lobe_set.log_sum)
     return LiveTables(lobe_set.stack, axes, scales, tuple(_table(grid, lobe_set, lobe, total, keep_dielectrics) for lobe in lobe_set.grid), lobe_set.rotation)
@@ -196,7 +199,7 @@ def _upright(grid: "_Grid", lobe_set: LiveLobes, lobe: LiveLobe, total: np.ndarr
     shape = grid.values(lobe.shape)
     shape[..., :2] = np.clip(shape[..., :2], MIN_ALPHA**0.5, 1.0)
     if lobe.fresnel is None:
-        return LiveTable(energy, lobe.distribution, shape, grid.values(lobe.unit))
+        return LiveTable(energy, lobe.distribution, shape, grid.values(lobe.unit, "fine" if has_waves(grid.axes) else "knots"))
     if keep_dielectrics and not lobe.is_brushed and np.max(shape[..., 0]) ** 2 > NARROWEST_CURVE:
         return LiveTable(None, lobe.distribution, shape, fresnel=lobe.fresnel)
     return LiveTable(_folded(lobe_set.stack, grid.axes, grid.scales, lobe, shape[..., 0, :2]), lobe.distribution, shape)
@@ -234,7 +237,7 @@ def _folded(stack: Stack, axes: tuple[Axis, ...], scales: tuple[Scale, ...], lob
 def _rows(axis: Axis, count: int) -> Scale:
     """So many rows, from the least coordinate of a value: knots before the first that is fitted may lie below."""
     low = max(axis.knots.low, 0.0) if axis.before else axis.knots.low
-    return Scale(low, axis.knots.high, max(count, axis.fine.count) if axis.has_waves else count, axis.fine.bend)
+    return Scale(low, axis.knots.high, axis.fine.count if axis.has_waves else count, axis.fine.bend)
 
 
 class _Grid:
@@ -249,7 +252,8 @@ class _Grid:
         """Rows of a table (..., c) over these knots of the axes."""
         table = np.moveaxis(table, self._order, range(len(self._order)))
         for number, (axis, scale) in enumerate(zip(self.axes, self.scales)):
-            table = _resampled(table, number, getattr(axis, which), scale.knots)
+            is_same = table.shape[number] == 1
+            table = np.repeat(table, scale.count, number) if is_same else _resampled(table, number, getattr(axis, which), scale.knots)
         return table
 
     def exponential(self, log: LogEnergy) -> np.ndarray:

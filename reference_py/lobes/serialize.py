@@ -6,7 +6,7 @@ import numpy as np
 from ..material.place import Place
 from ..material.stack import Stack
 from .axes import AXES, Scale
-from .live_grid import LiveBase, LiveLobe, LiveLobes, LogEnergy
+from .live_grid import LiveBase, LiveLobe, LiveLobes, LogEnergy, unit_sizes
 from .lobe import DielectricCurve
 from .view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
 
@@ -97,7 +97,7 @@ def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
     )
     size = (*(axis.knots.count for axis in axes), KNOTS)
 
-    def grid(values, columns: int = 3):
+    def grid(values, columns: int = 3, size: tuple[int, ...] = size):
         return None if values is None else _array(values, (*size, columns))
 
     coefficients = None
@@ -116,7 +116,7 @@ def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
             lobe["distribution"],
             grid(lobe["shape"]),
             None if lobe["eta"] is None else DielectricCurve(float(lobe["eta"])),
-            grid(lobe["unit"], 1),
+            grid(lobe["unit"], 1, (*unit_sizes(axes), KNOTS)),
             is_brushed=bool(lobe["is_brushed"]),
         )
         for lobe in data["lobes"]

@@ -11,7 +11,7 @@ from .diffuse import oren_nayar, oren_nayar_1994, oren_nayar_albedo
 from .facet_reflectance import ConductorFacet
 from .fresnel import fresnel_conductor
 from .interface import Microfacets, film_of
-from .thin_film import Film, film_reflectance
+from .thin_film import Film, Films, film_of_channel, film_reflectance
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class ConductorBase:
     eta: np.ndarray
     k: np.ndarray
     facets: Microfacets
-    film: Film | None = None
+    film: Film | Films | None = None
 
     @classmethod
     def of(cls, base: Base, n_above: float) -> "ConductorBase":
@@ -85,7 +85,7 @@ class ConductorBase:
 
     def facet(self, channel: int) -> ConductorFacet:
         """What a facet reflects in a channel."""
-        return ConductorFacet(self.n_above, float(self.eta[channel]), float(self.k[channel]), self.film, 0 if self.film is None else channel)
+        return ConductorFacet(self.n_above, float(self.eta[channel]), float(self.k[channel]), *film_of_channel(self.film, channel))
 
     def channel_key(self, channel: int):
         """Equal for channels that this base treats alike."""
@@ -93,6 +93,8 @@ class ConductorBase:
 
     def reflectance(self, cos_theta_i: np.ndarray) -> np.ndarray:
         """Fresnel reflectance (..., channels) of a facet that light meets at these cosines, with its film."""
+        if isinstance(self.film, Films):
+            return np.stack([self.facet(c)(cos_theta_i) for c in range(self.channels)], axis=-1)
         if self.film is not None:
             return film_reflectance(cos_theta_i, self.n_above, self.film, self.eta, self.k)
         return fresnel_conductor(np.asarray(cos_theta_i)[..., None], *self.relative_index)

@@ -41,7 +41,7 @@ class DielectricFacet:
             return fresnel_dielectric(cos_theta, self.eta)
         # both sides reflect alike
         thin, dense = sorted((self.n_own, self.n_other))
-        return _film_table(thin, self.film, dense, None).read(cos_theta, self.n_own, self.channel)
+        return _film_table(thin, self.film, dense, None, self.channel).read(cos_theta, self.n_own)
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class ConductorFacet:
         """Reflectance at cosines (...)."""
         if self.film is None:
             return fresnel_conductor(cos_theta, self.metal_eta / self.n_above, self.metal_k / self.n_above)
-        return _film_table(self.n_above, self.film, self.metal_eta, self.metal_k).read(cos_theta, self.n_above, self.channel)
+        return _film_table(self.n_above, self.film, self.metal_eta, self.metal_k, self.channel).read(cos_theta, self.n_above)
 
 
 Facet = DielectricFacet | ConductorFacet
@@ -66,21 +66,22 @@ Facet = DielectricFacet | ConductorFacet
 
 @dataclass(frozen=True)
 class _FilmTable:
-    """Reflectance of all channels at even cosines in the thinnest medium, of index `n`: elsewhere critical angles are roots, which a table would miss."""
+    """Reflectance of a channel at even cosines in the thinnest medium, of index `n`: elsewhere critical angles are roots, which a table would miss."""
 
     n: float
     values: np.ndarray
 
-    def read(self, cos_theta: np.ndarray, n_own: float, channel: int) -> np.ndarray:
-        """Reflectance in a channel at cosines (...) in a medium of index `n_own`."""
+    def read(self, cos_theta: np.ndarray, n_own: float) -> np.ndarray:
+        """Reflectance at cosines (...) in a medium of index `n_own`."""
         place = cos_theta_t(np.clip(cos_theta, 0.0, 1.0), self.n / n_own) * _CELLS
         cell = np.minimum(place.astype(int), _CELLS - 1)
-        values, between = self.values[:, channel], place - cell
-        return values[cell] * (1.0 - between) + values[cell + 1] * between
+        between = place - cell
+        return self.values[cell] * (1.0 - between) + self.values[cell + 1] * between
 
 
-@lru_cache(maxsize=32)
-def _film_table(n_above: float, film: Film, n_below: float, k_below: float | None) -> _FilmTable:
+# those of a metal's bake over a film's thickness
+@lru_cache(maxsize=256)
+def _film_table(n_above: float, film: Film, n_below: float, k_below: float | None, channel: int) -> _FilmTable:
     n = min(n_above, film.faded_ior(n_above), *(() if k_below is not None else (n_below,)))
-    values = film_reflectance(cos_theta_t(np.linspace(0.0, 1.0, _CELLS + 1), n_above / n), n_above, film, n_below, k_below)
-    return _FilmTable(n, values)
+    cosines = cos_theta_t(np.linspace(0.0, 1.0, _CELLS + 1), n_above / n)
+    return _FilmTable(n, film_reflectance(cosines, n_above, film, n_below, k_below, slice(channel, channel + 1))[:, 0])

@@ -11,7 +11,7 @@ from .facet_reflectance import DielectricFacet
 from .fresnel import fresnel_dielectric
 from .microfacet import alpha_from_roughness, is_specular
 from .scattering import Scattering, medium_of
-from .thin_film import THINNEST_NM, Film, film_reflectance
+from .thin_film import THINNEST_NM, Film, Films, film_of_channel, film_reflectance
 
 # A tint of 0 means black after any thickness; the floor keeps tau finite in float32 too.
 TINT_FLOOR = 1e-30
@@ -64,7 +64,7 @@ class Interface:
     facets: Microfacets
     tau: np.ndarray
     """Optical depth (channels,) of one perpendicular crossing of the medium below, what is scattered counted."""
-    film: Film | None = None
+    film: Film | Films | None = None
     scattering: Scattering | None = None
     """That of the medium below; None where it only absorbs."""
 
@@ -96,20 +96,29 @@ class Interface:
 
     def facet(self, channel: int) -> DielectricFacet:
         """What a facet reflects in a channel of light from above."""
-        return DielectricFacet(self.n_above, self.n_below, self.film, 0 if self.film is None else channel)
+        return DielectricFacet(self.n_above, self.n_below, *film_of_channel(self.film, channel))
 
     def reflectance(self, cos_theta_i: np.ndarray) -> np.ndarray:
-        """Fresnel reflectance for light from above, (..., 1), or (..., 3) with a film."""
+        """Fresnel reflectance for light from above, (..., 1), or (..., 3) with a film, or (..., channels) with films."""
         if self.film is None:
             return fresnel_dielectric(cos_theta_i, self.eta)[..., None]
+        if isinstance(self.film, Films):
+            return np.stack([self.facet(c)(cos_theta_i) for c in range(len(self.tau))], axis=-1)
         return film_reflectance(cos_theta_i, self.n_above, self.film, self.n_below)
 
 
-def film_of(element: Layer | Base) -> Film | None:
-    """The thin film on an element's surface; None if it has none that Cycles would see."""
-    if not element.has(THIN_FILM) or element["film_thickness"] <= THINNEST_NM:
+def film_of(element: Layer | Base) -> Film | Films | None:
+    """The thin film on an element's surface, or those of several stacks; None if it has none that Cycles would see."""
+    if not element.has(THIN_FILM):
         return None
-    return Film(element["film_thickness"], element["film_ior"])
+    thickness, ior = element["film_thickness"], element["film_ior"]
+    if isinstance(thickness, tuple):
+        return Films(tuple(map(_film, thickness, ior)))
+    return _film(thickness, ior)
+
+
+def _film(thickness_nm: float, ior: float) -> Film | None:
+    return Film(thickness_nm, ior) if thickness_nm > THINNEST_NM else None
 
 
 def optical_depth(tint, thickness: float) -> np.ndarray:

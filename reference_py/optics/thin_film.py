@@ -19,6 +19,7 @@ TERMS = 3
 STEPS, LAST_PHASE_NM = 512, 60000.0
 # Cycles takes thinner films for none.
 THINNEST_NM = 0.1
+_ALL = slice(None)
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,19 @@ class Film:
         """The index that light from a medium of index `n_above` meets, which below 1 nm fades to that."""
         t = min(max(self.thickness_nm, 0.0), 1.0)
         return n_above + (self.ior - n_above) * t * t * (3.0 - 2.0 * t)
+
+
+@dataclass(frozen=True)
+class Films:
+    """Films of stacks that are computed at once, of which each has three channels; None where one has no film."""
+
+    each: tuple[Film | None, ...]
+
+
+def film_of_channel(film: Film | Films | None, channel: int) -> tuple[Film | None, int]:
+    """The film that a channel sees, and of which of its colors the channel is, 0 without one."""
+    own = film.each[channel // 3] if isinstance(film, Films) else film
+    return own, 0 if own is None else channel % 3
 
 
 @dataclass(frozen=True)
@@ -59,8 +73,8 @@ def sensitivities() -> np.ndarray:
     return np.exp(-1j * phase[:, None] / fine) @ (weights / weights.sum(axis=0))
 
 
-def film_reflectance(cos_theta_i: np.ndarray, n_above: float, film: Film, n_below, k_below=None) -> np.ndarray:
-    """Unpolarised reflectance (..., 3) for light from above; n_below and k_below are numbers or (3,), k for conductors."""
+def film_reflectance(cos_theta_i: np.ndarray, n_above: float, film: Film, n_below, k_below=None, channels: slice = _ALL) -> np.ndarray:
+    """Unpolarised reflectance (..., 3), or of some of the channels, for light from above; n_below and k_below are numbers or (3,), k for conductors."""
     cos_1 = np.clip(np.asarray(cos_theta_i, float), 0.0, 1.0)[..., None]
     ior = film.faded_ior(n_above)
     cos_2 = cos_theta_t(cos_1, ior / n_above)
@@ -76,7 +90,7 @@ def film_reflectance(cos_theta_i: np.ndarray, n_above: float, film: Film, n_belo
     path = 2.0 * ior * film.thickness_nm * cos_2
     total = 0.0
     for r12, energy, r23 in zip((r_s, r_p), reflected_above, below):
-        total = total + 0.5 * _airy(r12, energy, r23, path)
+        total = total + 0.5 * _airy(r12, energy, r23, path, channels)
     return np.where(is_total, 1.0, np.clip(total, 0.0, 1.0))
 
 
@@ -97,7 +111,7 @@ def _conductor_amplitudes(cos_i, n_i, index):
     return r_s, r_p
 
 
-def _airy(r12, energy_12, r23, path):
+def _airy(r12, energy_12, r23, path, channels: slice):
     """Reflectance of one polarisation (Belcour17, eq. 10)."""
     energy_23 = np.square(np.abs(r23))
     both = energy_12 * energy_23
@@ -108,15 +122,15 @@ def _airy(r12, energy_12, r23, path):
     total, term, turn = energy_12 + once, once - transmitted, np.ones_like(phasor)
     for order in range(1, TERMS + 1):
         term, turn = term * np.sqrt(both), turn * phasor
-        at = _sensitivity(order * path)
+        at = _sensitivity(order * path, channels)
         total = total + 2.0 * term * (turn.real * at.real + turn.imag * at.imag)
     return total
 
 
-def _sensitivity(path_nm):
-    """The transform (..., 3) at path differences (..., 1 or 3)."""
+def _sensitivity(path_nm, channels: slice):
+    """The transform (..., channels) at path differences (..., 1 or as many)."""
     place = np.clip(2.0 * np.pi * path_nm / LAST_PHASE_NM, 0.0, 1.0) * (STEPS - 1)
     cell = np.minimum(place.astype(int), STEPS - 2)
-    table, channel = sensitivities(), np.arange(3)
+    table, channel = sensitivities(), np.arange(3)[channels]
     between = place - cell
     return table[cell, channel] * (1.0 - between) + table[cell + 1, channel] * between

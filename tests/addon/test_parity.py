@@ -94,6 +94,7 @@ def test_a_wrong_index_is_caught(blender):
 
 
 FILMED = GLAZE | {"film_thickness": 300.0, "film_ior": 1.9}
+METAL_FILMED = METAL | {"film_thickness": 300.0, "film_ior": 1.9}
 LIVE = pytest.mark.parametrize(
     "layers, base, links",
     [
@@ -103,6 +104,9 @@ LIVE = pytest.mark.parametrize(
         ([VARNISH], WOOD, {(0, "IOR"): 1.83}),
         (TWO_COATS, WOOD, {(1, "IOR"): 1.83}),
         ([FILMED], METAL, {(0, "Film Thickness"): 371.0}),
+        ([FILMED], METAL, {(0, "Film Thickness"): 371.0, (0, "Roughness"): 0.12}),
+        ([FILMED], METAL, {(0, "Film Thickness"): 371.0, (0, "Tint"): (0.3, 0.8, 0.02)}),
+        ([], METAL_FILMED, {(None, "Film Thickness"): 371.0, (None, "Roughness"): 0.27}),
         ([GLAZE], METAL, {(0, "Tint"): (0.3, 0.8, 0.02)}),
         ([VARNISH], METAL, {(None, "Reflectance"): (0.02, 0.5, 0.97), (None, "Edge Color"): (0.2, 0.9, 0.5)}),
         ([VARNISH], CLAY, {(None, "Slope Deviation"): 42.0, (None, "Color"): (0.6, 0.1, 0.9)}),
@@ -117,6 +121,9 @@ LIVE = pytest.mark.parametrize(
         "index",
         "index below the top",
         "film",
+        "film and roughness",
+        "film and tint",
+        "a metal's film and roughness",
         "tint over a metal",
         "metal",
         "rough base",
@@ -152,21 +159,22 @@ def test_a_bake_over_live_values_equals_its_lobe_set(blender, layers, base, link
 
     material = _live(blender, layers, base, links)
     assert len([socket for socket in shader_of(material).inputs if socket.is_linked]) == len(links)
-    text = shader_of(material).script.as_string()
+    text, labels = shader_of(material).script.as_string(), [label for _, label in links]
     lobe_set = make_lobe_set(stack_of(material), "baked", live=live_values(material)).lobe_set
     assert isinstance(lobe_set, LiveLobes | TableLobes) and set(lobe_set.followed) == set(live_values(material))
     for theta in SUN_THETA_DEG:
         result = parity(material, lambda wo, wi: sum(lobe_f(lobe, wo, wi) for lobe in lobe_set.lobes(wo[..., 2])), theta)
         print(f"live {', '.join(label for _, label in links)}, sun {theta:g} deg: 99th percentile {result.percentile_99:.1e}, text {len(text) / 1e3:.0f} kB")
         assert result.finite and result.percentile_99 <= 1e-4
-    assert len(text) <= (200_000 if len(links) < 3 else 450_000)
+    has_many_knots = len(links) > 2 or (len(links) > 1 and "Film Thickness" in labels)
+    assert len(text) <= (700_000 if has_many_knots else 200_000)
 
     # stock nodes: exactly their tables, whose energies are those of the lobe set
     group = node_with(material, "nodes")
     assert len([socket for socket in group.inputs if socket.is_linked]) == len(links)
     material.node_tree.links.new(group.outputs["BSDF"], material.node_tree.get_output_node("ALL").inputs["Surface"])
     packed = sum(image.packed_file.size for image in {node.image for node in group.node_tree.nodes if hasattr(node, "image")})
-    assert packed <= (700_000 if len(links) < 3 else 5_500_000)
+    assert packed <= (6_000_000 if has_many_knots else 700_000)
     tables = tabulate(lobe_set, HAS_DIELECTRIC)
     for theta in SUN_THETA_DEG:
         result = parity(material, lambda wo, wi: sum(lobe_f(lobe, wo, wi) for lobe in tables.lobes(wo[..., 2])), theta)
@@ -176,7 +184,8 @@ def test_a_bake_over_live_values_equals_its_lobe_set(blender, layers, base, link
         assert result.finite and result.percentile_99 <= (1e-4 if alone else 4e-4)
     views = np.cos(np.radians([0.0, 30.0, 50.0, 65.0, 75.0, 82.0]))
     energy, expected = (sum(lobe_energy(lobe, views) for lobe in lobes.lobes(views)) for lobes in (tables, lobe_set))
-    assert energy == pytest.approx(expected, rel=0.015)
+    # of a filmed metal two lobes are alike, and what each has of the light changes from one knot of the view to the next
+    assert energy == pytest.approx(expected, rel=0.025 if not layers else 0.015)
 
 
 # Light that a white stack loses or gains. `analytic` reaches 1.009 at 85 degrees on some stacks (README).

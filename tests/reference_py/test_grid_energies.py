@@ -47,7 +47,7 @@ def test_curves_through_cubics_are_these():
 def test_modes_tell_what_few_of_them_make():
     rng = np.random.default_rng(3)
     left = np.tensordot(rng.normal(size=(5, 6, 7, 2)), rng.normal(size=(2, 1, 24, 3)), 1)
-    coefficients, modes = _modes(left)
+    coefficients, modes = _modes(left, 0.002)
     assert coefficients.shape == (5, 6, 7, 3) and modes.shape == (1, 3, 24, 3)
     np.testing.assert_allclose(np.tensordot(coefficients, modes[0], 1), left[..., 0, :, :], atol=0.02)
 

@@ -18,6 +18,7 @@ from ....reference_py.lobes.axes import (
     ReflectanceAxis,
     ScatterColorAxis,
     ThicknessAxis,
+    has_waves,
     top_index,
 )
 from ....reference_py.lobes.live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy
@@ -169,7 +170,7 @@ class _Writer:
     def _value(self, name: str, values: np.ndarray, which: str = "knots", axes: tuple[int, ...] | None = None) -> str:
         """An expression for values (..., KNOTS, 1 or 3) over some axes, all unless told, at the live parameters and the view."""
         axes = tuple(range(len(self._axes))) if axes is None else axes
-        changing = [number for number in range(len(axes)) if np.any(values != values.take([0], number))] or [0]
+        changing = [number for number in range(len(axes)) if np.any(values != values.take([0], number))]
         values = values[tuple(slice(None) if number in changing else 0 for number in range(len(axes)))]
         axes = tuple(axes[number] for number in changing)
         rows = values.reshape(-1, values.shape[-1])
@@ -182,6 +183,9 @@ class _Writer:
         is_whole = color and is_shared
         entries = [f"color({','.join(map(_entry, row))})" for row in rows] if is_whole else [_entry(value) for value in rows.ravel()]
         table = self._array("color" if is_whole else "float", name, entries)
+        if not axes:
+            s = self._about.suffix
+            return f"mix({table}[cell{s}], {table}[cell{s} + 1], between{s})"
         return f"grid({table}, {self._place(which, axes, is_shared)})"
 
     def _energy(self, name: str, log: LogEnergy) -> str:
@@ -238,7 +242,7 @@ class _Writer:
             else:
                 weight = f"{total} * {self._value(f'Share{i}', lobe.energy)}"
                 if np.any(lobe.unit != 1.0):
-                    weight += f" / {self._value(f'Unit{i}', lobe.unit)}"
+                    weight += f" / {self._value(f'Unit{i}', lobe.unit, 'fine' if has_waves(self._axes) else 'knots')}"
             if lobe.is_diffuse and lobe_set.base is not None:
                 through, back = self._energy("LogThrough", lobe_set.base.log_through), self._energy("LogBack", lobe_set.base.log_back)
                 weight = f"({weight} + {through} * {base_color} / (color(1.0) - {back} * {base_color}))"

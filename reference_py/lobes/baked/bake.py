@@ -64,10 +64,10 @@ class Baker:
     """Bakes one stack with ever more lobes; what fewer lobes found is where more begin.
 
     `truth` is a model with f, albedo and specular_albedo, of three channels or, with weights of as many, more. `progress` is called with the share done; an exception that
-    it raises cancels.
+    it raises cancels. Where lobes are to be scaled to other energies (`is_scaled`), the albedo is that of the samples, which takes no time.
     """
 
-    def __init__(self, stack: Stack, truth, progress: Callable[[float], None] | None = None):
+    def __init__(self, stack: Stack, truth, progress: Callable[[float], None] | None = None, is_scaled: bool = False):
         self._report = progress or (lambda share: None)
         cosines, rough, media = knot_cosines(), rough_surfaces(stack), _media(stack)
         surfaces = rough or media
@@ -76,7 +76,8 @@ class Baker:
         least_alpha = _OF_MEDIUM * min(widths) if media and not rough else LEAST_ALPHA
         self._truth, self._specular = truth, truth.specular_albedo(cosines)
         views = truth_at(truth, np.concatenate([cosines, middle_cosines()]), widths, _POINTS)
-        self._albedo = truth.albedo(views.wo[:KNOTS])
+        seen = views.of(slice(KNOTS))
+        self._albedo = np.sum(seen.share[..., None] * seen.f, axis=1) + self._specular if is_scaled else truth.albedo(seen.wo)
         # channels that are alike are fitted once
         views, self._channels = _distinct(views)
         top = top_lobe(stack)
@@ -134,9 +135,9 @@ class Baker:
         trials = [(number, self._plans[number].branches(free[number])) for number in numbers]
         return min(trials, key=lambda trial: trial[1].error) if trials else (0, self._plans[0].branches(0))
 
-    def continued(self, found: Found) -> Found:
-        """The fits to this stack's truth that begin at those of a stack much like it."""
-        return replace(found, path=continued_path(self._plans[found.plan], found.path))
+    def continued(self, found: Found, wider: float = 1.0) -> Found:
+        """The fits to this stack's truth that begin at those of a stack much like it, of alphas so many times as wide."""
+        return replace(found, path=continued_path(self._plans[found.plan], found.path, wider))
 
     def lobe_set(self, found: Found, keep: tuple[type, ...] = ()) -> TableLobes:
         """The tables of fits. Lobes that carry next to nothing are left out, but those of the kinds `keep`."""
@@ -176,12 +177,10 @@ def _with_energy(fitted: list[tuple[GlossyTable | DiffuseTable, np.ndarray]], re
 
 def _distinct(views: Views) -> tuple[Views, list[int]]:
     """The views with each of their channels that are alike but once, and for each channel its place there."""
-    kept, places = [], []
+    kept, places = {}, []
     for channel in np.moveaxis(views.f, -1, 0):
-        like = [i for i, other in enumerate(kept) if np.array_equal(channel, other)]
-        places.append(like[0] if like else len(kept))
-        kept += [] if like else [channel]
-    return replace(views, f=np.stack(kept, axis=-1)), places
+        places.append(kept.setdefault(channel.tobytes(), (len(kept), channel))[0])
+    return replace(views, f=np.stack([channel for _, channel in kept.values()], axis=-1)), places
 
 
 def _media(stack: Stack) -> list[tuple[str, float]]:

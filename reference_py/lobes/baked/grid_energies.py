@@ -7,15 +7,15 @@ from functools import reduce
 import numpy as np
 
 from ...material.stack import Stack
-from ..axes import Axis, Scale
+from ..axes import Axis, Scale, has_waves
 from ..live_grid import DIGITS, FLOOR, LogEnergy
 from ..view_table import KNOTS
 from .black_and_white import light_of
 from .knot_energies import shares, top_lobe
 from .side_by_side import in_groups
 
-# Modes together are off by no more than this in the root mean square over the grid, of a logarithm, and they are this many at most.
-_CLOSE, _MOST_MODES = 0.002, 15
+# Modes together are off by no more than this in the root mean square over the grid, of a logarithm or, with waves, of an energy, and they are this many at most.
+_CLOSE, _CLOSE_WAVES, _MOST_MODES = 0.002, 0.0004, 15
 # Views beyond this knot are within ten degrees of the horizon, where energies are followed less closely.
 _SEEN, _UNSEEN_WEIGHT = 9, 0.3
 # Places of a coefficient, of which there are thousands.
@@ -49,11 +49,11 @@ def stacks_of(sampled: Sequence[Scale], at: Callable[[Sequence[float]], Stack]) 
 def told(axes: tuple[Axis, ...], sampled: Sequence[Scale], energies: dict[str, np.ndarray]) -> tuple[dict[str, LogEnergy], np.ndarray | None]:
     """What `energies_of` gives, of energies (..., KNOTS, 3) by name at the crossings of the knots of `sampled`."""
     names, found = tuple(energies), np.array(list(energies.values()))
-    is_log = not any(axis.has_waves for axis in axes)
+    is_log = not has_waves(axes)
     parts = [_apart(axes, sampled, np.log(values + FLOOR) if is_log else values) for values in found]
     if len(axes) == 1:
         return {name: LogEnergy(along, is_log=is_log) for name, (along, _) in zip(names, parts)}, None
-    coefficients, modes = _modes(np.stack([left for _, left in parts], axis=len(axes)))
+    coefficients, modes = _modes(np.stack([left for _, left in parts], axis=len(axes)), _CLOSE if is_log else _CLOSE_WAVES)
     return {name: LogEnergy(along, own, is_log) for name, (along, _), own in zip(names, parts, modes)}, coefficients
 
 
@@ -72,7 +72,7 @@ def _apart(axes: tuple[Axis, ...], sampled: Sequence[Scale], values: np.ndarray)
     return tables, left
 
 
-def _modes(left: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _modes(left: np.ndarray, close: float) -> tuple[np.ndarray, np.ndarray]:
     """(coefficients (..., n), modes (energies, n, KNOTS, 3)) whose products are nearest to what energies leave, (..., energies, KNOTS, 3).
 
     n is a multiple of three, as shaders read colors.
@@ -82,7 +82,7 @@ def _modes(left: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     strength, vectors = np.linalg.eigh(rows.T @ rows)
     order = np.argsort(strength)[::-1]
     lost = np.sqrt(np.maximum(np.sum(strength) - np.cumsum(strength[order]), 0.0) / rows.size)
-    wanted = int(np.argmax(lost <= _CLOSE)) + 1 if np.any(lost <= _CLOSE) else len(order)
+    wanted = int(np.argmax(lost <= close)) + 1 if np.any(lost <= close) else len(order)
     count = min(3 * -(-wanted // 3), _MOST_MODES)
     vectors = vectors[:, order[:count]]
     scale = np.max(np.abs(vectors), axis=0)

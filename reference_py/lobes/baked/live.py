@@ -9,7 +9,7 @@ from functools import reduce
 import numpy as np
 
 from ...material.place import Place, places
-from ...material.schema import ANISOTROPY, SCATTERING
+from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
@@ -26,17 +26,19 @@ from ..axes import (
     Scale,
     ScatterColorAxis,
     ThicknessAxis,
+    has_waves,
     of_reflectance,
 )
 from ..brushing import has_brushing
 from ..live_grid import LiveLobes, grid_of
 from ..truth import truth_of
-from ..view_table import BASE_COLOR, DiffuseTable, GlossyTable
+from ..view_table import BASE_COLOR, DiffuseTable, GlossyTable, TableLobes
 from .black_and_white import over
 from .brushed_bake import is_brushed
 from .grid_energies import energies_of
+from .side_by_side import truth_of_all
 
-MOST_AXES = 3
+MOST_AXES, _MOST_WITH_WAVES = 3, 2
 # By how many axes there are: knots of shapes, as a shader's text is limited; and knots of energies, on the way between those that are computed, along one axis and of all together.
 _KNOTS, _KNOTS_OF_ROUGHNESS = {1: 8, 2: 5, 3: 3}, {1: 8, 2: 5, 3: 5}
 # Of brushed surfaces, whose lobes need no fits and get flat towards grazing in their own way at each azimuth.
@@ -50,8 +52,11 @@ _ROUGHNESSES, _NARROWEST = (0.2, 1.0), 0.05
 # At 1 the layer's surface is gone, and with a reflectance of 0 the metal.
 _INDICES, _REFLECTANCES = (1.02, 4.0), (0.004, 0.999)
 _DEEPEST, _DEEPEST_MEDIUM = 6.0, 30.0
-# Of a film: in nm its thickness times its index, beyond which its colors are pale, a blue fringe being 225; and steps of its energies from one that is computed to the next.
-_THICKEST_PATH, _FILM_KNOTS, _FILM_FINE = 1600.0, 33, 4
+# Of a film: in nm its thickness times its index, beyond which its colors are pale, a blue fringe being 225; and steps of its energies, and of how these depend on another value, from one that is computed to the next.
+_THICKEST_PATH, _FILM_KNOTS, _FILM_FINE, _FILM_CROSS = 1600.0, 33, 4, 2
+_MOST_FILM_INDEX = THIN_FILM.parameters[1].maximum
+# Knots of how energies depend on a film and on another value, of numbers and of colors.
+_CROSS_BESIDE_FILM = {False: 9, True: 13}
 # The bend of a scale of energies (`Scale`) that change fastest where surfaces are narrow, tints thin, metals dark and indices near 1.
 _BEND = 0.7
 # Of the azimuth from a brushing: energies turn where a view is nearly across it. That of walks is known everywhere.
@@ -101,7 +106,12 @@ def axes_of(stack: Stack, live: tuple[Place, ...]) -> tuple[Axis, ...] | None:
     if not 0 < count <= MOST_AXES or any(name == "density" and (layer, "depth") in groups for layer, name in groups):
         return None
     axes = [_axis(stack, together, count) for together in groups.values()] + [_AZIMUTH] * has_brushing(stack)
-    return None if None in axes else tuple(axes)
+    if None in axes:
+        return None
+    if not has_waves(axes):
+        return tuple(axes)
+    # of two axes of waves each would need as many knots
+    return tuple(map(_beside_film, axes)) if count <= _MOST_WITH_WAVES and sum(axis.has_waves for axis in axes) == 1 else None
 
 
 def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
@@ -127,10 +137,12 @@ def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
         return _axis_between(NumberAxis, live, (0.0, 90.0), count)
     if name == "reflectance":
         return _axis_between(ReflectanceAxis, live, tuple(map(float, of_reflectance(np.array(_REFLECTANCES)))), count, _BEND)
-    if name == "film_thickness":
-        # a second axis would need as many bakes for each of its knots; the minima of a metal are the sharpest
-        ends, knots = (0.0, _THICKEST_PATH / live[0].element(stack)["film_ior"]), _film_knots(live[0])
-        return FilmAxis(live, Scale(*ends, _FILM_KNOTS), Scale(*ends, (knots - 1) * _FILM_FINE + 1), Scale(*ends, knots)) if count == 1 else None
+    if name in ("film_thickness", "film_ior"):
+        film = live[0].element(stack)
+        thickest = 0.0, _THICKEST_PATH / film["film_ior"]
+        ends = thickest if name == "film_thickness" else (1.0, min(1.0 + _THICKEST_PATH / max(film["film_thickness"], 1.0), _MOST_FILM_INDEX))
+        fine, cross = ((_film_knots(live[0]) - 1) * steps + 1 for steps in (_FILM_FINE, _FILM_CROSS))
+        return FilmAxis(live, Scale(*ends, _FILM_KNOTS), Scale(*ends, fine), Scale(*ends, cross))
     if name == "edge_color":
         return _axis_between(EdgeAxis, live, (0.0, 1.0), count)
     return _axis_between(IndexAxis, live, tuple((n - 1.0) / (n + 1.0) for n in _INDICES), count, _BEND) if name == "ior" else None
@@ -138,6 +150,10 @@ def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
 
 def _axis_between(kind: type[Axis], live: tuple[Place, ...], ends: tuple[float, float], count: int, bend: float = 1.0) -> Axis:
     return kind(live, Scale(*ends, _KNOTS[count]), Scale(*ends, _FINE, bend), Scale(*ends, _CROSS[count], bend))
+
+
+def _beside_film(axis: Axis) -> Axis:
+    return axis if axis.has_waves else replace(axis, cross=replace(axis.cross, count=_CROSS_BESIDE_FILM[axis.is_color]))
 
 
 def _film_knots(live: Place) -> int:
@@ -148,8 +164,10 @@ def _film_knots(live: Place) -> int:
 def computed_of(axis: Axis, axes: tuple[Axis, ...]) -> Scale:
     """The values of one of the axes whose energies are computed."""
     count = len(axes)
-    if isinstance(axis, FilmAxis | AzimuthAxis):
+    if isinstance(axis, AzimuthAxis):
         return axis.cross
+    if isinstance(axis, FilmAxis):
+        return replace(axis.cross, count=_film_knots(axis.live[0]))
     if axis.live[0].name == "sigma_deg":
         return replace(axis.cross, count=_COMPUTED_SLOPES[count])
     if not isinstance(axis, _FAST):
@@ -160,6 +178,15 @@ def computed_of(axis: Axis, axes: tuple[Axis, ...]) -> Scale:
 
 def _apart(node: tuple[int, ...], other: tuple[int, ...]) -> int:
     return sum(abs(a - b) for a, b in zip(node, other))
+
+
+def _apart_by_channels(axes: tuple[Axis, ...], node: tuple[int, ...], shared: TableLobes) -> list[tuple[tuple[int, ...], TableLobes]]:
+    """The nodes along an axis of waves, whose lobes have three channels each of those that share their shapes."""
+    count = next(axis.knots.count for axis in axes if axis.has_waves)
+    parts = [[replace(table, weight=weight) for weight in np.split(table.weight, count, axis=1)] for table in shared.tables]
+    return [
+        (tuple(number if axis.has_waves else i for axis, i in zip(axes, node)), TableLobes(tables)) for number, tables in enumerate(zip(*parts, strict=True))
+    ]
 
 
 def _better_from(start: tuple[int, ...], bakers: dict, found: dict, glossy: int) -> None:
@@ -190,7 +217,9 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     assert axes is not None, "see follows"
     over_color = BASE_COLOR in live
     ground = over(stack, 0.0) if over_color else stack
-    knots = [axis.knots.knots[axis.before :] for axis in axes]
+    # along waves lobes share their shapes, which are fitted to the truth at all knots there
+    waves = next((axis.knots.knots for axis in axes if axis.has_waves), None)
+    knots = [np.median(waves, keepdims=True) if axis.has_waves else axis.knots.knots[axis.before :] for axis in axes]
     size = tuple(map(len, knots))
     center = tuple(n // 2 for n in size)
     order = sorted(np.ndindex(size), key=lambda node: _apart(node, center))
@@ -203,14 +232,26 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     def tables(baker, node: tuple[int, ...]):
         return baker.lobe_set(found[node], keep=(GlossyTable, DiffuseTable))
 
+    def coordinates(node: tuple[int, ...]) -> list[float]:
+        return [float(values[i]) for values, i in zip(knots, node)]
+
+    def truth_at(node: tuple[int, ...]):
+        if waves is None:
+            return truth_of(at(coordinates(node)))
+        return truth_of_all([at([wave if axis.has_waves else value for axis, value in zip(axes, coordinates(node))]) for wave in waves.tolist()])
+
+    def wider(node: tuple[int, ...], near: tuple[int, ...]) -> float:
+        """How much wider lobes are that are as rough as a surface; which of them is which is not to change along it, where none has its place as the top's."""
+        ratios = [a / b for a, b, axis in zip(coordinates(node), coordinates(near), axes) if axis.live[0].name == "roughness"]
+        return 1.0 if waves is None else float(np.prod(np.square(ratios)))
+
     for done, node in enumerate(order):
-        here = at([float(values[i]) for values, i in zip(knots, node)])
-        baker = make_baker(here, truth_of(here))
+        baker = make_baker(at(coordinates(node)), truth_at(node), is_scaled=waves is not None)
         if not found:
             found[node] = baker.path(glossy)
         else:
             near = min(found, key=lambda other: _apart(node, other))
-            found[node] = baker.continued(found[near])
+            found[node] = baker.continued(found[near], wider(node, near))
         if has_media:
             bakers[node] = baker
         else:  # whose truth takes memory
@@ -220,6 +261,8 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
         if isinstance(axis, ThicknessAxis):
             _better_from(tuple(n - 1 if other is axis else n // 2 for other, n in zip(axes, size)), bakers, found, glossy)
     nodes |= {node: tables(baker, node) for node, baker in bakers.items()}
+    if waves is not None:
+        nodes = {own: part for node, shared in nodes.items() for own, part in _apart_by_channels(axes, node, shared)}
     report(0.8)
     computed = [computed_of(axis, axes) for axis in axes]
     return grid_of(stack, axes, nodes, *energies_of(axes, computed, at, bool(found[center].plan), over_color))

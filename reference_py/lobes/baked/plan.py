@@ -179,11 +179,15 @@ class Path:
 def best_path(plan: Plan, found: Branches) -> Path:
     """Mixtures of whichever branch, or of fits that begin between their neighbours on the best path: least sum of errors."""
     branches = plan.fitted(found.distributions, [branch.shape[_NEAREST] for branch in found.mixtures], _FILL)
-    path = _joined(plan, found.distributions, branches)
-    for _ in range(_SMOOTHED if found.distributions else 0):
+    return _settled(plan, _joined(plan, found.distributions, branches))
+
+
+def _settled(plan: Plan, path: Path) -> Path:
+    """The path with fits that begin between their neighbours, and without its jumps, as far as it gets better."""
+    for _ in range(_SMOOTHED if path.distributions else 0):
         ends = np.concatenate([path.mixtures.shape[1:2], path.mixtures.shape, path.mixtures.shape[-2:-1]])
-        between = plan.fitted(found.distributions, [0.5 * (ends[:-2] + ends[2:])], _FILL)
-        path = _joined(plan, found.distributions, [path.mixtures, *between])
+        between = plan.fitted(path.distributions, [0.5 * (ends[:-2] + ends[2:])], _FILL)
+        path = _joined(plan, path.distributions, [path.mixtures, *between])
     for _ in range(_MENDS):
         mended = _mended(plan, path)
         if mended.cost >= path.cost:
@@ -243,8 +247,14 @@ def _between(plan: Plan, distributions: tuple[str, ...], joined: Mixtures) -> np
     return errors[place].reshape(pairs.shape)
 
 
-def continued_path(plan: Plan, path: Path) -> Path:
-    """The path to another truth that is much like the one it was found for: every fit begins where the other ended."""
+def continued_path(plan: Plan, path: Path, wider: float = 1.0) -> Path:
+    """The path to another truth that is much like the one it was found for: every fit begins where the other ended.
+
+    Where surfaces are so many times as `wide` some lobes are too, and others are not: of both the path changes least along the view.
+    """
+    if wider != 1.0:
+        starts = [path.mixtures.shape, path.mixtures.shape + np.log([wider, wider, 1.0])]
+        return _settled(plan, _joined(plan, path.distributions, [plan.fits.fit(path.distributions, start, _CONTINUED) for start in starts]))
     mixtures = _symmetric_at_normal(plan, path.distributions, [plan.fits.fit(path.distributions, path.mixtures.shape, _CONTINUED)])
     return Path(path.distributions, mixtures, float(np.sum(mixtures.error)))
 

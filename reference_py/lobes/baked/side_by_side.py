@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Stacks that differ in what each channel has alone, as one stack of as many channels: its truth takes little longer than that of one.
 
-Indices and roughnesses are the same in all channels; depths, colors and what media scatter are not.
+Indices and roughnesses are the same in all channels; depths, colors, films and what media scatter are not.
 """
 
 from collections.abc import Callable, Sequence
@@ -9,16 +9,18 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...material.place import places
 from ...material.schema import CONDUCTOR, SCATTERING, THIN_FILM
 from ...material.stack import Base, Layer, Stack
 from ...optics.bases import conductor_index
 from ...optics.scattering import albedo_of_color
 from ..truth import truth_of
 
-# Stacks of which truths are asked at once, which bounds memory.
-_AT_ONCE = 12
-_BASE_COLORS = ("color", "eta", "k")
-_LAYER_COLORS = ("tint", "extinction", "scatter_albedo")
+# Stacks of which truths are asked at once, which bounds memory; of films more, as their interfaces are told by few of them.
+_AT_ONCE, _FILMS_AT_ONCE = 12, 36
+_FILM = tuple(parameter.name for parameter in THIN_FILM.parameters)
+_BASE_COLORS = ("color", "eta", "k", *_FILM)
+_LAYER_COLORS = ("tint", "extinction", "scatter_albedo", *_FILM)
 
 
 def in_groups(stacks: Sequence[Stack], of: Callable) -> list:
@@ -29,11 +31,17 @@ def in_groups(stacks: Sequence[Stack], of: Callable) -> list:
         groups.setdefault(_shared(stack), []).append(i)
     results: list = [None] * len(stacks)
     for members in groups.values():
-        for start in range(0, len(members), _AT_ONCE):
-            some = members[start : start + _AT_ONCE]
+        at_once = _FILMS_AT_ONCE if any(_film(element) for _, element in places(resolved[members[0]])) else _AT_ONCE
+        for start in range(0, len(members), at_once):
+            some = members[start : start + at_once]
             for i, result in zip(some, of(truth_of(_joined([resolved[i] for i in some])), len(some))):
                 results[i] = result
     return results
+
+
+def truth_of_all(stacks: Sequence[Stack]):
+    """A truth of 3 channels for each of stacks that differ in what each channel has alone."""
+    return truth_of(_joined([_resolved(stack) for stack in stacks]))
 
 
 def _resolved(stack: Stack) -> Stack:
@@ -49,7 +57,7 @@ def _layer(layer: Layer) -> Layer:
             color = values.pop("scatter_color")
             values |= {"extinction": (values.pop("density"),) * len(color), "scatter_albedo": albedo_of_color(tuple(color), layer["scatter_g"])}
         values["extinction"] = tuple(thickness * np.asarray(values["extinction"], float))
-    return replace(layer, values=values)
+    return replace(layer, values=values | _film(layer))
 
 
 def _base(base: Base) -> Base:
@@ -57,13 +65,15 @@ def _base(base: Base) -> Base:
         return base
     eta, k = conductor_index(base)
     values = {name: value for name, value in base.values.items() if name not in ("metal", "reflectance", "edge_color")}
-    return replace(base, values=values | {"eta": tuple(eta), "k": tuple(k)})
+    return replace(base, values=values | {"eta": tuple(eta), "k": tuple(k)} | _film(base))
+
+
+def _film(element: Layer | Base) -> dict:
+    return {name: (element[name],) for name in _FILM if element.has(THIN_FILM)}
 
 
 def _shared(stack: Stack) -> tuple:
-    """Equal for stacks that may be joined; a film has three channels for itself, as its colors are those of RGB."""
-    if any(element.has(THIN_FILM) for element in (*stack.layers, stack.base)):
-        return (id(stack),)
+    """Equal for stacks that may be joined."""
     layers = tuple((layer.kind, *((name, value) for name, value in sorted(layer.values.items()) if name not in _LAYER_COLORS)) for layer in stack.layers)
     base = tuple((name, value) for name, value in sorted(stack.base.values.items()) if name not in _BASE_COLORS)
     return layers, base

@@ -47,7 +47,8 @@ from .direct import direct_f, specular_reflectance
 from .direction_grid import Grid, chebyshev
 from .effective_stack import EffectiveStack, base_rows
 from .facets import MULTIPLE, SURFACES
-from .operators import ENERGY, InterfaceOperators, Resolution, dielectric_rows, interface_operators, transmittance
+from .film_operators import film_operators, film_rows
+from .operators import ENERGY, InterfaceOperators, Resolution, transmittance
 
 _NODES, _MODES = 32, 64
 # Lobes this wide and wider have an f within the stated error.
@@ -173,7 +174,8 @@ class Adding:
     def _top_rows(self, cos_o: np.ndarray, facet: DielectricFacet) -> tuple[np.ndarray, np.ndarray]:
         """(reflected, crossed), each (I, N): what the first interface does to light from cosines (I,)."""
         top = self._effective.interfaces[0]
-        single, multi, crossed = dielectric_rows(facet, cos_o, top.alpha, top.distribution, self.surface, self._grid, ENERGY)
+        setup = (top.alpha, top.distribution, self.surface, self._grid, ENERGY)
+        single, multi, crossed = film_rows(facet, self._effective.distinct_facets[0], cos_o, *setup)
         return (single + multi)[0], crossed[0]
 
     @cached_property
@@ -214,7 +216,7 @@ class Adding:
         if resolution is self._shape:
             return self._by_depth(channel)[0][k]
         i = self._effective.interfaces[k]
-        return interface_operators(i.facet(channel), i.alpha, i.distribution, self.surface, self._grid, resolution)
+        return film_operators(i.facet(channel), self._effective.distinct_facets[k], i.alpha, i.distribution, self.surface, self._grid, resolution)
 
     def _by_depth(self, channel: int) -> tuple[list[InterfaceOperators], Resolution]:
         facets = self._effective.facets(channel)

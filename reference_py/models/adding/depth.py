@@ -7,7 +7,8 @@ import numpy as np
 
 from .direction_grid import Grid
 from .effective_stack import EffectiveStack
-from .operators import InterfaceOperators, Resolution, interface_operators
+from .film_operators import film_operators
+from .operators import InterfaceOperators, Resolution
 
 # Modes that add less than this to f, in 1/sr, are left out: their bound is some ten times what they do add.
 _UNSEEN = 1e-7
@@ -25,10 +26,11 @@ def operators_by_depth(
     operators: list[InterfaceOperators] = []
     asked: dict[tuple, Resolution] = {}
     through, is_clear = np.eye(grid.count(1.0))[None], True
-    for interface in effective.interfaces:
+    for k, interface in enumerate(effective.interfaces):
         like = (interface.facet(channel), interface.alpha, interface.distribution)
         # of interfaces that are alike the first has the most modes
-        own = interface_operators(*like, surface, grid, asked.setdefault(like, resolution)).cut(resolution.modes)
+        setup = (interface.alpha, interface.distribution, surface, grid, asked.setdefault(like, resolution))
+        own = film_operators(interface.facet(channel), effective.distinct_facets[k], *setup).cut(resolution.modes)
         operators.append(own)
         is_clear = is_clear and interface.scattering is None
         if is_clear and resolution.modes > 1:

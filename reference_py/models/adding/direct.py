@@ -10,7 +10,7 @@ from itertools import takewhile
 
 import numpy as np
 
-from ...optics.facet_reflectance import Facet
+from ...optics.facet_reflectance import DielectricFacet, Facet
 from ...optics.frame import dot, half_vector
 from ...optics.fresnel import cos_theta_t
 from ...optics.interface import Interface
@@ -19,11 +19,12 @@ from ...optics.slab import henyey_greenstein, peak, single_scattering, without_p
 from .direction_grid import Grid
 from .effective_stack import EffectiveStack
 from .facets import reflection_lobe
+from .film_operators import told_by_few
 from .operators import Resolution, knows_two_events, phase_terms
 from .two_events import two_reflections
 
 # Fresnel curves that one table of two reflections holds.
-_AT_ONCE = 3
+_AT_ONCE = 12
 
 
 def direct_f(effective: EffectiveStack, surface: str, wo: np.ndarray, wi: np.ndarray, grid: Grid, resolution: Resolution) -> np.ndarray:
@@ -124,8 +125,10 @@ def _event(effective: EffectiveStack, k: int, surface: str, wo, wi, resolution: 
 def _two_events(wo, wi, alpha: float, distribution: str, met: list[Facet]) -> np.ndarray:
     """f (P, len(met)) of two reflections on such facets."""
     distinct = tuple(dict.fromkeys(met))
+    known, shares = told_by_few(distinct) if isinstance(distinct[0], DielectricFacet) else (distinct, np.eye(len(distinct)))
     sines = np.maximum(np.hypot(wo[:, 0], wo[:, 1]) * np.hypot(wi[:, 0], wi[:, 1]), 1e-12)
     turn = (wo[:, 2], wi[:, 2], -(wo[:, 0] * wi[:, 0] + wo[:, 1] * wi[:, 1]) / sines)
     # of many channels a few at a time, which bounds memory
-    tables = (two_reflections(alpha, distribution, distinct[i : i + _AT_ONCE]) for i in range(0, len(distinct), _AT_ONCE))
-    return np.concatenate([table(*turn) for table in tables], axis=1)[:, [distinct.index(facet) for facet in met]]
+    tables = (two_reflections(alpha, distribution, known[i : i + _AT_ONCE]) for i in range(0, len(known), _AT_ONCE))
+    f = np.concatenate([table(*turn) for table in tables], axis=1) @ shares.T
+    return f[:, [distinct.index(facet) for facet in met]]

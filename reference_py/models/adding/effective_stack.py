@@ -3,6 +3,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -88,6 +89,11 @@ class EffectiveStack:
     def facets(self, channel: int) -> tuple[DielectricFacet, ...]:
         """What the interfaces' facets reflect in a channel of light from above."""
         return tuple(i.facet(channel) for i in self.interfaces)
+
+    @cached_property
+    def distinct_facets(self) -> list[tuple[DielectricFacet, ...]]:
+        """What the facets of each interface reflect in any channel."""
+        return [tuple(dict.fromkeys(interface.facet(channel) for channel in range(self.base.channels))) for interface in self.interfaces]
 
     def channels(self) -> list[tuple[int, list[int]]]:
         """(representative, members) of each set of channels that are alike."""
