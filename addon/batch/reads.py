@@ -27,16 +27,20 @@ class Reads:
 
 def reads_of(items: Iterable[Item]) -> dict[str, Reads]:
     """By .blend; asked of a Blender of its own, as a file may take it down. What cannot be opened is left out: its pictures will say so."""
-    blends, found = list(dict.fromkeys(item.blend for item in items if item.blend)), {}
+    frames: dict[str, set[int]] = {}
+    for item in items:
+        if item.blend:
+            frames.setdefault(item.blend, set()).add(item.frame)
+    found = {}
     worker = None
     with tempfile.TemporaryDirectory() as work:
         try:
-            for blend in blends:
+            for blend, shown in frames.items():
                 try:
                     if worker is None:
                         worker = Worker(Path(work), Path(work), 1)
                         worker.wait_until_ready()
-                    answer = worker.ask({"reads": blend})
+                    answer = worker.ask({"reads": blend, "frames": sorted(shown)})
                 except LaminaError:  # it is gone
                     if worker is not None:
                         worker.stop()

@@ -254,7 +254,7 @@ def _shown(item: dict, folder: Path, allow_missing: bool):
     path = folder / item["blend"]
     if not bpy.data.filepath or not os.path.samefile(bpy.data.filepath, path):
         bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
-    if lost := dependencies.missing():
+    if lost := dependencies.missing([item["frame"]]):
         if not allow_missing:
             raise RuntimeError(f"{dependencies.named(lost)}; `lamina farm --allow-missing` makes a bundle that goes on without")
         print(f"lamina: goes on without what is missing: {dependencies.named(lost)}", flush=True)

@@ -3,8 +3,8 @@
 
 Lines of JSON go both ways: in come items as `Item.to_dict` gives them, out goes {"ready": true} and then, for each
 item, {"id": ...} with "error" if it failed, with "scene" if so will all items of its scene, else with "notices" of what its scene shows
-wrong and its "megabytes". {"reads": BLEND} asks for the
-"files" that the file reads and what is "missing", or why it cannot be opened, "error". At the end of the input it leaves at once.
+wrong and its "megabytes". {"reads": BLEND, "frames": [...]} asks for the "files" that the file reads and what is "missing" at these frames, or why it
+cannot be opened, "error". At the end of the input it leaves at once.
 """
 
 import json
@@ -141,7 +141,7 @@ def serve(folder: Path, threads: int) -> None:
         while True:
             question = json.loads(items.get())
             if blend := question.get("reads"):
-                answer(_reads(blend))
+                answer(_reads(blend, question["frames"]))
                 continue
             item = Item.from_dict(question)
             try:
@@ -167,7 +167,7 @@ def memory() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6  # macOS, in bytes, and the most that it was
 
 
-def _reads(blend: str) -> dict:
+def _reads(blend: str, frames: list[int]) -> dict:
     from ..blender.blend_files import open_file
     from ..blender.dependencies import files_read, missing
 
@@ -175,4 +175,4 @@ def _reads(blend: str) -> dict:
         open_file(blend)
     except LaminaError as error:
         return {"error": str(error)}
-    return {"files": files_read(), "missing": missing()}
+    return {"files": files_read(), "missing": missing(frames)}

@@ -6,7 +6,7 @@ A farm's bundle has a copy of this file along. So it needs nothing else of Lamin
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import bpy
@@ -35,9 +35,12 @@ def files_read() -> list[str]:
     return sorted(found)
 
 
-def missing() -> list[str]:
-    """One phrase for each file and each linked data-block that the open .blend asks for and that is not there, or of a later Blender than this one."""
-    files = [(path, _why(path)) for path in files_read()]
+def missing(frames: Iterable[int] = ()) -> list[str]:
+    """One phrase for each file and each linked data-block that the open .blend asks for and that is not there, or of a later Blender than this one.
+
+    Of sequences it asks for the pictures of these frames.
+    """
+    files = [(path, _why(path)) for path in sorted({*files_read(), *_pictures_at(set(frames))})]
     lost = [f"{path} {why}" for path, why in files if why]
     without = {path for path, why in files if why}
     for name in (p.identifier for p in bpy.data.bl_rna.properties if p.type == "COLLECTION"):
@@ -107,6 +110,28 @@ def _frames(path: str) -> list[str]:
         return []
     pattern = re.compile(re.escape(name[: number.start()]) + r"\d+" + re.escape(number[2]))
     return _matching(folder, pattern) + ([] if os.path.exists(path) else [path])
+
+
+def _pictures_at(frames: set[int]) -> set[str]:
+    """The pictures of sequences that nodes show at frames, whether they are there or not."""
+    holders = (*bpy.data.materials, *bpy.data.worlds, *bpy.data.lights)
+    trees = [*bpy.data.node_groups, *(holder.node_tree for holder in holders if holder.node_tree is not None)]
+    found = set()
+    for node in [node for tree in trees for node in tree.nodes if node.bl_idname in ("ShaderNodeTexImage", "ShaderNodeTexEnvironment")]:
+        image, user = node.image, node.image_user
+        if image is None or image.source != "SEQUENCE" or not image.filepath or image.packed_files or not user.use_auto_refresh or user.frame_duration < 1:
+            continue
+        path = _absolute(image, image.filepath)
+        folder, name = os.path.split(path)
+        number = _NUMBER.search(name)
+        if number is None:
+            continue
+        for frame in frames:
+            at = frame - user.frame_start + 1
+            at = (at - 1) % user.frame_duration + 1 if user.use_cyclic else min(max(at, 0), user.frame_duration)
+            digits = f"{at + user.frame_offset:0{len(number[1])}d}"
+            found.add(os.path.join(folder, name[: number.start()] + digits + number[2]))
+    return found
 
 
 def _tiles(path: str) -> list[str]:

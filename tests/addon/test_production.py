@@ -141,6 +141,32 @@ def test_what_else_a_render_reads(blender, tmp_path):
         ["v_0001.vdb", "v_0002.vdb", "own.osl", "blendcache_s/a/1.bphys", "fluid/data/1.vdb", "baked/1/2.json"])  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    "start, duration, offset, cyclic, lost",
+    [
+        (1, 5, 0, False, {1: None, 2: 2, 3: None, 4: 4, 9: None}),
+        (3, 3, 2, False, {1: 2, 3: None, 4: 4, 5: None}),
+        (1, 2, 1, True, {1: 2, 2: None, 3: 2, 4: None}),
+    ],
+)
+def test_a_sequence_lacks_the_pictures_of_its_frames(blender, tmp_path, start, duration, offset, cyclic, lost):
+    """A gap within a sequence was no missing file, and its frame was rendered pink. Numbers as Cycles shows them, by pictures of one value each."""
+    from lamina.addon.blender.dependencies import missing
+    from lamina.addon.blender.versions import node_tree
+
+    bpy = blender
+    for i in (1, 3, 5):
+        production_scene.write_picture(tmp_path / f"dirt {i:03}.png", i)
+    node = node_tree(bpy.data.materials.new("m")).nodes.new("ShaderNodeTexImage")
+    node.image = bpy.data.images.load(str(tmp_path / "dirt 001.png"))
+    node.image.source = "SEQUENCE"
+    user = node.image_user
+    user.frame_start, user.frame_duration, user.frame_offset, user.use_cyclic, user.use_auto_refresh = start, duration, offset, cyclic, True
+    assert missing() == []
+    for frame, number in lost.items():
+        assert missing([frame]) == ([] if number is None else [f"{tmp_path / f'dirt {number:03}.png'} is not there"]), frame
+
+
 def test_changed_files_are_noticed_and_missing_ones_refused(scene):
     """The whole way: a batch, a changed library; then one that is gone; then a loop of libraries and a folder in place of a file."""
     arguments = ("batch", scene / "job.json", "-o", scene / "out", "--no-sheet")
