@@ -193,6 +193,7 @@ def test_tables_as_others_name_them(tmp_path):
         "theta_i phi_i  theta_v phi_v r g b\n10 0 10 180  1 1 2\n10 0 20 180 .5 .5 1\n10 0 20 0 .25 .5 1\n",
         "theta_i,phi_i,theta_o,phi_o,r,g,b\n10,0,-10,0,1,1,2\n10,0,-20,0,.5,.5,1\n10,0,20,0,.25,.5,1\n",
         "theta_in;theta_out;r;g;b\n10;10;1;1;2\n10;20;0,5;0,5;1\n10;-20;0,25;0,5;1\n",
+        "Theta_i (deg),Phi_i [deg],theta_o (degrees),phi_o [°],R [1/sr],G (sr^-1),b\n10,0,10,180,1,1,2\n10,0,20,180,.5,.5,1\n10,0,20,0,.25,.5,1\n",
     )
     for text in same:
         m = written(text)
@@ -200,6 +201,10 @@ def test_tables_as_others_name_them(tmp_path):
     assert any("half a turn further" in s for s in written(same[2]).found) and any("theta_s is theta_i" in s for s in written(same[0]).found)
     for name in ("brdf", "bsdf", "f"):
         assert written(f"theta_i,phi_i,theta_o,phi_o,{name}\n10,0,10,180,1\n10,0,20,180,.5\n").channels == 1
+    path.write_text("theta_r,theta_v,r,g,b\n10,10,1,1,2\n")
+    refused(path, "it has theta_r, theta_v, r, g, b;")  # as the file has them
+    path.write_text("theta_i [rad],theta_o [rad],r,g,b\n.1,.1,1,1,2\n")
+    refused(path, "it has theta_i [rad]")
     refused_text = "theta_i,phi_i,theta_o,phi_o,{}\n10,0,10,180,1\n"
     for name, words in (("brf", "f times pi"), ("f_cos", "times the cosine")):
         path.write_text(refused_text.format(name))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Plain tables: theta_i, phi_i, theta_o, phi_o in degrees, then r, g, b, one column per wavelength in nm, or one value.
 
-The first line that is no comment (#) names the columns, in any order, by the names of `ALIASES` too; values are f in 1/sr,
-without cosine. Semicolons, tabs and blanks separate too; beside the first two a comma is a decimal one. Without both phi
+The first line that is no comment (#) names the columns, in any order, by the names of `ALIASES` too, with units in brackets where a table has them;
+values are f in 1/sr, without cosine. Semicolons, tabs and blanks separate too; beside the first two a comma is a decimal one. Without both phi
 the table is in the plane of incidence: an angle of reflection is positive on the side away from the light. A negative
 angle from the normal is the positive one half a turn further.
 """
@@ -38,6 +38,8 @@ _RGB = ("r", "g", "b")
 _DELIMITERS = (";", "\t", ",")
 _MOST_BYTES = 500_000_000
 _WAVELENGTH = re.compile(r"(\d+(?:\.\d+)?)\s*(?:nm)?")
+# A column's unit: those that are meant anyway go, others stay a part of the name.
+_UNIT = re.compile(r"\s*[\[(](?:deg|degrees?|°|1/sr|sr\^?-1|nm)[\])]$")
 
 
 def _missing(names: list[str]) -> Sentence:
@@ -56,12 +58,12 @@ def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | N
     if len(lines) < 2:
         raise LaminaError("{path}: no rows; a table has a line of column names ({angles}, r, g, b) and numbers below it", path=path, angles=", ".join(ANGLES))
     delimiter = next((d for d in _DELIMITERS if d in lines[0][1]), None)
-    given = [name.strip().lower() for name in _cells(lines[0][1], delimiter)]
+    given = [_UNIT.sub("", name.strip().lower()) for name in _cells(lines[0][1], delimiter)]
     names = [ALIASES.get(name, name) for name in given]
     found = []
     if renamed := [Sentence("{old} is {new}", old=old, new=new) for old, new in zip(given, names) if old != new]:
         found.append(joined(renamed))
-    columns, nm = _columns(path, names)
+    columns, nm = _columns(path, names, given)
     numbers = _numbers(path, lines[1:], names, delimiter)
     in_plane = "phi_o" not in names
     if in_plane:
@@ -94,7 +96,7 @@ def _made_positive(angles: np.ndarray) -> list[Sentence]:
     return done
 
 
-def _columns(path: Path, names: list[str]) -> tuple[list[int], np.ndarray | None]:
+def _columns(path: Path, names: list[str], given: list[str]) -> tuple[list[int], np.ndarray | None]:
     needed = [name for name in ANGLES if not name.startswith("phi") or "phi_i" in names or "phi_o" in names]
     if "phi_o" in names:
         needed.remove("phi_i")  # then phi_o counts from the light's
@@ -104,7 +106,7 @@ def _columns(path: Path, names: list[str]) -> tuple[list[int], np.ndarray | None
             "{path}: {missing}; it has {names}; choose {angles}, then r, g, b or wavelengths in nm",
             path=path,
             missing=_missing(missing),
-            names=", ".join(names),
+            names=", ".join(given),
             angles=", ".join(ANGLES),
         )
     twice = sorted({name for name in names if names.count(name) > 1})
