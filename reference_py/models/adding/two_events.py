@@ -85,7 +85,8 @@ def _place(cos_theta, alpha: float):
     return 1.0 - np.sqrt(1.0 - np.minimum(even, 1.0))
 
 
-@lru_cache(maxsize=32)
+# of films one table holds many curves, some megabytes
+@lru_cache(maxsize=8)
 def two_reflections(alpha: float, distribution: str, facets: tuple[Facet, ...]) -> TwoReflections:
     """That of a surface of these facets, a curve each."""
     directions, azimuths = _FINE if alpha < _NARROW else _COARSE
