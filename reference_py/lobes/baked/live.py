@@ -36,6 +36,7 @@ from ..view_table import BASE_COLOR, DiffuseTable, GlossyTable, TableLobes
 from .black_and_white import over
 from .brushed_bake import is_brushed
 from .grid_energies import energies_of
+from .lobe_order import in_one_order
 from .side_by_side import truth_of_all
 
 MOST_AXES, _MOST_WITH_WAVES = 3, 2
@@ -263,6 +264,7 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     nodes |= {node: tables(baker, node) for node, baker in bakers.items()}
     if waves is not None:
         nodes = {own: part for node, shared in nodes.items() for own, part in _apart_by_channels(axes, node, shared)}
+    nodes = in_one_order(nodes)
     report(0.8)
     computed = [computed_of(axis, axes) for axis in axes]
     return grid_of(stack, axes, nodes, *energies_of(axes, computed, at, bool(found[center].plan), over_color))
