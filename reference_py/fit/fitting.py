@@ -42,8 +42,8 @@ _IDLE, _PATIENCE = 1e-2, 2
 _BEGINNINGS = (None, 1.0, None)
 # A fit within this is begun again from another place, as there may be a better one; noise and what no stack explains are more.
 _NEAR = 2.0 * MODEL_ERROR
-# Residuals of neighbours that are more alike than this are misfit rather than noise, and below this error there may be a stack without.
-_ALIKE, _EXPLAINED = 0.5, 10.0 * MODEL_ERROR
+# Residuals of neighbours that are more alike than this are misfit rather than noise; between these errors there may be a stack without.
+_ALIKE, _LEAST_MISFIT, _EXPLAINED = 0.5, 0.2 * MODEL_ERROR, 10.0 * MODEL_ERROR
 # Good enough, as a residual: far below the accuracy of `adding`.
 _EXACT = 1e-4
 
@@ -309,10 +309,10 @@ def fit_structure(
 
 
 def may_be_stuck(fit: Fit) -> bool:
-    """Whether the error is some times the model's, and no noise: another place may be better. What is far off no stack explains.
+    """Whether the error is more than nothing, and no noise: another place may be better. What is far off no stack explains.
 
     A model that has no stand-in is fitted from many starts itself.
     """
     if not stand_in(fit.model, fit.parameters, fit.metric)[1]:
         return False
-    return MODEL_ERROR < fit.error < _EXPLAINED and likeness(fit.metric, fit.residual) > _ALIKE
+    return _LEAST_MISFIT < fit.error < _EXPLAINED and likeness(fit.metric, fit.residual) > _ALIKE

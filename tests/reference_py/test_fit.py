@@ -227,8 +227,8 @@ def test_a_fit_follows_the_place_that_first_steps_bring_nearest_and_others_where
 
     begun = [0.03 * smooth, 0.02 * smooth, 0.025 * smooth]
     assert followed(begun, begun) == (pytest.approx(0.02), [1, 2, 0])
-    assert followed(begun, [begun[0], begun[1], 0.001 * smooth]) == (pytest.approx(0.001), [1, 2])
-    assert followed(begun, [begun[0], 0.004 * smooth, begun[2]]) == (pytest.approx(0.004), [1]), "explained"
+    assert followed(begun, [begun[0], begun[1], 0.0005 * smooth]) == (pytest.approx(0.0005), [1, 2])
+    assert followed(begun, [begun[0], 0.0009 * smooth, begun[2]]) == (pytest.approx(0.0009), [1]), "explained"
     assert followed([0.4 * smooth, 0.3 * smooth, 0.5 * smooth], [smooth, 0.3 * smooth, smooth]) == (pytest.approx(0.3), [1]), "no stack does"
     assert followed(begun, [begun[0], 0.03 * noise, begun[2]])[1] == [1], "noise"
 
