@@ -249,12 +249,13 @@ def grid_of(
         return np.stack(arrays).reshape(*size, KNOTS, -1)
 
     def before(values: np.ndarray, goes_on: int) -> np.ndarray:
-        """With rows before the first of each axis: the first `goes_on` columns go on as they began, the rest stays."""
+        """With rows before the first of each axis: the first `goes_on` columns go on as they began, but no faster than to 0 where the axis has it; the rest stays."""
         for number, axis in enumerate(axes):
             first, second = (np.take(values, [i], number) for i in (0, 1))
             *lower, start, following = axis.knots.knots[: axis.before + 2]
-            slope = (first - second) / (following - start) * (np.arange(values.shape[-1]) < goes_on)
-            values = np.concatenate([*(first + slope * (start - knot) for knot in lower), values], axis=number)
+            slope = (second - first) / (following - start) * (np.arange(values.shape[-1]) < goes_on)
+            slope = np.minimum(slope, first / start) if lower and goes_on else slope
+            values = np.concatenate([*(first + slope * (knot - start) for knot in lower), values], axis=number)
         return values.round(DIGITS)
 
     lobes = []

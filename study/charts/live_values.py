@@ -35,6 +35,7 @@ STACKS = {
     "varnish over glaze over metal": ([_VARNISH, _GLAZE], _METAL),
     "varnish over frosted glaze over metal": ([_VARNISH, _GLAZE | {"roughness": 0.3}], _METAL),
     "filmed glaze over paint": ([_GLAZE | {"film_thickness": 300.0, "film_ior": 1.9}], _WOOD),
+    "filmed varnish over metal": ([_VARNISH | {"film_thickness": 300.0, "film_ior": 1.9}], _METAL),
 }
 _COLOR = Place(None, "color")
 CASES = (
@@ -47,6 +48,8 @@ CASES = (
     ("varnish over paint", (Place(0, "roughness"), Place(0, "thickness"), _COLOR)),
     ("varnish over paint", (Place(0, "roughness"), Place(0, "tint"), Place(0, "thickness"), _COLOR)),
     ("metal", (Place(None, "reflectance"),)),
+    ("metal", (Place(None, "roughness"),)),
+    ("metal", (Place(None, "roughness"), Place(None, "reflectance"))),
     ("varnish over metal", (Place(None, "reflectance"),)),
     ("varnish over metal", (Place(None, "edge_color"),)),
     ("varnish over metal", (Place(None, "reflectance"), Place(None, "edge_color"))),
@@ -57,6 +60,7 @@ CASES = (
     ("glaze over metal", (Place(0, "ior"),)),
     ("varnish over glaze over metal", (Place(1, "ior"),)),
     ("filmed glaze over paint", (Place(0, "film_thickness"), _COLOR)),
+    ("filmed varnish over metal", (Place(0, "film_thickness"), Place(0, "roughness"))),
     ("milk over metal", (Place(0, "density"),)),
     ("milk over metal", (Place(0, "scatter_color"),)),
     ("milk over paint", (Place(0, "density"), Place(0, "scatter_color"))),

@@ -4,7 +4,7 @@
 Energy is exact at the knots by construction: the fitted weights are scaled to what `adding` says.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -135,8 +135,8 @@ class Baker:
         trials = [(number, self._plans[number].branches(free[number])) for number in numbers]
         return min(trials, key=lambda trial: trial[1].error) if trials else (0, self._plans[0].branches(0))
 
-    def continued(self, found: Found, wider: float = 1.0) -> Found:
-        """The fits to this stack's truth that begin at those of a stack much like it, of alphas so many times as wide."""
+    def continued(self, found: Found, wider: Sequence[float] = (1.0,)) -> Found:
+        """The fits to this stack's truth that begin at those of a stack much like it, with lobes so many times as wide: the best of these."""
         return replace(found, path=continued_path(self._plans[found.plan], found.path, wider))
 
     def lobe_set(self, found: Found, keep: tuple[type, ...] = ()) -> TableLobes:

@@ -241,10 +241,14 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
             return truth_of(at(coordinates(node)))
         return truth_of_all([at([wave if axis.has_waves else value for axis, value in zip(axes, coordinates(node))]) for wave in waves.tolist()])
 
-    def wider(node: tuple[int, ...], near: tuple[int, ...]) -> float:
-        """How much wider lobes are that are as rough as a surface; which of them is which is not to change along it, where none has its place as the top's."""
-        ratios = [a / b for a, b, axis in zip(coordinates(node), coordinates(near), axes) if axis.live[0].name == "roughness"]
-        return 1.0 if waves is None else float(np.prod(np.square(ratios)))
+    def wider(node: tuple[int, ...], near: tuple[int, ...]) -> tuple[float, ...]:
+        """How many times as wide lobes begin as at a node nearby: where a surface is alone all get wider as it does. Along waves both are tried,
+        as which lobe is which is not to change there.
+        """
+        ratio = float(np.prod([(a / b) ** 2 for a, b, axis in zip(coordinates(node), coordinates(near), axes) if axis.live[0].name == "roughness"]))
+        if waves is not None and ratio != 1.0:
+            return (1.0, ratio)
+        return (1.0,) if stack.layers else (ratio,)
 
     for done, node in enumerate(order):
         baker = make_baker(at(coordinates(node)), truth_at(node), is_scaled=waves is not None)

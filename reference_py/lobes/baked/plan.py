@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fits at every knot of the view that change slowly along it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import permutations
 
@@ -247,15 +248,15 @@ def _between(plan: Plan, distributions: tuple[str, ...], joined: Mixtures) -> np
     return errors[place].reshape(pairs.shape)
 
 
-def continued_path(plan: Plan, path: Path, wider: float = 1.0) -> Path:
-    """The path to another truth that is much like the one it was found for: every fit begins where the other ended.
+def continued_path(plan: Plan, path: Path, wider: Sequence[float] = (1.0,)) -> Path:
+    """The path to another truth that is much like the one it was found for: every fit begins where the other ended, with lobes so many times as wide.
 
-    Where surfaces are so many times as `wide` some lobes are too, and others are not: of both the path changes least along the view.
+    Of several such widths the path is taken that changes least along the view.
     """
-    if wider != 1.0:
-        starts = [path.mixtures.shape, path.mixtures.shape + np.log([wider, wider, 1.0])]
-        return _settled(plan, _joined(plan, path.distributions, [plan.fits.fit(path.distributions, start, _CONTINUED) for start in starts]))
-    mixtures = _symmetric_at_normal(plan, path.distributions, [plan.fits.fit(path.distributions, path.mixtures.shape, _CONTINUED)])
+    found = [plan.fits.fit(path.distributions, path.mixtures.shape + np.log([ratio, ratio, 1.0]), _CONTINUED) for ratio in wider]
+    if len(found) > 1:
+        return _settled(plan, _joined(plan, path.distributions, found))
+    mixtures = _symmetric_at_normal(plan, path.distributions, found)
     return Path(path.distributions, mixtures, float(np.sum(mixtures.error)))
 
 
