@@ -108,7 +108,7 @@ LIVE = pytest.mark.parametrize(
         ([FILMED], METAL, {(0, "Film Thickness"): 371.0, (0, "Tint"): (0.3, 0.8, 0.02)}),
         ([], METAL_FILMED, {(None, "Film Thickness"): 371.0, (None, "Roughness"): 0.27}),
         ([GLAZE], METAL, {(0, "Tint"): (0.3, 0.8, 0.02)}),
-        ([], METAL, {(None, "Roughness"): 0.12, (None, "Reflectance"): (0.3, 0.5, 0.9)}),
+        ([], METAL, {(None, "Roughness"): 0.27, (None, "Reflectance"): (0.3, 0.5, 0.9)}),
         ([VARNISH], METAL, {(None, "Reflectance"): (0.02, 0.5, 0.97), (None, "Edge Color"): (0.2, 0.9, 0.5)}),
         ([VARNISH], CLAY, {(None, "Slope Deviation"): 42.0, (None, "Color"): (0.6, 0.1, 0.9)}),
         ([MILK], WOOD, {(0, "Density"): 1.7, (0, "Scatter Color"): (0.3, 0.85, 0.05)}),
