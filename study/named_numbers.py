@@ -364,6 +364,8 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "bakes over principled": lambda: span(within_two_percent(), 2),
     "three live energy": lambda: span([100.0 * float(r["albedo_worst"]) for r in rows("live_values") if r["axes"] == "3"], 1) + " %",
     "three live shape": lambda: span(live_shapes(lambda r: r["axes"] == "3"), 1),
+    "film beside roughness energy": lambda: percent(cell("live_values", "albedo_worst", stack="filmed varnish over metal"), 1),
+    "film beside roughness shape": lambda: plain(np.max(live_shapes(lambda r: r["stack"] == "filmed varnish over metal")), 1),
     "live bakes seconds": lambda: span(column(rows("live_values"), "cpu_s"), 0) + " s",
     "medium energy": lambda: percent(max(cell("live_values", "albedo_worst", stack="milk over metal", live=f"the {name} of layer 0") for name in ("density", "scatter color")), 1),
     "medium shape": lambda: span(live_shapes(lambda r: "milk" in r["stack"]), 1),

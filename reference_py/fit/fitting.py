@@ -309,7 +309,7 @@ def fit_structure(
 
 
 def may_be_stuck(fit: Fit) -> bool:
-    """Whether the error is more than nothing, and no noise: another place may be better. What is far off no stack explains.
+    """Whether what is left is misfit and no noise, so that another place may be better. Far off, no stack explains the data.
 
     A model that has no stand-in is fitted from many starts itself.
     """

@@ -229,9 +229,14 @@ def _lobe(lobe: LiveLobe, weight, shape, cos_theta_o, brushing: float | None):
     if lobe.is_diffuse:
         return DiffuseLobe(weight, normal=lobe.normal)
     root_x, root_y, slope = np.moveaxis(shape, -1, 0)
-    alpha_x, alpha_y = (np.clip(np.square(np.maximum(root, 0.0)), MIN_ALPHA, 1.0) for root in (root_x, root_y))
+    alpha_x, alpha_y = _alpha(root_x), _alpha(root_y)
     tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)))
     return GlossyLobe(lobe.distribution, weight, alpha_x, alpha_y, tilt, lobe.fresnel, brushing if lobe.is_brushed else None, lobe.normal)
+
+
+def _alpha(root: np.ndarray) -> np.ndarray:
+    """Of its root, which may go on below 0."""
+    return np.clip(np.square(np.maximum(root, 0.0)), MIN_ALPHA, 1.0)
 
 
 def grid_of(
@@ -299,9 +304,7 @@ def _all_units(axes: tuple[Axis, ...], table_at: Callable, shape: np.ndarray, fi
         if min(known) >= 0:
             units[node] = fitted[known]
         else:
-            alphas = np.clip(np.square(np.maximum(shape[node][:, :2], 0.0)), MIN_ALPHA, 1.0)
-            nearest = table_at(tuple(max(i, 0) for i in known))
-            units[node] = _unit(replace(nearest, shape=np.concatenate([alphas, shape[node][:, 2:]], axis=1)), known_units)
+            units[node] = _unit(_shaped(table_at(tuple(max(i, 0) for i in known)), shape[node]), known_units)
     return units.round(DIGITS)
 
 
@@ -312,21 +315,21 @@ def _fine_units(axes: tuple[Axis, ...], table: GlossyTable, shape: np.ndarray, k
         shape = np.stack([_blend(rows, [place]) for place in places], axis=number)
     units = np.empty((*shape.shape[:-1], 1))
     for node in np.ndindex(shape.shape[:-2]):
-        alphas = np.clip(np.square(np.maximum(shape[node][:, :2], 0.0)), MIN_ALPHA, 1.0)
-        units[node] = _unit(replace(table, shape=np.concatenate([alphas, shape[node][:, 2:]], axis=1)), known_units)
+        units[node] = _unit(_shaped(table, shape[node]), known_units)
     return units.round(DIGITS)
+
+
+def _shaped(table: GlossyTable, shape: np.ndarray) -> GlossyTable:
+    """The table with a shape (KNOTS, 3) of a `LiveLobe`."""
+    return replace(table, shape=np.concatenate([_alpha(shape[:, :2]), shape[:, 2:]], axis=1))
 
 
 def _unit(table: GlossyTable, known: dict[tuple, np.ndarray]) -> np.ndarray:
     """Its energy (KNOTS, 1) at weight 1, which is `known` of shapes that others have too."""
     key = table.shape.tobytes(), table.frame
     if key not in known:
-        known[key] = _unit_energy(table)
+        known[key] = np.maximum(unit_energy(table.lobe(knot_cosines()), knot_cosines())[:, :1], 1e-3)
     return known[key]
-
-
-def _unit_energy(table: GlossyTable) -> np.ndarray:
-    return np.maximum(unit_energy(table.lobe(knot_cosines()), knot_cosines())[:, :1], 1e-3)
 
 
 def _blend(array: np.ndarray, places: list) -> np.ndarray:

@@ -136,20 +136,37 @@ def test_a_live_value_of_no_layer_is_refused():
         make_lobe_set(presets.load("tinted_glaze"), "baked", live=(Place(7, "roughness"),))
 
 
-def test_lobes_of_a_bare_metal_do_not_change_places_along_the_view():
-    """Between knots too: where they do, a narrow lobe and a wide one are mixed there (19 % too bright at 29 degrees, roughness .05)."""
-    stack = Stack.from_dict({"layers": [], "base": {**METAL, "edge_color": [1.0, 1.0, 1.0], "roughness": 0.3}})
+@pytest.mark.parametrize("edge_color", [(1.0, 1.0, 1.0), METAL["edge_color"]])
+def test_lobes_of_a_bare_metal_do_not_change_places_along_the_view(edge_color):
+    """Between knots too: where they do, a narrow lobe and a wide one are mixed there (up to 19 % too bright, roughness .05)."""
+    stack = Stack.from_dict({"layers": [], "base": {**METAL, "edge_color": list(edge_color), "roughness": 0.3}})
     baked = make_lobe_set(stack, "baked", live=(Place(None, "roughness"),)).lobe_set
     knots = np.sort(knot_cosines())
     cos_o = np.concatenate([knots, 0.5 * (knots[1:] + knots[:-1])])
     cos_o = cos_o[cos_o > np.cos(np.radians(85.0))]
     for roughness in (0.05, 0.13, 0.3, 0.58):
         here = replace(stack, base=stack.base.with_values(roughness=roughness))
-        error = (
-            sum(lobe_energy(lobe, cos_o) for lobe in baked.with_values_of(here).lobes(cos_o)) / truth_of(here).albedo(spherical(np.arccos(cos_o), 0.0)) - 1.0
+        energy, truth = (
+            sum(lobe_energy(lobe, cos_o) for lobe in baked.with_values_of(here).lobes(cos_o)),
+            truth_of(here).albedo(spherical(np.arccos(cos_o), 0.0)),
         )
-        print(f"roughness {roughness}: {100 * np.max(np.abs(error)):.1f} %")
-        assert np.max(np.abs(error)) < 0.015
+        error = np.max(np.abs(energy / truth - 1.0))
+        print(f"roughness {roughness}: {100 * error:.1f} %")
+        assert error < 0.015
+
+
+def test_below_the_first_knot_lobes_get_narrow_no_faster_than_the_surface():
+    """Where they went on as they began some were mirrors at a roughness of .1 (shapes 80 % off at the worst view, and more)."""
+    stack = Stack.from_dict({"layers": [], "base": {**METAL, "edge_color": [1.0, 1.0, 1.0], "roughness": 0.3}})
+    baked = make_lobe_set(stack, "baked", live=(Place(None, "roughness"), Place(None, "reflectance"))).lobe_set
+    (axis,) = (axis for axis in baked.axes if axis.live[0].name == "roughness")
+    number, knots = baked.axes.index(axis), axis.knots.knots
+    for lobe in baked.grid:
+        if lobe.shape is None:
+            continue
+        root = np.moveaxis(lobe.shape[..., :2], number, 0)
+        for i in range(axis.before):
+            assert np.all(root[i] >= root[axis.before] * knots[i] / knots[axis.before] - 1e-3)
 
 
 @pytest.mark.parametrize("changed", [slice(3, 7), slice(0, 1), slice(5, None)])

@@ -9,7 +9,7 @@ from functools import reduce
 import numpy as np
 
 from ...material.place import Place, places
-from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
+from ...material.schema import ANISOTROPY, DIELECTRIC, SCATTERING
 from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
@@ -55,7 +55,7 @@ _INDICES, _REFLECTANCES = (1.02, 4.0), (0.004, 0.999)
 _DEEPEST, _DEEPEST_MEDIUM = 6.0, 30.0
 # Of a film: in nm its thickness times its index, beyond which its colors are pale, a blue fringe being 225; and steps of its energies, and of how these depend on another value, from one that is computed to the next.
 _THICKEST_PATH, _FILM_KNOTS, _FILM_FINE, _FILM_CROSS = 1600.0, 33, 4, 2
-_MOST_FILM_INDEX = THIN_FILM.parameters[1].maximum
+_MOST_FILM_INDEX = DIELECTRIC.parameter("film_ior").maximum
 # Knots of how energies depend on a film and on another value, of numbers and of colors.
 _CROSS_BESIDE_FILM = {False: 9, True: 13}
 # The bend of a scale of energies (`Scale`) that change fastest where surfaces are narrow, tints thin, metals dark and indices near 1.

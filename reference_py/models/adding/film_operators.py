@@ -5,6 +5,7 @@ What light does that meets one facet is linear in the facet's Fresnel curve, and
 more facets is not, and may be off by .9 % of an albedo where a surface is as rough as can be, by .3 % at a roughness of .5.
 """
 
+from dataclasses import fields
 from functools import lru_cache
 
 import numpy as np
@@ -17,7 +18,6 @@ from .operators import InterfaceOperators, dielectric_rows, interface_operators
 _MOST, _COSINES = 12, np.linspace(0.0, 1.0, 97)
 # How much more counts that shares sum to 1.
 _WHOLE = 30.0
-_PARTS = ("r_up", "t_down", "r_down", "t_up", "single")
 
 
 def film_operators(facet: DielectricFacet, among: tuple[DielectricFacet, ...], alpha, *setup) -> InterfaceOperators:
@@ -54,7 +54,7 @@ def told_by_few(facets: tuple[DielectricFacet, ...]) -> tuple[tuple[DielectricFa
 @lru_cache(maxsize=2)
 def _chosen_operators(among: tuple[DielectricFacet, ...], alpha, *setup) -> list[np.ndarray]:
     operators = [interface_operators(facet, alpha, *setup) for facet in told_by_few(among)[0]]
-    return [np.stack([getattr(one, name) for one in operators]) for name in _PARTS]
+    return [np.stack([getattr(one, part.name) for one in operators]) for part in fields(InterfaceOperators)]
 
 
 @lru_cache(maxsize=2)
