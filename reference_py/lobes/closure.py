@@ -17,6 +17,7 @@ from ..optics.ggx import turn_of
 from ..optics.microfacet import GGX, anisotropic_distribution, distribution_of, is_specular, smith_lambda_stretched
 from ..optics.quadrature import GOLDEN
 from ..optics.thin_film import film_reflectance
+from .diffuse_ramp import ramp_f
 from .lobe import DielectricCurve, DiffuseLobe, FilmCurve, GlossyLobe, SchlickCurve
 
 # Cycles drops a closure whose mean weight is below this.
@@ -33,6 +34,8 @@ def lobe_f(lobe: GlossyLobe | DiffuseLobe, wo: np.ndarray, wi: np.ndarray) -> np
     weighted = lobe.weight if isinstance(lobe, GlossyLobe) or lobe.color is None else lobe.weight * np.asarray(lobe.color)
     weight = np.where(np.mean(weighted, axis=-1, keepdims=True) < WEIGHT_CUTOFF, 0.0, lobe.weight)
     if isinstance(lobe, DiffuseLobe):
+        if lobe.ramp is not None:
+            return weight * ramp_f(lobe.ramp, wi[..., 2])
         if lobe.color is None:
             return weight / np.pi * np.ones(wi.shape)
         return weight * oren_nayar(wi, wo, np.array(lobe.color), lobe.sigma_deg, lobe.power)

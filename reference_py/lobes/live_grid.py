@@ -12,14 +12,13 @@ from functools import reduce
 
 import numpy as np
 
-from ..errors import LaminaError
 from ..material.place import Place
 from ..material.stack import Stack
 from .axes import Axis, AzimuthAxis, Scale, brushing_of, has_waves, top_index
-from .closure import unit_energy
+from .diffuse_ramp import RAMP_COSINES
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from .own_normals import BELOW, DIFFUSE, TOP, normals_of_fits
-from .view_table import BASE_COLOR, KNOTS, MIN_COS_O, DiffuseTable, GlossyTable, TableLobes, interpolate, knot_cosines
+from .view_table import BASE_COLOR, MIN_COS_O, interpolate
 
 # Less is nothing to Cycles.
 MIN_ENERGY = 1e-7
@@ -88,11 +87,27 @@ class LiveLobe:
 
 
 @dataclass(frozen=True)
+class LiveRamp:
+    """Ramps of `diffuse_ramp`: Lambert's, and of each of `modes` (n, 8) so much as `amounts` (..., n, 3) has at the knots of the axes, which come first."""
+
+    modes: np.ndarray
+    amounts: np.ndarray
+
+    def at(self, amounts: np.ndarray) -> np.ndarray:
+        """The ramp (8, 3) of amounts (n, 3)."""
+        return np.maximum(RAMP_COSINES[:, None] + self.modes.T @ amounts, 0.0)
+
+
+@dataclass(frozen=True)
 class LiveBase:
-    """What a diffuse base of a live color adds (`BaseColorTable`) on the grid: the logarithms of `through` and of `back`."""
+    """What a diffuse base of a live color adds (`BaseColorTable`) on the grid: the logarithms of `through` and of `back`.
+
+    `ramp` is where its light goes. What turns with a brushing has none, and is left to Lambert.
+    """
 
     log_through: LogEnergy
     log_back: LogEnergy
+    ramp: LiveRamp | None = None
 
 
 @dataclass(frozen=True)
@@ -152,49 +167,69 @@ class LiveLobes:
         grid = self.grid if self.index is None else [_with_index(lobe, self.index.live[0].value(self.stack)) for lobe in self.grid]
         brushing = self.brushing
         if brushing is None:
-            return [_lobe(lobe, *parts, cos_theta_o, None) for lobe, parts in zip(grid, self._parts(cos_theta_o))]
+            ramp = self._ramp()
+            return [_lobe(lobe, *parts, cos_theta_o, None, ramp) for lobe, parts in zip(grid, self._parts(cos_theta_o))]
         cos_theta_o, turned = np.broadcast_arrays(cos_theta_o, np.abs(np.cos(np.asarray(phi, float) - brushing)))
         parts = at_azimuths(self._parts, cos_theta_o, turned)
         return [_lobe(lobe, *part, cos_theta_o, brushing) for lobe, part in zip(grid, parts)]
 
-    def _parts(self, cos_theta_o, turned: float = 1.0):
-        """(weight, shape) of every lobe at views whose azimuth from the brushing has this cosine."""
-        coordinates = [turned if isinstance(axis, AzimuthAxis) else axis.coordinate(self.stack) for axis in self.axes]
-        # the channels' places, at knots and fine ones, and the one that shapes are read at
-        each, fine, cross = ([_by_channel(getattr(axis, scale), at) for axis, at in zip(self.axes, coordinates)] for scale in ("knots", "fine", "cross"))
-        one = [axis.knots.place(axis.shared(at)) for axis, at in zip(self.axes, coordinates)]
+    def through(self, cos_theta: np.ndarray) -> np.ndarray:
+        """What gets to a base of a live color and out again, (n, 3), for views of cosines (n,), where nothing is brushed."""
+        return self._energies()(self.base.log_through, cos_theta)
 
-        def color(array, places=each):
-            by_channel = [_blend(array[..., c : c + 1], [(i[c], t[c]) for i, t in places]) for c in range(3)]
-            return interpolate(np.concatenate(by_channel, axis=-1), cos_theta_o)
+    def _ramp(self) -> np.ndarray | None:
+        if self.base is None or self.base.ramp is None:
+            return None
+        places = [_by_channel(axis.knots, axis.coordinate(self.stack)) for axis in self.axes]
+        amounts = [blended(self.base.ramp.amounts[..., c], [(i[c], t[c]) for i, t in places]) for c in range(3)]
+        return self.base.ramp.at(np.stack(amounts, axis=-1))
 
-        left = None if self.coefficients is None else [_blend(self.coefficients, [(i[c], t[c]) for i, t in cross]) for c in range(3)]
+    def _coordinates(self, turned: float) -> list:
+        """Where the axes are read, of views whose azimuth from the brushing has this cosine."""
+        return [turned if isinstance(axis, AzimuthAxis) else axis.coordinate(self.stack) for axis in self.axes]
 
-        def energy(log: LogEnergy):
-            total = sum(color(table, [place]) for table, place in zip(log.along, fine))
+    def _energies(self, turned: float = 1.0) -> Callable[[LogEnergy, np.ndarray], np.ndarray]:
+        """Energies (..., 3) at the live values, for views of cosines (...)."""
+        fine, cross = ([_by_channel(getattr(axis, scale), at) for axis, at in zip(self.axes, self._coordinates(turned))] for scale in ("fine", "cross"))
+        left = None if self.coefficients is None else [blended(self.coefficients, [(i[c], t[c]) for i, t in cross]) for c in range(3)]
+
+        def energy(log: LogEnergy, cos_theta_o: np.ndarray) -> np.ndarray:
+            total = sum(_color(table, [place], cos_theta_o) for table, place in zip(log.along, fine))
             if left is not None:
                 total = total + interpolate(np.stack([left[c] @ log.modes[..., c].reshape(len(left[c]), -1) for c in range(3)], axis=-1), cos_theta_o)
             return log.of(total)
 
+        return energy
+
+    def _parts(self, cos_theta_o, turned: float = 1.0):
+        """(weight, shape) of every lobe at views whose azimuth from the brushing has this cosine."""
+        coordinates = self._coordinates(turned)
+        # the channels' places, and the one that shapes are read at
+        each, one = (
+            [_by_channel(axis.knots, at) for axis, at in zip(self.axes, coordinates)],
+            [axis.knots.place(axis.shared(at)) for axis, at in zip(self.axes, coordinates)],
+        )
+
         def shared(array, places=one):
-            return interpolate(_blend(array, places), cos_theta_o)
+            return interpolate(blended(array, places), cos_theta_o)
 
         where_units = one
         if has_waves(self.axes):
             where_units = [axis.fine.place(axis.shared(at)) for axis, at in zip(self.axes, coordinates)]
-        total = energy(self.log_sum)
+        energy = self._energies(turned)
+        total = energy(self.log_sum, cos_theta_o)
         result = []
         for lobe in self.grid:
             if lobe.energy is None:
                 weight = np.ones_like(total)
             elif isinstance(lobe.energy, LogEnergy):
-                weight = energy(lobe.energy)
+                weight = energy(lobe.energy, cos_theta_o)
             else:
-                weight = total * color(lobe.energy) / shared(lobe.unit, where_units)
+                weight = total * _color(lobe.energy, each, cos_theta_o) / shared(lobe.unit, where_units)
             shape = None
             if lobe.is_diffuse and self.base is not None:
                 base = np.clip(self.stack.base["color"], 0.0, 1.0)
-                weight = weight + energy(self.base.log_through) * base / (1.0 - energy(self.base.log_back) * base)
+                weight = weight + energy(self.base.log_through, cos_theta_o) * base / (1.0 - energy(self.base.log_back, cos_theta_o) * base)
             if lobe.shape is not None:
                 shape = shared(lobe.shape)
             result.append((weight, shape))
@@ -215,6 +250,12 @@ def at_azimuths(parts: Callable, cos_theta_o: np.ndarray, turned: np.ndarray) ->
     return found
 
 
+def _color(array: np.ndarray, places: list, cos_theta_o: np.ndarray) -> np.ndarray:
+    """The array at views, each channel at its own places of the axes."""
+    by_channel = [blended(array[..., c : c + 1], [(i[c], t[c]) for i, t in places]) for c in range(3)]
+    return interpolate(np.concatenate(by_channel, axis=-1), cos_theta_o)
+
+
 def _by_channel(scale: Scale, coordinate) -> tuple[np.ndarray, ...]:
     return tuple(np.broadcast_to(part, 3) for part in scale.place(coordinate))
 
@@ -223,67 +264,20 @@ def _with_index(lobe: LiveLobe, eta: float) -> LiveLobe:
     return lobe if lobe.fresnel is None else replace(lobe, fresnel=DielectricCurve(eta))
 
 
-def _lobe(lobe: LiveLobe, weight, shape, cos_theta_o, brushing: float | None):
+def _lobe(lobe: LiveLobe, weight, shape, cos_theta_o, brushing: float | None, ramp: np.ndarray | None = None):
     if lobe.is_specular:
         return GlossyLobe(lobe.distribution, weight, *(np.zeros_like(cos_theta_o) for _ in range(3)), normal=lobe.normal)
     if lobe.is_diffuse:
-        return DiffuseLobe(weight, normal=lobe.normal)
+        return DiffuseLobe(weight, normal=lobe.normal, ramp=ramp)
     root_x, root_y, slope = np.moveaxis(shape, -1, 0)
-    alpha_x, alpha_y = _alpha(root_x), _alpha(root_y)
+    alpha_x, alpha_y = alpha_of(root_x), alpha_of(root_y)
     tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_theta_o), 0.0)))
     return GlossyLobe(lobe.distribution, weight, alpha_x, alpha_y, tilt, lobe.fresnel, brushing if lobe.is_brushed else None, lobe.normal)
 
 
-def _alpha(root: np.ndarray) -> np.ndarray:
+def alpha_of(root: np.ndarray) -> np.ndarray:
     """Of its root, which may go on below 0."""
     return np.clip(np.square(np.maximum(root, 0.0)), MIN_ALPHA, 1.0)
-
-
-def grid_of(
-    stack: Stack, axes: tuple[Axis, ...], nodes: dict[tuple[int, ...], TableLobes], energies: dict[str, LogEnergy], coefficients: np.ndarray | None
-) -> LiveLobes:
-    """A grid of the lobe sets at its nodes, which must have the same lobes, and of energies: "mirrors", "fitted", and over a base of a live color
-    "through" and "back". Lobes with a frame are brushed; it is that of views of azimuth 0. Raises LaminaError when lobes differ.
-    """
-    size = tuple(axis.knots.count - axis.before for axis in axes)
-    if len({len(lobe_set.tables) for lobe_set in nodes.values()}) != 1 or len(nodes) != np.prod(size):
-        raise LaminaError("the lobe sets of a grid differ in their lobes")
-
-    def gathered(number: int, part) -> np.ndarray:
-        arrays = [part(nodes[index].tables[number]) for index in np.ndindex(size)]
-        return np.stack(arrays).reshape(*size, KNOTS, -1)
-
-    def before(values: np.ndarray, goes_on: int) -> np.ndarray:
-        """With rows before the first of each axis: the first `goes_on` columns go on as they began, but no faster than to 0 where the axis has it; the rest stays."""
-        for number, axis in enumerate(axes):
-            first, second = (np.take(values, [i], number) for i in (0, 1))
-            *lower, start, following = axis.knots.knots[: axis.before + 2]
-            slope = (second - first) / (following - start) * (np.arange(values.shape[-1]) < goes_on)
-            slope = np.minimum(slope, first / start) if lower and goes_on else slope
-            values = np.concatenate([*(first + slope * (knot - start) for knot in lower), values], axis=number)
-        return values.round(DIGITS)
-
-    lobes = []
-    for number, first in enumerate(nodes[(0,) * len(axes)].tables):
-        if isinstance(first, DiffuseTable):
-            lobes.append(LiveLobe(gathered(number, lambda table: table.weight), unit=np.ones((*unit_sizes(axes), KNOTS, 1))))
-        elif not np.any(first.shape):
-            lobes.append(LiveLobe(energies["mirrors"], first.distribution))
-        else:
-            shape = gathered(number, lambda table: np.concatenate([np.sqrt(table.shape[:, :2]), table.shape[:, 2:]], axis=1))
-            shape = before(shape, 2)
-            if first.fresnel is not None:
-                lobes.append(LiveLobe(None, first.distribution, shape, first.fresnel, is_brushed=first.frame is not None))
-                continue
-            known: dict[tuple, np.ndarray] = {}
-            unit = gathered(number, lambda table, known=known: _unit(table, known))
-            units = _all_units(axes, lambda node, number=number: nodes[node].tables[number], shape, unit, known)
-            energy = gathered(number, lambda table: table.weight) * unit
-            lobes.append(LiveLobe(energy, first.distribution, shape, unit=units, is_brushed=first.frame is not None))
-    total = np.maximum(sum(lobe.energy for lobe in lobes if lobe.unit is not None), MIN_ENERGY)
-    lobes = [replace(lobe, energy=before(lobe.energy / total, 0)) if lobe.unit is not None else lobe for lobe in lobes]
-    base = LiveBase(energies["through"], energies["back"]) if "through" in energies else None
-    return LiveLobes(stack, axes, tuple(lobes), energies["fitted"], coefficients, base)
 
 
 def unit_sizes(axes: tuple[Axis, ...]) -> tuple[int, ...]:
@@ -291,47 +285,6 @@ def unit_sizes(axes: tuple[Axis, ...]) -> tuple[int, ...]:
     return tuple((1 if axis.has_waves else axis.fine.count) if has_waves(axes) else axis.knots.count for axis in axes)
 
 
-def _all_units(axes: tuple[Axis, ...], table_at: Callable, shape: np.ndarray, fitted: np.ndarray, known_units: dict) -> np.ndarray:
-    """The energies (..., KNOTS, 1) of a lobe of weight 1 at all knots of shapes (..., KNOTS, 3), of which those that were fitted are known, as is the table there.
-
-    Beside an axis of waves, along which lobes keep their shapes, those at the fine knots of the other.
-    """
-    if has_waves(axes):
-        return _fine_units(axes, table_at((0,) * len(axes)), shape, known_units)
-    units = np.empty((*shape.shape[:-1], 1))
-    for node in np.ndindex(*(axis.knots.count for axis in axes)):
-        known = tuple(i - axis.before for i, axis in zip(node, axes))
-        if min(known) >= 0:
-            units[node] = fitted[known]
-        else:
-            units[node] = _unit(_shaped(table_at(tuple(max(i, 0) for i in known)), shape[node]), known_units)
-    return units.round(DIGITS)
-
-
-def _fine_units(axes: tuple[Axis, ...], table: GlossyTable, shape: np.ndarray, known_units: dict) -> np.ndarray:
-    for number, axis in enumerate(axes):
-        places = [(0, 0.0)] if axis.has_waves else list(zip(*axis.knots.place(axis.fine.knots)))
-        rows = np.moveaxis(shape, number, 0)
-        shape = np.stack([_blend(rows, [place]) for place in places], axis=number)
-    units = np.empty((*shape.shape[:-1], 1))
-    for node in np.ndindex(shape.shape[:-2]):
-        units[node] = _unit(_shaped(table, shape[node]), known_units)
-    return units.round(DIGITS)
-
-
-def _shaped(table: GlossyTable, shape: np.ndarray) -> GlossyTable:
-    """The table with a shape (KNOTS, 3) of a `LiveLobe`."""
-    return replace(table, shape=np.concatenate([_alpha(shape[:, :2]), shape[:, 2:]], axis=1))
-
-
-def _unit(table: GlossyTable, known: dict[tuple, np.ndarray]) -> np.ndarray:
-    """Its energy (KNOTS, 1) at weight 1, which is `known` of shapes that others have too."""
-    key = table.shape.tobytes(), table.frame
-    if key not in known:
-        known[key] = np.maximum(unit_energy(table.lobe(knot_cosines()), knot_cosines())[:, :1], 1e-3)
-    return known[key]
-
-
-def _blend(array: np.ndarray, places: list) -> np.ndarray:
+def blended(array: np.ndarray, places: list) -> np.ndarray:
     """The array without its leading axes, interpolated at their places; along one of a single row all is the same."""
     return reduce(lambda part, place: part[0] if len(part) == 1 else part[place[0]] * (1.0 - place[1]) + part[place[0] + 1] * place[1], places, array)

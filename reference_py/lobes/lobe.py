@@ -58,7 +58,7 @@ class GlossyLobe:
 class DiffuseLobe:
     """Lambert of albedo `weight` (..., 3), or, where `color` (..., 3) is given, weight times Oren-Nayar of it.
 
-    `power` is that of `optics.diffuse.oren_nayar`, `normal` as in `GlossyLobe`.
+    `power` is that of `optics.diffuse.oren_nayar`, `normal` as in `GlossyLobe`. With a `ramp` (8, 3) light goes as `diffuse_ramp` has it.
     """
 
     weight: np.ndarray
@@ -66,6 +66,7 @@ class DiffuseLobe:
     sigma_deg: float = 0.0
     power: int = OREN_NAYAR_POWER
     normal: Place | None = None
+    ramp: np.ndarray | None = None
 
 
 # Color of a lobe that meets one facet alone: what meets more has this share of it.

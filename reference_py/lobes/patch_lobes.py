@@ -67,6 +67,8 @@ def _is_same(a, b) -> bool:
     if type(a) is not type(b):
         return False
     if isinstance(a, DiffuseLobe):
+        if a.ramp is not None or b.ramp is not None:
+            return False
         return (a.sigma_deg, a.power) == (b.sigma_deg, b.power) and (a.color is None) == (b.color is None) and np.all(np.equal(a.color, b.color))
     if (a.distribution, a.frame) != (b.distribution, b.frame) or type(a.fresnel) is not type(b.fresnel) or isinstance(a.fresnel, SchlickCurve):
         return False

@@ -78,7 +78,7 @@ def _may_share(patch: Patch, lobe_set, lobe) -> bool:
 def _identity(patch: Patch, number: int, i: int, lobe) -> Hashable:
     """Equal for lobes of patches that are one closure anyway: Lambert, and the top of the same layer."""
     if isinstance(lobe, DiffuseLobe):
-        return "diffuse" if lobe.color is None else (number, i)
+        return "diffuse" if lobe.color is None and lobe.ramp is None else (number, i)
     return ("top", patch.layers[0]) if lobe.fresnel is not None and i == 0 and patch.layers else (number, i)
 
 

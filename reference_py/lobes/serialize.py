@@ -5,8 +5,9 @@ import numpy as np
 
 from ..material.place import Place
 from ..material.stack import Stack
-from .axes import AXES, Scale
-from .live_grid import LiveBase, LiveLobe, LiveLobes, LogEnergy, unit_sizes
+from .axes import AXES, Axis, Scale
+from .diffuse_ramp import RAMP_COSINES
+from .live_grid import LiveBase, LiveLobe, LiveLobes, LiveRamp, LogEnergy, unit_sizes
 from .lobe import DielectricCurve
 from .view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
 
@@ -69,7 +70,8 @@ def pack_grid(lobe_set: LiveLobes) -> dict:
         [type(axis).__name__, [place.pair() for place in axis.live], *([scale.low, scale.high, scale.count, scale.bend] for scale in axis.scales), axis.before]
         for axis in lobe_set.axes
     ]
-    base = lobe_set.base and {"log_through": _pack_log(lobe_set.base.log_through), "log_back": _pack_log(lobe_set.base.log_back)}
+    ramp = lobe_set.base and lobe_set.base.ramp and {"modes": lobe_set.base.ramp.modes.tolist(), "amounts": lobe_set.base.ramp.amounts.tolist()}
+    base = lobe_set.base and {"log_through": _pack_log(lobe_set.base.log_through), "log_back": _pack_log(lobe_set.base.log_back), "ramp": ramp}
     coefficients = None if lobe_set.coefficients is None else lobe_set.coefficients.tolist()
     return {
         "axes": axes,
@@ -121,9 +123,16 @@ def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
         )
         for lobe in data["lobes"]
     ]
-    base = data["base"] and LiveBase(log_energy(data["base"]["log_through"]), log_energy(data["base"]["log_back"]))
+    base = data["base"] and LiveBase(log_energy(data["base"]["log_through"]), log_energy(data["base"]["log_back"]), _unpack_ramp(data["base"]["ramp"], axes))
     rotation = data["rotation"] and Place.of_pair(*data["rotation"])
     return LiveLobes(stack, axes, tuple(lobes), log_energy(data["log_sum"]), coefficients, base, rotation)
+
+
+def _unpack_ramp(data: dict | None, axes: tuple[Axis, ...]) -> LiveRamp | None:
+    if data is None:
+        return None
+    modes = _array(data["modes"], (len(data["modes"]), len(RAMP_COSINES)))
+    return LiveRamp(modes, _array(data["amounts"], (*(axis.knots.count for axis in axes), len(modes), 3)))
 
 
 def _array(values, shape: tuple[int, ...] = (KNOTS, 3)) -> np.ndarray:

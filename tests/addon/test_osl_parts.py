@@ -13,7 +13,9 @@ import pytest
 from lamina.addon.shader.osl import osl_files
 from lamina.addon.shader.osl.generate import generate
 from lamina.reference_py.lobes.axes import NumberAxis, Scale
-from lamina.reference_py.lobes.live_grid import LogEnergy, grid_of
+from lamina.reference_py.lobes.baked.base_ramp import with_ramp
+from lamina.reference_py.lobes.baked.make_grid import grid_of
+from lamina.reference_py.lobes.live_grid import LogEnergy
 from lamina.reference_py.lobes.lobe import DielectricCurve
 from lamina.reference_py.lobes.made import Made
 from lamina.reference_py.lobes.methods import make_lobe_set
@@ -64,11 +66,13 @@ def brushed():
     )
 
 
-def baked_live():
+def baked_live(over_color: bool = False):
     scale, energy = Scale(0.3, 0.6, 2), np.full((KNOTS, 3), 0.3)
     axis = NumberAxis((Place(0, "roughness"),), scale, scale, scale)
     energies = {"mirrors": LogEnergy((np.stack([energy, energy]),)), "fitted": LogEnergy((np.stack([energy, 0.5 * energy]),))}
-    return Made("baked", ONE, grid_of(ONE, (axis,), {(0,): tables(0.09), (1,): tables(0.36)}, energies, None))
+    if over_color:
+        energies |= {"through": energies["mirrors"], "back": energies["fitted"]}
+    return Made("baked", ONE, with_ramp(grid_of(ONE, (axis,), {(0,): tables(0.09), (1,): tables(0.36)}, energies, None)))
 
 
 def all_made():
@@ -78,6 +82,7 @@ def all_made():
     yield baked()
     yield brushed()
     yield baked_live()
+    yield baked_live(over_color=True)
 
 
 @pytest.fixture(scope="module")

@@ -108,25 +108,31 @@ def test_a_material_of_a_file_of_another_space(blender, tmp_path, there, link):
     assert "shader_stale" not in [f.code for f in check.find(owner, bpy.context.scene, bpy.context.preferences)]
 
 
-def textured(tier: str, backend: str) -> bpy.types.Material:
-    """The glaze over a color that an RGB node gives, which stands for a texture."""
+def textured(tier: str, backend: str, labels=()) -> bpy.types.Material:
+    """The glaze over a color that an RGB node gives, which stands for a texture, and where the glaze's values come from nodes too."""
     owner = made("glaze", tier, backend)
     node = owner.node_tree.nodes.new("ShaderNodeRGB")
     node.outputs[0].default_value = (*into_working((0.2, 0.7, 0.1)), 1.0)
     owner.node_tree.links.new(node.outputs[0], node_of(owner.lamina.base).inputs["Color"])
+    for label in labels:
+        node, socket = owner.node_tree.nodes.new("ShaderNodeValue"), node_of(owner.lamina.layers[0]).inputs[label]
+        node.outputs[0].default_value = socket.default_value
+        owner.node_tree.links.new(node.outputs[0], socket)
     materials.refresh(owner, settle=True)
     return owner
 
 
-@pytest.mark.parametrize("tier, backend", [("analytic", "osl"), ("baked", "osl"), ("baked", "nodes")])
-def test_a_texture_is_in_the_working_space(blender, tmp_path, tier, backend):
+@pytest.mark.parametrize(
+    "tier, backend, labels", [("analytic", "osl", ()), ("baked", "osl", ()), ("baked", "nodes", ()), ("baked", "osl", ("Thickness", "Roughness"))]
+)
+def test_a_texture_is_in_the_working_space(blender, tmp_path, tier, backend, labels):
     """Its color is the same light in every space, also once Blender has converted the file."""
-    expected = seen(textured(tier, backend))
+    expected = seen(textured(tier, backend, labels))
     for space in SPACES:
         set_space(space)
-        assert seen(textured(tier, backend)) == pytest.approx(expected, rel=TOLERANCE), space
+        assert seen(textured(tier, backend, labels)) == pytest.approx(expected, rel=TOLERANCE), space
     set_space(REC709)
-    owner = textured(tier, backend)
+    owner = textured(tier, backend, labels)
     set_space("ACEScg")
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "file.blend"))
     assert not is_stale(owner) and seen(owner) == pytest.approx(expected, rel=TOLERANCE)

@@ -21,7 +21,8 @@ from ....reference_py.lobes.axes import (
     has_waves,
     top_index,
 )
-from ....reference_py.lobes.live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy
+from ....reference_py.lobes.diffuse_ramp import RAMP_COSINES
+from ....reference_py.lobes.live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LiveRamp, LogEnergy
 from ....reference_py.lobes.lobe import DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS
 from ....reference_py.material.place import Place
@@ -29,7 +30,7 @@ from ....reference_py.material.schema import COLOR, SCHEMA
 from ....reference_py.material.stack import Stack
 from ....reference_py.optics.scattering import FIT
 from ..inputs import place_input
-from .block import Block, Closure, numbers
+from .block import PRIMARY_ARGUMENTS, Block, Closure, numbers
 from .emit_tables import clamped_color
 from .view_frame import FRAME_FUNCTIONS, Frame
 
@@ -214,13 +215,11 @@ class _Writer:
             return name, 0 if is_shared else count
         rows = np.moveaxis(self._coefficients.reshape(nodes, count, 3), 1, 0).reshape(-1, 3)
         table = self._array("color", "Coefficients", [f"color({','.join(map(_entry, row))})" for row in rows])
-        parts = [self._knots(i, "cross", is_shared) for i in range(len(sizes))]
-        steps = [int(np.prod(sizes[k + 1 :])) for k in range(len(sizes))]
+        for i in range(len(sizes)):
+            self._knots(i, "cross", is_shared)
 
         def at(channel: str) -> str:
-            place = " + ".join([f"i * {nodes}", *(f"{cell}{channel}" + (f" * {step}" if step > 1 else "") for (cell, _), step in zip(parts, steps))])
-            # the last axis is the innermost, as the view is elsewhere
-            return f"grid({table}, {place}, {', '.join([*map(str, steps[:-1]), *(f'{along}{channel}' for _, along in parts)])})"
+            return self._at_nodes(table, "cross", f"i * {nodes} + ", channel)
 
         loop = f"for (int i = 0; i < {count}; ++i)"
         if is_shared:
@@ -228,6 +227,17 @@ class _Writer:
         else:
             self._once(name, f"color {name}[{3 * count}];", "for (int c = 0; c < 3; ++c)", f"    {loop}", f"        {name}[c * {count} + i] = {at('[c]')};")
         return name, 0 if is_shared else count
+
+    def _at_nodes(self, table: str, which: str, begin: str, channel: str) -> str:
+        """An expression for a table over the axes alone, from an entry on, at the place of a channel, or where that is empty at the one that all share."""
+        sizes = [getattr(axis, which).count for axis in self._axes]
+        parts = [self._knots(i, which, not channel) for i in range(len(sizes))]
+        steps = [int(np.prod(sizes[k + 1 :])) for k in range(len(sizes))]
+        place = begin + " + ".join(f"{cell}{channel}" + (f" * {step}" if step > 1 else "") for (cell, _), step in zip(parts, steps))
+        if len(parts) == 1:
+            return f"mix({table}[{place}], {table}[{place} + 1], {parts[0][1]}{channel})"
+        # the last axis is the innermost, as the view is elsewhere
+        return f"grid({table}, {place}, {', '.join([*map(str, steps[:-1]), *(f'{along}{channel}' for _, along in parts)])})"
 
     def _lobes(self, lobe_set: LiveLobes, base_color: str) -> None:
         for i, lobe in enumerate(lobe_set.grid):
@@ -246,7 +256,35 @@ class _Writer:
             if lobe.is_diffuse and lobe_set.base is not None:
                 through, back = self._energy("LogThrough", lobe_set.base.log_through), self._energy("LogBack", lobe_set.base.log_back)
                 weight = f"({weight} + {through} * {base_color} / (color(1.0) - {back} * {base_color}))"
+                if lobe_set.base.ramp is not None:
+                    self.closures.append(self._diffuse_ramp(weight, lobe_set.base.ramp))
+                    continue
             self.closures.append(Closure(weight, *self._closure(i, lobe)))
+
+    def _diffuse_ramp(self, weight: str, ramp: LiveRamp) -> Closure:
+        """The closure of a base's light."""
+        self.functions.append("ramp.h")
+        name, energy = self._name("ramp"), self._name("base_light")
+        beside = [f"{name}_{i}" for i in range(len(ramp.modes))]
+        # of each channel three amounts, which are read as one color
+        rows = np.moveaxis(ramp.amounts.reshape(-1, len(ramp.modes), 3), 2, 0)
+        is_shared = not any(axis.is_color for axis in self._axes)
+        table = self._array("color", "Ramp", [f"color({','.join(map(_entry, row))})" for row in rows.reshape(-1, rows.shape[-1])])
+        amounts = self._at_nodes(table, "knots", f"c * {rows.shape[1]} + ", "" if is_shared else "[c]")
+        self._say(
+            *(f"color {amount};" for amount in beside),
+            "for (int c = 0; c < 3; ++c) {",
+            f"    color amounts = {amounts};",
+            *(f"    {amount}[c] = amounts[{i}];" for i, amount in enumerate(beside)),
+            "}",
+            f"color {name}[RAMP];",
+            f"{name}[0] = color(0.0);",
+        )
+        for k in range(1, len(RAMP_COSINES)):
+            terms = " + ".join(f"{mode[k]:.6g} * {amount}" for mode, amount in zip(ramp.modes, beside))
+            self._say(f"{name}[{k}] = max(color({RAMP_COSINES[k]:.9g}) + {terms}, color(0.0));")
+        self._say(f"color {energy} = {weight};", f"ramp_to_working({name}, {energy}, {PRIMARY_ARGUMENTS});")
+        return Closure(energy, f"diffuse_ramp({self._about.normal}, {name})", True)
 
     def _closure(self, i: int, lobe: LiveLobe) -> tuple[str, bool, tuple[str, ...]]:
         """The closure, that it is local, and its shape."""

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ....reference_py.lobes.analytic import base, calibration, interface_tables
+from ....reference_py.lobes.diffuse_ramp import RAMP_COSINES
 from ....reference_py.lobes.live_grid import FLOOR
 from ....reference_py.lobes.methods import paper
 from ....reference_py.lobes.view_table import AZIMUTHS, KNOTS, MIN_COS_O
@@ -62,7 +63,7 @@ def _part(name: str) -> _Part:
 def constants() -> dict[str, str]:
     """Every constant that a file of `osl/` may declare, as the preprocessor's text."""
     values: dict[str, float] = {
-        "MIN_COS_O": MIN_COS_O, "KNOTS": KNOTS, "FLOOR": FLOOR, "NEAR_SPECULAR_ALPHA": NEAR_SPECULAR_ALPHA,
+        "MIN_COS_O": MIN_COS_O, "KNOTS": KNOTS, "FLOOR": FLOOR, "RAMP": len(RAMP_COSINES), "NEAR_SPECULAR_ALPHA": NEAR_SPECULAR_ALPHA,
         "TINT_FLOOR": interface.TINT_FLOOR, "NODE_COUNT": paper.NODE_COUNT,
         "FILM_STEPS": thin_film.STEPS, "FILM_LAST_PHASE": thin_film.LAST_PHASE_NM, "FILM_TERMS": thin_film.TERMS,
         "FILM_THINNEST": thin_film.THINNEST_NM,

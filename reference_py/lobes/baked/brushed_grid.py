@@ -20,7 +20,7 @@ from ..analytic.brushed import BrushedLobes
 from ..axes import Axis, Scale
 from ..brushing import directions, isotropic
 from ..closure import unit_energy
-from ..live_grid import LiveLobes, grid_of
+from ..live_grid import LiveLobes
 from ..lobe import DielectricCurve, GlossyLobe
 from ..tabulate import tables_of
 from ..view_table import BASE_COLOR, KNOTS, GlossyTable, TableLobes, knot_cosines, weight_at
@@ -28,6 +28,7 @@ from .black_and_white import light_of, over
 from .brushed_bake import plain, ratios
 from .grid_energies import NAMES, stacks_of, told
 from .live import axes_of, computed_of, rotation_of, without_knots
+from .make_grid import grid_of
 from .side_by_side import in_groups
 
 # Polynomials in the way along an axis: what brushing does has a most at a middle roughness, and bends where facets are as wide as can be. Those of several axes

@@ -30,13 +30,15 @@ from ..axes import (
     of_reflectance,
 )
 from ..brushing import has_brushing
-from ..live_grid import LiveLobes, grid_of
+from ..live_grid import LiveLobes
 from ..truth import truth_of
 from ..view_table import BASE_COLOR, DiffuseTable, GlossyTable, TableLobes
+from .base_ramp import with_ramp
 from .black_and_white import over
 from .brushed_bake import is_brushed
 from .grid_energies import energies_of
 from .lobe_order import in_one_order
+from .make_grid import grid_of
 from .side_by_side import truth_of_all
 
 MOST_AXES, _MOST_WITH_WAVES = 3, 2
@@ -271,4 +273,4 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     nodes = in_one_order(nodes)
     report(0.8)
     computed = [computed_of(axis, axes) for axis in axes]
-    return grid_of(stack, axes, nodes, *energies_of(axes, computed, at, bool(found[center].plan), over_color))
+    return with_ramp(grid_of(stack, axes, nodes, *energies_of(axes, computed, at, bool(found[center].plan), over_color)))

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the light of a base of a live color goes at every node of a grid, as few ramps together."""
+
+from dataclasses import replace
+from functools import reduce
+
+import numpy as np
+
+from ..diffuse_ramp import RAMP_COSINES, ramp_energy, ramp_of
+from ..live_grid import DIGITS, LiveLobes, LiveRamp
+
+# Ramps beside Lambert's: as many as a color holds. Of a varnish whose roughness, tint and index are live .5 % of the light goes amiss at the worst; with two it would be 2 %.
+_MODES = 3
+
+
+def with_ramp(lobes: LiveLobes) -> LiveLobes:
+    """The lobes with their base's ramp; the same where the base's color is not live."""
+    if lobes.base is None:
+        return lobes
+    knots = [axis.knots.knots for axis in lobes.axes]
+    size = tuple(map(len, knots))
+
+    def through(node: tuple[int, ...]) -> np.ndarray:
+        here = reduce(lambda stack, part: part[0].at(stack, float(part[1][part[2]])), zip(lobes.axes, knots, node), lobes.stack)
+        return replace(lobes, stack=here).through(RAMP_COSINES)
+
+    light = np.stack([through(node) for node in np.ndindex(size)])
+    beside_lambert = np.stack([ramp_of(values) for values in light]) - RAMP_COSINES[:, None]
+    # where little light gets out little is seen of where it goes
+    seen = np.sqrt(np.stack([ramp_energy(values * RAMP_COSINES[:, None]) for values in light]))
+    rows = np.swapaxes(beside_lambert * seen[:, None], 1, 2).reshape(-1, len(RAMP_COSINES))
+    modes = np.linalg.svd(rows, full_matrices=False)[2][:_MODES]
+    amounts = (modes @ beside_lambert).reshape(*size, len(modes), 3).round(DIGITS)
+    return replace(lobes, base=replace(lobes.base, ramp=LiveRamp(modes, amounts)))
