@@ -9,6 +9,7 @@ import bpy
 from ...reference_py.errors import LaminaError
 from ...reference_py.version import version
 from ..jobs.staleness import shown_wrong
+from ..material.backend import OSL, branches_here
 from ..material.holders import give, holder_named, slots_of
 from ..material.material import apply_stack, make_renderable
 from ..material.shader_node import remove_material
@@ -58,7 +59,7 @@ class Stage:
             self.slot = put_on(self.target, self.material)
             if former is not None:
                 remove_material(former)
-            self.texts = estimate(item.stack, item.tier)
+            self.texts = estimate(item.stack, item.tier, OSL in branches_here(item.backend))
             self._material_key = key
 
     def _open(self, item: Item) -> None:

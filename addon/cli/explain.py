@@ -97,7 +97,7 @@ def _where_json(patch: Patch) -> dict:
 
 
 def _json(choice: Choice) -> dict:
-    return {"chosen": choice.chosen.label, "reason": choice.reason, "tried": [asdict(candidate) for candidate in choice.tried]}
+    return {"chosen": choice.chosen.label, "stock": choice.stock.label, "reason": choice.reason, "tried": [asdict(candidate) for candidate in choice.tried]}
 
 
 def _print(patch: Patch, choice: Choice) -> None:

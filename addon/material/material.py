@@ -229,8 +229,9 @@ def _keep_facts(lamina, shown: _Shown) -> None:
         notes.append(f"{lamina.lobe_count} closures, more than the {MAX_CLOSURES} that OptiX takes")
     lamina.note = "; ".join(filter(None, notes))
     lamina.schema_version = max(lamina.schema_version, SCHEMA_VERSION)
-    error = estimated_error(made)
-    lamina.error, lamina.cost = -1.0 if error is None else 100.0 * error, estimated_cost(made)
+    osl = OSL in branches_here(lamina.backend)
+    error = estimated_error(made, osl)
+    lamina.error, lamina.cost = -1.0 if error is None else 100.0 * error, estimated_cost(made, osl)
 
 
 def hand_over(material: bpy.types.Material, settle: bool = False) -> None:

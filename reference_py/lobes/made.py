@@ -89,12 +89,17 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Choice:
-    """What was chosen and its lobe set, what was tried, and why as a sentence."""
+    """What was chosen and its lobe set, what was tried, why as a sentence, and which of the tried stock nodes have."""
 
     chosen: Candidate
     lobe_set: LobeSet
     tried: tuple[Candidate, ...]
     reason: str
+    stock: Candidate
+
+    def shown(self, osl: bool) -> Candidate:
+        """What shows with OSL, or in stock nodes."""
+        return self.chosen if osl else self.stock
 
 
 @dataclass(frozen=True)

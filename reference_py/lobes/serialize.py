@@ -12,23 +12,25 @@ from .lobe import DielectricCurve
 from .view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
 
 
-def pack_tables(lobe_set: TableLobes) -> list[dict]:
+def pack_tables(lobe_set: TableLobes) -> dict:
     """A baked lobe set as lists and numbers."""
-    return [_pack(table) for table in lobe_set.tables]
+    return {"tables": [_pack(table) for table in lobe_set.tables], "stock": lobe_set.stock and pack_tables(lobe_set.stock)}
 
 
-def unpack_tables(data: list[dict], stack: Stack) -> TableLobes:
+def unpack_tables(data: dict, stack: Stack) -> TableLobes:
     """The lobe set of `pack_tables`, with the stack's own live values. Raises ValueError, KeyError or TypeError on anything else."""
-    return TableLobes(tuple(_unpack(table, stack) for table in data))
+    stock = data["stock"] and unpack_tables(data["stock"], stack)
+    return TableLobes(tuple(_unpack(table, stack) for table in data["tables"]), stock)
 
 
 def _pack(table) -> dict:
     if isinstance(table, BaseColorTable):
         shape = None if table.shape is None else table.shape.tolist()
-        return {name: getattr(table, name).tolist() for name in ("own", "through", "back")} | {"distribution": table.distribution, "shape": shape}
+        light = {name: getattr(table, name).tolist() for name in ("own", "through", "back")}
+        return light | {"distribution": table.distribution, "shape": shape, "ramp": _pack_ramp(table)}
     weight = np.asarray(table.weight).tolist()
     if isinstance(table, DiffuseTable):
-        return {"weight": weight, "axis": table.axis}
+        return {"weight": weight, "axis": table.axis, "ramp": _pack_ramp(table)}
     eta = None if table.fresnel is None else table.fresnel.eta
     return {
         "weight": weight,
@@ -40,15 +42,23 @@ def _pack(table) -> dict:
     }
 
 
+def _pack_ramp(table: DiffuseTable | BaseColorTable) -> list | None:
+    return None if table.ramp is None else table.ramp.tolist()
+
+
+def _unpack_ramp(data: dict) -> np.ndarray | None:
+    return None if data["ramp"] is None else _array(data["ramp"], (len(RAMP_COSINES), 3))
+
+
 def _unpack(data: dict, stack: Stack):
     if "through" in data:
         light = (_array(data[name]) for name in ("own", "through", "back"))
         shape = None if data["shape"] is None else _array(data["shape"])
-        return BaseColorTable(*light, np.array(stack.base["color"]), distribution=data["distribution"], shape=shape)
+        return BaseColorTable(*light, np.array(stack.base["color"]), distribution=data["distribution"], shape=shape, ramp=_unpack_ramp(data))
     axis, frame = (None if data.get(name) is None else float(data[name]) for name in ("axis", "frame"))
     weight = _array(data["weight"], (KNOTS, 3) if axis is None else (len(AZIMUTHS), KNOTS, 3))
     if "shape" not in data:
-        return DiffuseTable(weight, axis)
+        return DiffuseTable(weight, axis, ramp=_unpack_ramp(data))
     curve = None if data["eta"] is None else DielectricCurve(float(data["eta"]))
     return GlossyTable(str(data["distribution"]), weight, _array(data["shape"]), curve, frame, axis)
 
@@ -123,12 +133,14 @@ def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
         )
         for lobe in data["lobes"]
     ]
-    base = data["base"] and LiveBase(log_energy(data["base"]["log_through"]), log_energy(data["base"]["log_back"]), _unpack_ramp(data["base"]["ramp"], axes))
+    base = data["base"] and LiveBase(
+        log_energy(data["base"]["log_through"]), log_energy(data["base"]["log_back"]), _unpack_live_ramp(data["base"]["ramp"], axes)
+    )
     rotation = data["rotation"] and Place.of_pair(*data["rotation"])
     return LiveLobes(stack, axes, tuple(lobes), log_energy(data["log_sum"]), coefficients, base, rotation)
 
 
-def _unpack_ramp(data: dict | None, axes: tuple[Axis, ...]) -> LiveRamp | None:
+def _unpack_live_ramp(data: dict | None, axes: tuple[Axis, ...]) -> LiveRamp | None:
     if data is None:
         return None
     modes = _array(data["modes"], (len(data["modes"]), len(RAMP_COSINES)))

@@ -9,6 +9,7 @@ of a ball.
 Oren-Nayar lobes become one that keeps their energy at every knot: stock nodes use the weight as the color of its multiple
 scattering, whose power differs between Blenders. Where it is the model's and nothing lies above, that is exact;
 for Blender up to 5.2 the L1 error is 1.3 % at most (tests/reference_py/test_tabulate.py).
+Of ramps of diffuse light (`diffuse_ramp`) Lambert's lobe is left.
 """
 
 from dataclasses import replace
@@ -34,9 +35,15 @@ def tabulate(lobe_set, keep_dielectrics: bool = False, power: int = OREN_NAYAR_P
         return PatchLobes(lobe_set.stack, tuple((patch, tabulate(part.lobe_set, keep_dielectrics, power)) for patch, part in lobe_set.parts))
     if isinstance(lobe_set, LiveLobes):
         return live_tables(lobe_set, keep_dielectrics)
+    lobe_set = stock_lobes(lobe_set)
     tables = lobe_set.tables if isinstance(lobe_set, TableLobes) else tables_of(lobe_set, power)
     tables = [table if keep_dielectrics and _has_seen_curve(table) else _without_curve(table) for table in tables]
     return TableLobes(tuple([t for t in tables if isinstance(t, BaseColorTable) or np.any(t.weight > 0.0)] or tables[-1:]))
+
+
+def stock_lobes(lobe_set):
+    """The lobe set that stock nodes have in the place of one."""
+    return (lobe_set.stock or lobe_set) if isinstance(lobe_set, TableLobes) else lobe_set
 
 
 def is_grey_dielectric(table) -> bool:
@@ -56,6 +63,8 @@ def _has_seen_curve(table) -> bool:
 
 
 def _without_curve(table):
+    if isinstance(table, DiffuseTable | BaseColorTable):
+        return replace(table, ramp=None)
     if not isinstance(table, GlossyTable) or table.fresnel is None:
         return table
     alpha_x, alpha_y, slope = table.shape.T

@@ -93,15 +93,16 @@ class GlossyTable:
 
 @dataclass(frozen=True)
 class DiffuseTable:
-    """A Lambert lobe of `weight` (KNOTS, 3) or, with an `axis`, (AZIMUTHS, KNOTS, 3)."""
+    """A Lambert lobe of `weight` (KNOTS, 3) or, with an `axis`, (AZIMUTHS, KNOTS, 3); with a `ramp` (8, 3) one of `diffuse_ramp`."""
 
     weight: np.ndarray
     axis: float | None = None
     normal: Place | None = None
+    ramp: np.ndarray | None = None
 
     def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> DiffuseLobe:
         """The lobe at views of cosine cos_theta_o (...) and azimuth phi (...)."""
-        return DiffuseLobe(weight_at(self.weight, cos_theta_o, phi, self.axis), normal=self.normal)
+        return DiffuseLobe(weight_at(self.weight, cos_theta_o, phi, self.axis), normal=self.normal, ramp=self.ramp)
 
 
 @dataclass(frozen=True)
@@ -126,7 +127,7 @@ class BaseColorTable:
     `own` (KNOTS, 3) is that of the layers. `through` (KNOTS, 3) is this lobe's part of the light at a view that gets down to the base and, reflected there
     once by white, up again. Lobes together have no less than none; one may have less over white than over black. `back` (KNOTS, 3) is what of the base's light
     the layers send back to it, for all lobes of a stack, and over a Lambert base at all views the same. `color` (3,) is the present one, of which only 0 to 1 counts.
-    `shape` is that of `GlossyTable`.
+    `shape` is that of `GlossyTable`, `ramp` that of `DiffuseTable`.
     """
 
     own: np.ndarray
@@ -136,6 +137,7 @@ class BaseColorTable:
     normal: Place | None = None
     distribution: str | None = None
     shape: np.ndarray | None = None
+    ramp: np.ndarray | None = None
 
     @property
     def weight(self) -> np.ndarray:
@@ -147,7 +149,7 @@ class BaseColorTable:
     def now(self) -> "GlossyTable | DiffuseTable":
         """The table for the present color alone."""
         if self.distribution is None:
-            return DiffuseTable(self.weight, normal=self.normal)
+            return DiffuseTable(self.weight, normal=self.normal, ramp=self.ramp)
         return GlossyTable(self.distribution, self.weight, self.shape, normal=self.normal)
 
     def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> GlossyLobe | DiffuseLobe:
@@ -157,9 +159,10 @@ class BaseColorTable:
 
 @dataclass(frozen=True)
 class TableLobes:
-    """A lobe set whose lobes are tables."""
+    """A lobe set whose lobes are tables; `stock` is what stock nodes have in its place, which know no ramps, where they are not to have the same with Lambert's lobe."""
 
     tables: tuple[GlossyTable | DiffuseTable | OrenNayarTable | BaseColorTable, ...]
+    stock: "TableLobes | None" = None
 
     name = "baked"
     is_live = False
@@ -178,7 +181,8 @@ class TableLobes:
         """The same for a stack's own live values and normals."""
         normals = normals_of_fits(stack, [_kind(table) for table in self.tables])
         tables = [replace(table, normal=normal) for table, normal in zip(self.tables, normals)]
-        return TableLobes(tuple(replace(t, color=np.array(stack.base["color"])) if isinstance(t, BaseColorTable) else t for t in tables))
+        tables = [replace(t, color=np.array(stack.base["color"])) if isinstance(t, BaseColorTable) else t for t in tables]
+        return TableLobes(tuple(tables), self.stock and self.stock.with_values_of(stack))
 
     @property
     def lobe_count(self) -> int:

@@ -69,8 +69,14 @@ def test_coverage_and_blends_are_inputs_too(tmp_path):
 
 def test_every_tier_says_what_it_chose_and_how_wrong_that_is():
     for tier, chosen in (("baked", "baked"), ("analytic", "analytic"), ("weidlich_wilkie", "weidlich_wilkie")):
-        told = estimate(presets.load("polished_chrome"), tier)
+        told = estimate(presets.load("polished_chrome"), tier, osl=True)
         assert told["lamina:chosen"] == chosen and told["lamina:error"].startswith("albedo 0.")
+
+
+def test_a_picture_of_stock_nodes_tells_their_error():
+    osl, stock = (estimate(presets.load("nail_polish"), "auto", osl) for osl in (True, False))
+    errors = [float(told["lamina:error"].split("soft_light ")[1].split()[0]) for told in (osl, stock)]
+    assert osl["lamina:chosen"] == "ramp, 1 glossy" and stock["lamina:chosen"].startswith("baked, ") and 3.0 * errors[0] < errors[1]
 
 
 def test_items_travel_to_another_process(tmp_path):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The choice of the default method: which of candidates of given errors and costs is taken, and why."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -20,9 +21,16 @@ COATED = stack(coat(0.1), base=lambert(0.5))
 WORST, CLOSE = 0.5, 0.001
 
 
+@dataclass(frozen=True)
+class Bake:
+    name: str
+    lobe_count: int
+    stock: "Bake | None" = None
+
+
 @pytest.fixture
 def offered(monkeypatch):
-    """`choose` among candidates, given as label: (cost, worst albedo's error, soft light's), of which "baked, k glossy" are bakes.
+    """`choose` among candidates, given as label: (cost, worst albedo's error, soft light's), of which "baked, k glossy" are bakes and "ramp, k glossy" those for OSL alone.
 
     Every shape is far off: it does not count. Calls of `cost` tell whether values are live.
     """
@@ -42,7 +50,7 @@ def offered(monkeypatch):
         baker = SimpleNamespace(
             most_glossy=4,
             path=lambda k, known: k,
-            lobe_set=lambda k: SimpleNamespace(name=f"baked, {k} glossy", lobe_count=k + 1),
+            lobe_set=lambda k: Bake(f"baked, {k} glossy", k + 1),
             least_soft_light=lambda k, *views: (least or {}).get(k, 0.0),
         )
 
@@ -51,7 +59,12 @@ def offered(monkeypatch):
             return candidates[lobe_set.name][0]
 
         monkeypatch.setattr(auto, "ErrorEstimator", Estimator)
+        ramps = SimpleNamespace(
+            counts=lambda most: [k for k in range(1, most + 1) if f"ramp, {k} glossy" in candidates],
+            lobe_set=lambda k: Bake(f"ramp, {k} glossy", k + 1),
+        )
         monkeypatch.setattr(auto, "Baker", lambda *arguments: baker)
+        monkeypatch.setattr(auto, "RampBaker", lambda baker: ramps)
         monkeypatch.setattr(auto, "baked", lambda stack, live, glossy, report: SimpleNamespace(name="over", lobe_count=2, live=live))
         monkeypatch.setattr(auto, "cost", cost_of)
         result = auto.choose(COATED, None, Options(live=live, **options), cosines=np.ones(2))
@@ -100,6 +113,20 @@ def test_where_none_is_good_enough_the_cheapest_of_the_closest_is_taken(offered,
     told = offered(dict(zip(labels, figures)), tolerance=0.02, glossy=2)
     assert told.chosen.label == taken
     assert told.reason == "the cheapest of those about as close as the closest; none of 4 reaches 2 %"
+
+
+def test_a_ramp_is_for_osl_and_stock_nodes_have_what_they_had(offered):
+    bakes = {"baked, 1 glossy": (1.1, 0.3, 0.0), "baked, 2 glossy": (1.3, 0.01, 0.0)}
+    told = offered({**DEAR_AND_EXACT, **bakes, "ramp, 1 glossy": (1.1, 0.05, 0.0), "ramp, 2 glossy": (1.3, 0.001, 0.0)}, tolerance=0.02)
+    assert told.chosen.label == told.lobe_set.name == "ramp, 2 glossy" and told.shown(osl=True) is told.chosen
+    assert told.stock.label == told.lobe_set.stock.name == "baked, 2 glossy" and told.shown(osl=False) is told.stock
+    assert told.reason == "the cheapest whose error is at most 2 %; stock nodes have baked, 2 glossy, error 1 %"
+
+
+def test_where_a_ramp_is_no_closer_both_have_the_same(offered):
+    bakes = {"baked, 1 glossy": (1.1, 0.3, 0.0), "baked, 2 glossy": (1.3, 0.01, 0.0)}
+    told = offered({**DEAR_AND_EXACT, **bakes, "ramp, 1 glossy": (1.1, 0.05, 0.0), "ramp, 2 glossy": (1.3, 0.05, 0.0)}, tolerance=0.02)
+    assert told.chosen is told.stock and told.lobe_set.name == "baked, 2 glossy" and told.lobe_set.stock is None
 
 
 def test_what_people_read_of_a_candidate_is_the_worse_of_both_errors():

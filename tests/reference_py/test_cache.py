@@ -156,7 +156,7 @@ def a_choice(made):
 
     def choose(stack, truth, options):
         made.append(options)
-        return auto.Choice(tried[1], lobe_set, tried, "a reason")
+        return auto.Choice(tried[1], lobe_set, tried, "a reason", tried[0])
 
     return choose
 
@@ -185,7 +185,7 @@ def test_a_choice_is_the_same_in_the_next_process(folder, monkeypatch):
 def test_a_chosen_live_method_is_made_of_the_stack_that_asks(folder, monkeypatch):
     """Values that are live differ between stacks of one content; the lobe set must have its own stack's."""
     candidate = auto.Candidate("analytic", 2, 3.0, 0.001, 0.002, 0.2)
-    monkeypatch.setattr(auto, "choose", lambda stack, *arguments: auto.Choice(candidate, AnalyticLobes(stack), (candidate,), "so"))
+    monkeypatch.setattr(auto, "choose", lambda stack, *arguments: auto.Choice(candidate, AnalyticLobes(stack), (candidate,), "so", candidate))
     live = (Place(0, "thickness"),)
     thin, thick = (make_lobe_set(one, "auto", live=live) for one in (COATED, with_layer({"thickness": 4.0})))
     assert thick.lobe_set.stack.layers[0]["thickness"] == 4.0 and thin.lobe_set.stack.layers[0]["thickness"] == 0.7

@@ -1,17 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where the light of a diffuse base goes: ramps of Cycles' closure `diffuse_ramp`."""
 
+import json
+
 import numpy as np
 import pytest
 from support.coats import VARNISH, WOOD
 
+from lamina.reference_py.lobes.baked import baked, pack_lobes, unpack_lobes
 from lamina.reference_py.lobes.closure import lobe_f
 from lamina.reference_py.lobes.diffuse_ramp import RAMP_COSINES, ramp_f, ramp_of
+from lamina.reference_py.lobes.error_estimate import ErrorEstimator
 from lamina.reference_py.lobes.lobe import DiffuseLobe
 from lamina.reference_py.lobes.methods import make_lobe_set
 from lamina.reference_py.lobes.patch_lobes import merged
+from lamina.reference_py.lobes.tabulate import tabulate
 from lamina.reference_py.lobes.truth import truth_of
 from lamina.reference_py.lobes.view_table import BASE_COLOR
+from lamina.reference_py.material import presets
 from lamina.reference_py.material.place import Place
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
@@ -72,3 +78,39 @@ def test_light_of_the_base_is_reciprocal(lobes):
 def test_lobes_of_ramps_are_not_taken_for_lamberts():
     lambert, ramp = DiffuseLobe(np.ones(3)), DiffuseLobe(np.ones(3), ramp=ramp_of(np.ones((8, 3))))
     assert len(merged([lambert, ramp, lambert, ramp])) == 3
+
+
+VIEWS = np.cos(np.radians([0.0, 25.0, 42.0, 61.0, 73.0, 80.0]))
+
+
+@pytest.mark.parametrize(
+    "name, closures, shape", [("glazed_mug", 2, 0.01), ("tinted_glaze", 2, 0.01), ("glazed_porcelain", 2, 0.01), ("satin_varnish", 3, 0.008)]
+)
+def test_bakes_for_osl_are_several_times_closer_than_those_of_stock_nodes(name, closures, shape):
+    stack = presets.load(name)
+    estimator, lobe_set = ErrorEstimator(stack, truth_of(stack), VIEWS), make_lobe_set(stack, "baked").lobe_set
+    ours, stock = (float(np.max(estimator.errors(lobes).shape)) for lobes in (lobe_set, tabulate(lobe_set, keep_dielectrics=True)))
+    print(f"{name}: {lobe_set.lobe_count} closures, shape {100 * ours:.2f} %, in stock nodes {100 * stock:.2f} %")
+    assert lobe_set.lobe_count == closures and ours <= shape and stock >= 3.0 * ours
+
+
+@pytest.mark.parametrize(
+    "name, live", [("satin_varnish", ()), ("glazed_mug", ()), ("satin_varnish", (BASE_COLOR,)), ("tinted_glaze", (BASE_COLOR,)), ("satin_varnish", LIVE)]
+)
+def test_a_bake_comes_back_from_its_file(name, live):
+    stack = presets.load(name)
+    lobe_set = baked(stack, live, 2, None)
+    back = unpack_lobes(json.loads(json.dumps(pack_lobes(lobe_set))), stack)
+    for one, other in ((lobe_set, back), (tabulate(lobe_set), tabulate(back))):
+        for a, b in zip(one.with_values_of(stack).lobes(VIEWS), other.with_values_of(stack).lobes(VIEWS), strict=True):
+            assert np.array_equal(a.weight, b.weight) and np.array_equal(getattr(a, "ramp", None), getattr(b, "ramp", None))
+
+
+def test_a_base_color_is_followed_as_closely_as_it_is_baked():
+    stack = presets.load("satin_varnish")
+    lobe_set, rng = make_lobe_set(stack, "baked", live=(BASE_COLOR,)).lobe_set, np.random.default_rng(8)
+    for color in rng.uniform(0.03, 0.97, (3, 3)):
+        here = BASE_COLOR.with_value(stack, tuple(color))
+        errors = ErrorEstimator(here, truth_of(here), VIEWS).errors(lobe_set.with_values_of(here))
+        print(f"{color.round(2)}: albedo {100 * errors.albedo.max():.2f} %, shape {100 * errors.shape.max():.2f} %")
+        assert errors.albedo.max() <= 0.005 and errors.shape.max() <= 0.01

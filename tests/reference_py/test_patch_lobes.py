@@ -99,7 +99,7 @@ def chosen(monkeypatch):
         def result(computed, stack, options):
             albedo, soft_light, cost, reason = left.pop(0)
             candidate = auto.Candidate("analytic", 2, cost, albedo, soft_light, 0.9)
-            return auto.Choice(candidate, AnalyticLobes(stack), (candidate,), reason)
+            return auto.Choice(candidate, AnalyticLobes(stack), (candidate,), reason, candidate)
 
         monkeypatch.setattr(type(auto.COMPUTED), "result", result)
 
@@ -112,7 +112,7 @@ HALF = stack(coat(0.3, coverage=0.5), base=lambert(0.5))
 def test_error_is_the_worst_patchs_and_cost_the_dearests(chosen):
     chosen((0.01, 0.03, 1.2, "because"), (0.02, 0.0, 1.7, "so"))
     made = make_lobe_set(HALF, "auto")
-    assert (estimated_error(made), estimated_cost(made)) == (0.03, 1.7)
+    assert (estimated_error(made, osl=True), estimated_cost(made, osl=True)) == (0.03, 1.7)
     assert made.reason == "analytic, error 3 %, cost 1.2x: because; analytic, error 2 %, cost 1.7x: so"
 
 
@@ -123,9 +123,9 @@ def test_a_reason_that_all_patches_have_is_told_once(chosen):
 
 def test_nothing_is_told_of_errors_that_were_not_estimated(chosen):
     live = make_lobe_set(HALF, "analytic")
-    assert estimated_error(live) is None
+    assert estimated_error(live, osl=True) is None
     # the cost of what has no choice is that of its lobes
-    assert estimated_cost(live) == max(cost(AnalyticLobes(patch.stack)) for patch in patches(HALF))
+    assert estimated_cost(live, osl=True) == max(cost(AnalyticLobes(patch.stack)) for patch in patches(HALF))
 
 
 @pytest.mark.parametrize("count, glossy", [(1, 7), (2, 3), (4, 1)])

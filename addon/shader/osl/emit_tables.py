@@ -12,7 +12,7 @@ import numpy as np
 from ....reference_py.lobes.lobe import DielectricCurve
 from ....reference_py.lobes.view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes, is_glossy
 from ..inputs import base_color_input
-from .block import Block, Closure, numbers
+from .block import PRIMARY_ARGUMENTS, Block, Closure, numbers
 from .view_frame import FRAME_FUNCTIONS, Frame
 
 NOTE = "Tables hold the values that the stack had."
@@ -27,8 +27,9 @@ def table_block(lobe_set: TableLobes, owners: Sequence[str], prefix: str = "") -
     """The block of a lobe set of a stack whose shader parameters begin with `owners`; its array parameters begin with `prefix`."""
     arrays: list[str] = []
     said: dict[str, str] = {}
+    body: list[str] = []
     frames = [Frame.of(table.normal, owners) for table in lobe_set.tables]
-    closures = tuple([_closure(arrays, said, f"{prefix}{i}", *lobe, owners[-1]) for i, lobe in enumerate(zip(lobe_set.tables, frames))])
+    closures = tuple([_closure(arrays, said, body, f"{prefix}{i}", *lobe, owners[-1]) for i, lobe in enumerate(zip(lobe_set.tables, frames))])
     glossy = dict.fromkeys(frame for table, frame in zip(lobe_set.tables, frames) if is_glossy(table))
     axes = dict.fromkeys(axis for table in lobe_set.tables if (axis := _axis(table)) is not None)
     return Block(
@@ -36,6 +37,7 @@ def table_block(lobe_set: TableLobes, owners: Sequence[str], prefix: str = "") -
             *(FRAME_FUNCTIONS if glossy else ("bent.h", "view_place.h")),
             *(name for frame in frames for name in frame.functions),
             *(("incidence.h", "rotate_tangent.h", "azimuth_place.h") if axes else ()),
+            *(("ramp.h",) if body else ()),
         ),
         arrays=tuple(arrays),
         common=(
@@ -44,19 +46,19 @@ def table_block(lobe_set: TableLobes, owners: Sequence[str], prefix: str = "") -
             *(line for axis in axes for line in _about_axis(axis)),
             *said.values(),
         ),
-        body=(),
+        body=tuple(body),
         closures=closures,
     )
 
 
-def _closure(arrays: list[str], said: dict[str, str], name: str, table: GlossyTable | DiffuseTable | BaseColorTable, about: Frame, owner: str) -> Closure:
-    """A lobe; its array parameters are added to `arrays`, statements that it needs to `said`, by what they make known."""
+def _closure(arrays: list[str], said: dict[str, str], body: list[str], name: str, table, about: Frame, owner: str) -> Closure:
+    """A lobe; its array parameters are added to `arrays`, statements that it needs to `said`, by what they make known, and those that are its block's own to `body`."""
     if isinstance(table, BaseColorTable):
         weight, table = _base_weight(arrays, said, name, table, about, owner), table.now
     else:
         weight = _value(arrays, f"Weight{name}", table.weight, about, _axis(table))
     if isinstance(table, DiffuseTable):
-        return Closure(weight, f"diffuse({about.normal})")
+        return Closure(weight, f"diffuse({about.normal})") if table.ramp is None else _diffuse_ramp(body, name, weight, table.ramp, about)
     alpha_x, alpha_y, slope = _shape(arrays, said, name, table.shape, about)
     upright = f"{about.normal}, {f'tangent{about.suffix}' if table.frame is None else _named(_axis(table))}"
     if isinstance(table.fresnel, DielectricCurve):
@@ -70,6 +72,16 @@ def _closure(arrays: list[str], said: dict[str, str], name: str, table: GlossyTa
     else:
         frame = about.tilted(slope)
     return Closure(weight, f'microfacet("{table.distribution}", {frame}, {alpha_x}, {alpha_y}, 1.0, 0)', shape=(alpha_x, alpha_y, slope))
+
+
+def _diffuse_ramp(body: list[str], name: str, weight: str, ramp: np.ndarray, about: Frame) -> Closure:
+    """The closure of a base's light; a grey ramp is the same in every working space."""
+    colors = ", ".join(f"color({numbers(row)})" for row in ramp)
+    body.append(f"color ramp_{name}[RAMP] = {{{colors}}};")
+    if np.any(ramp != ramp[:, :1]):
+        body += [f"color diffuse_{name} = {weight};", f"ramp_to_working(ramp_{name}, diffuse_{name}, {PRIMARY_ARGUMENTS});"]
+        weight = f"diffuse_{name}"
+    return Closure(weight, f"diffuse_ramp({about.normal}, ramp_{name})", True)
 
 
 def _axis(table) -> float | None:

@@ -9,24 +9,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...material.place import Place
 from ...material.stack import Stack
+from ...optics.bases import DiffuseBase
+from ...optics.error_measure import worst_share
 from ...optics.microfacet import GGX
 from ...optics.optical_stack import OpticalStack, rough_surfaces
-from ..closure import unit_energy
+from ..closure import lobe_f, unit_energy
 from ..error_estimate import soft_lights
-from ..live_grid import LiveLobes
+from ..lobe import GlossyLobe
 from ..own_normals import has_own_normals
 from ..samples import Views, truth_at
-from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
-from ..truth import truth_of
-from ..view_table import BASE_COLOR, KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
-from .black_and_white import BlackAndWhite, base_of, followed, over
-from .brushed_bake import brushed, is_brushed
-from .brushed_grid import bake_brushed
+from ..view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes, knot_cosines, middle_cosines
+from .base_ramp import reciprocal
 from .fit_lobes import LEAST_ALPHA
 from .knot_energies import left_over, top_lobe
-from .live import bake_live
 from .plan import COARSE, STRIDE, Branches, Path, Plan, best_path, continued_path
 
 DEFAULT_GLOSSY, MAX_GLOSSY = 2, 4
@@ -74,26 +70,38 @@ class Baker:
         widths = [alpha for _, alpha in surfaces]
         # nothing under smooth surfaces is narrower than what media scatter: such a lobe would stand between two points of the truth
         least_alpha = _OF_MEDIUM * min(widths) if media and not rough else LEAST_ALPHA
-        self._truth, self._specular = truth, truth.specular_albedo(cosines)
+        self.truth, self._specular = truth, truth.specular_albedo(cosines)
         views = truth_at(truth, np.concatenate([cosines, middle_cosines()]), widths, _POINTS)
         seen = views.of(slice(KNOTS))
         self._albedo = np.sum(seen.share[..., None] * seen.f, axis=1) + self._specular if is_scaled else truth.albedo(seen.wo)
+        self.stack, self._seen = stack, seen
         # channels that are alike are fitted once
         views, self._channels = _distinct(views)
-        top = top_lobe(stack)
-        known = [None] if top is None else [None, top]
+        self.top = top_lobe(stack)
+        known = [None] if self.top is None else [None, self.top]
+
+        def plan(lobe: GlossyLobe | None, base: DiffuseTable | None = None) -> Plan:
+            return Plan(lobe, surfaces, views.of(slice(KNOTS)), views.of(slice(KNOTS, None)), least_alpha, base and self._in_distinct_channels(base))
+
         self._rest = [left_over(self._albedo, self._specular, lobe) for lobe in known]
-        self._plans = [Plan(lobe, surfaces, views.of(slice(KNOTS)), views.of(slice(KNOTS, None)), least_alpha) for lobe in known]
+        self._plans, self.plan = [plan(lobe) for lobe in known], plan
         self._top_apart, self._coarse = has_own_normals(stack), views.of(COARSE).thinned(STRIDE)
         self.most_glossy = MAX_GLOSSY if surfaces else 1
         self._own: dict[int, Found] = {}
         self._lit: dict[float, np.ndarray] = {}
+        self.is_smooth = not surfaces
         self._report(0.3)
 
     def bake(self, glossy: int) -> Bake:
         """The best that at most `glossy` glossy lobes and a Lambert lobe do."""
         found = self.path(glossy)
         return Bake(self.lobe_set(found), found.path.mixtures.error)
+
+    def shape_error(self, lobe_set: TableLobes) -> float:
+        """The cosine-weighted L1 of a lobe set of the stack over the albedo, worst channel, mean of the knots."""
+        seen = self._seen
+        f = sum(lobe_f(lobe, seen.wo[:, None], seen.wi) for lobe in lobe_set.lobes(seen.cos_theta_o[:, None]))
+        return float(np.mean(worst_share(np.sum(seen.share[..., None] * np.abs(f - seen.f), axis=1), self._albedo)))
 
     def least_soft_light(self, glossy: int, cosines: np.ndarray, light_deg: float) -> float:
         """What an `ErrorEstimator`'s error in soft light at views (n,) is at least, by what is found at a few knots before fits are made good at every one.
@@ -139,18 +147,37 @@ class Baker:
         """The fits to this stack's truth that begin at those of a stack much like it, with lobes so many times as wide: the best of these."""
         return replace(found, path=continued_path(self._plans[found.plan], found.path, wider))
 
+    @property
+    def known(self) -> tuple[list[GlossyTable], np.ndarray]:
+        """The tables that need no fits, of mirrors and of the top, and the energy (KNOTS, c) that is left."""
+        return self._known_tables(self.top), self._rest[-1]
+
+    def _known_tables(self, known: GlossyLobe | None) -> list[GlossyTable]:
+        tables = []
+        if np.any(self._specular > 0.0):
+            tables.append(GlossyTable(GGX, self._specular, np.zeros((KNOTS, 3))))
+        if known is not None:
+            shape = np.tile([known.alpha_x, known.alpha_y, 0.0], (KNOTS, 1))
+            tables.append(GlossyTable(known.distribution, np.ones_like(self._albedo), shape, known.fresnel))
+        return tables
+
+    def _in_distinct_channels(self, table: DiffuseTable) -> DiffuseTable:
+        first = [self._channels.index(place) for place in range(max(self._channels) + 1)]
+        return replace(table, weight=table.weight[:, first], ramp=table.ramp[:, first])
+
     def lobe_set(self, found: Found, keep: tuple[type, ...] = ()) -> TableLobes:
         """The tables of fits. Lobes that carry next to nothing are left out, but those of the kinds `keep`."""
-        known, distributions, mixtures = self._plans[found.plan].known, found.path.distributions, found.path.mixtures
+        tables = self._known_tables(self._plans[found.plan].known)
+        fitted = self.fitted(found.path, self._rest[found.plan], keep, at_least=not tables)
+        # through smooth layers comes the base's light alone
+        is_reciprocal = self.is_smooth and isinstance(OpticalStack.of(self.stack).base, DiffuseBase)
+        return TableLobes((*tables, *(map(reciprocal, fitted) if is_reciprocal else fitted)))
+
+    def fitted(self, path: Path, rest: np.ndarray, keep: tuple[type, ...], at_least: bool) -> list[GlossyTable | DiffuseTable]:
+        """Those of a path, scaled to the energy (KNOTS, c) that they are to have together; the Lambert lobe is the last, and stays where there is to be `at_least` one."""
+        distributions, mixtures = path.distributions, path.mixtures
         weights = mixtures.weight[:, self._channels]
-        cosines = knot_cosines()
-        tables = []
-        ones = np.ones_like(self._albedo)
-        if np.any(self._specular > 0.0):
-            tables.append(GlossyTable(GGX, self._specular, np.zeros((len(cosines), 3))))
-        if known is not None:
-            shape = np.tile([known.alpha_x, known.alpha_y, 0.0], (len(cosines), 1))
-            tables.append(GlossyTable(known.distribution, ones, shape, known.fresnel))
+        cosines, ones = knot_cosines(), np.ones_like(self._albedo)
         fitted = []
         for i, distribution in enumerate(distributions):
             shape, weight = mixtures.shape[:, i], weights[:, :, i]
@@ -159,8 +186,7 @@ class Baker:
         fitted.append((DiffuseTable(weights[:, :, -1]), ones[:, :1]))
         seen = [(table, unit) for table, unit in fitted if isinstance(table, keep) or np.any(table.weight * unit > _NEGLIGIBLE * self._albedo)]
         # what is black altogether keeps a lobe, as a shader has to have one
-        fitted = seen if seen or tables else fitted[-1:]
-        return TableLobes((*tables, *_with_energy(fitted, self._rest[found.plan])))
+        return _with_energy(seen if seen or not at_least else fitted[-1:], rest)
 
 
 def _with_energy(fitted: list[tuple[GlossyTable | DiffuseTable, np.ndarray]], rest: np.ndarray) -> list:
@@ -186,31 +212,3 @@ def _distinct(views: Views) -> tuple[Views, list[int]]:
 def _media(stack: Stack) -> list[tuple[str, float]]:
     """(distribution, alpha) of lobes that are about as wide as what media scatter, which fits of a stack without rough surfaces begin with."""
     return [(GGX, float(np.sqrt(1.0 - abs(s.scattering.g)))) for s in OpticalStack.of(stack).interfaces if s.scattering is not None]
-
-
-def baked(stack: Stack, live: tuple[Place, ...], glossy: int, progress: Callable[[float], None] | None) -> TableLobes | LiveLobes:
-    """The lobe set of a stack that follows these live values, which `follows` allows."""
-    if is_brushed(stack):
-        return bake_brushed(stack, live, progress or (lambda share: None)) if live else brushed(stack, progress)
-    if not live:
-        return Baker(stack, truth_of(stack), progress).bake(glossy).lobe_set
-    if live == (BASE_COLOR,):
-        return _over_base_color(stack, glossy, progress)
-    return bake_live(stack, live, glossy, Baker, progress or (lambda share: None))
-
-
-def _over_base_color(stack: Stack, glossy: int, progress) -> TableLobes:
-    """The lobes of a stack over a diffuse base of any color."""
-    black, truth = over(stack, 0.0), BlackAndWhite(stack)
-    baker = Baker(black, truth, progress)
-    return followed(baker.lobe_set(baker.path(glossy), keep=(DiffuseTable,)), base_of(truth.black, stack))
-
-
-def pack_lobes(lobe_set: TableLobes | LiveLobes) -> dict:
-    """A baked lobe set as JSON's types."""
-    return {"grid": pack_grid(lobe_set)} if isinstance(lobe_set, LiveLobes) else {"tables": pack_tables(lobe_set)}
-
-
-def unpack_lobes(data: dict, stack: Stack) -> TableLobes | LiveLobes:
-    """The lobe set of `pack_lobes`. Raises ValueError, KeyError or TypeError on anything else."""
-    return unpack_grid(data["grid"], stack) if "grid" in data else unpack_tables(data["tables"], stack)

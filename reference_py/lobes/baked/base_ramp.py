@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the light of a base of a live color goes at every node of a grid, as few ramps together."""
+"""Where the light of a base goes through its layers: of tables, and of a live color at every node of a grid, as few ramps together."""
 
 from dataclasses import replace
 from functools import reduce
@@ -8,9 +8,15 @@ import numpy as np
 
 from ..diffuse_ramp import RAMP_COSINES, ramp_energy, ramp_of
 from ..live_grid import DIGITS, LiveLobes, LiveRamp
+from ..view_table import DiffuseTable, interpolate
 
 # Ramps beside Lambert's: as many as a color holds. Of a varnish whose roughness, tint and index are live .5 % of the light goes amiss at the worst; with two it would be 2 %.
 _MODES = 3
+
+
+def reciprocal(table: DiffuseTable) -> DiffuseTable:
+    """The table of a base's light with the ramp of where it goes, which is as it comes."""
+    return replace(table, ramp=ramp_of(interpolate(table.weight, RAMP_COSINES)))
 
 
 def with_ramp(lobes: LiveLobes) -> LiveLobes:

@@ -11,10 +11,11 @@ import numpy as np
 
 from ...material.stack import Stack
 from ...optics.optical_stack import OpticalStack
+from ..diffuse_ramp import RAMP_COSINES, ramp_of
 from ..live_grid import MIN_ENERGY
 from ..samples import view_of
 from ..truth import truth_of
-from ..view_table import BASE_COLOR, KNOTS, BaseColorTable, TableLobes, is_glossy, knot_cosines
+from ..view_table import BASE_COLOR, KNOTS, BaseColorTable, DiffuseTable, TableLobes, interpolate, is_glossy, knot_cosines
 
 # Beside white, the color at which the energy of a rough diffuse base is right.
 _SOME_COLOR = 0.3
@@ -73,9 +74,12 @@ def followed(tables: TableLobes, base: BaseColorTable) -> TableLobes:
     result = []
     for table in tables.tables:
         black, white = table.weight[:, :3], table.weight[:, 3:]
+        has_ramp = isinstance(table, DiffuseTable) and table.ramp is not None
         if np.array_equal(black, white):
-            result.append(replace(table, weight=black))
+            result.append(replace(table, weight=black, **({"ramp": None} if has_ramp else {})))
             continue
+        through = (white - black) * (1.0 - base.back)
         shape = {"distribution": table.distribution, "shape": table.shape} if is_glossy(table) else {}
-        result.append(replace(base, own=black, through=(white - black) * (1.0 - base.back), **shape))
+        ramp = ramp_of(interpolate(through, RAMP_COSINES)) if has_ramp else None
+        result.append(replace(base, own=black, through=through, ramp=ramp, **shape))
     return TableLobes(tuple(result))

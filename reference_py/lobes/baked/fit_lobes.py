@@ -14,6 +14,7 @@ import numpy as np
 from ..closure import lobe_f
 from ..lobe import GlossyLobe
 from ..samples import Views
+from ..view_table import DiffuseTable
 from .glossy_rates import glossy_rates, glossy_values
 
 # The least alpha that fits of rough surfaces use, and the largest that Cycles takes.
@@ -68,14 +69,16 @@ class ViewFits:
     low: np.ndarray
 
     @classmethod
-    def at(cls, views: Views, known: GlossyLobe | None, least_alpha: float) -> "ViewFits":
-        """Fits beside the lobe `known`, or beside none, by lobes no narrower than `least_alpha`."""
+    def at(cls, views: Views, known: GlossyLobe | None, least_alpha: float, base: DiffuseTable | None = None) -> "ViewFits":
+        """Fits beside the lobe `known`, or beside none, and the light of a base, by lobes no narrower than `least_alpha`."""
         wo, sin_o = views.wo[:, None], np.hypot(views.wo[:, 0], views.wo[:, 1])
         truth = np.swapaxes(views.f, 1, 2)
         albedo = np.maximum(truth @ views.share[..., None], 1e-9)
         goal = truth
         if known is not None:
             goal = truth - lobe_f(known, np.broadcast_to(wo, views.wi.shape), views.wi)[..., None, :, 0]
+        if base is not None:
+            goal = goal - np.swapaxes(lobe_f(base.lobe(views.cos_theta_o[:, None]), wo, views.wi), 1, 2)
         away = np.tan(0.5 * np.maximum(_LOWEST_REFLECTION - np.arccos(views.cos_theta_o), 0.0)) / np.maximum(sin_o, 1e-6)
         narrowest = np.full(len(away), np.log(least_alpha))
         low = np.stack([narrowest, narrowest, -np.minimum(away, _MAX_TILT)], axis=-1)[:, None]

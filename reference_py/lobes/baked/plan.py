@@ -9,7 +9,7 @@ import numpy as np
 
 from ..lobe import GlossyLobe
 from ..samples import Views
-from ..view_table import KNOTS
+from ..view_table import KNOTS, DiffuseTable
 from .fit_lobes import Mixtures, ViewFits
 
 # Starts are tried at these knots, and branches filled in from them.
@@ -68,13 +68,24 @@ class Fitter:
 
 
 class Plan:
-    """Fits beside one known lobe, or none, by lobes no narrower than `least_alpha`. `views` are at the knots, `middles` half-way between them."""
+    """Fits beside one known lobe, or none, by lobes no narrower than `least_alpha`. `views` are at the knots, `middles` half-way between them.
 
-    def __init__(self, known: GlossyLobe | None, surfaces: list[tuple[str, float]], views: Views, middles: Views, least_alpha: float):
+    `base` is the light of a base, with its ramp, of which fits are to have nothing, in the channels of the views.
+    """
+
+    def __init__(
+        self,
+        known: GlossyLobe | None,
+        surfaces: list[tuple[str, float]],
+        views: Views,
+        middles: Views,
+        least_alpha: float,
+        base: DiffuseTable | None = None,
+    ):
         self.known = known
         self._distributions = sorted({distribution for distribution, _ in surfaces})
         self._alphas = _widths(surfaces)
-        self.fits, self.middles = (ViewFits.at(some, known, least_alpha) for some in (views, middles))
+        self.fits, self.middles = (ViewFits.at(some, known, least_alpha, base) for some in (views, middles))
         self.fitted, self._coarse_fitted = Fitter(self.fits), Fitter(self.fits.of(COARSE).thinned(STRIDE))
         self._found: dict[int, Branches] = {}
 

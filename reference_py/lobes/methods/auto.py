@@ -4,6 +4,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from ...optics.error_measure import albedo_error, worst_share
 from ...optics.frame import spherical
 from ...optics.optical_stack import Support
 from ..analytic import AnalyticLobes
-from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, baked, follows, is_brushed, level, pack_lobes, unpack_lobes
+from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, RampBaker, baked, follows, is_brushed, level, pack_lobes, unpack_lobes
 from ..brushing import isotropic
 from ..cache import stack_key
 from ..closure import lobe_energy
@@ -57,7 +58,7 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
     estimator = ErrorEstimator(stack, truth, cosines, light_deg)
     can_bake = follows(stack, live)
     able = {} if scatters(stack) else {PaperLobes.name: PaperLobes} if has_film(stack) else _LIVE
-    tried: list[tuple[Candidate, object]] = []
+    tried: list[tuple[Candidate, Any]] = []
 
     def judge(label: str, lobe_set) -> float:
         tried.append((_candidate(label, lobe_set, estimator.errors(lobe_set), bool(live)), lobe_set))
@@ -72,11 +73,28 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
     if not live:
         baker = Baker(stack, truth)
         _try_bakes(baker, glossy, tolerance, lambda count: baker.least_soft_light(count, cosines, light_deg), judge)
+    (stock, lobe_set), reason = _best(tried, tolerance)
+    chosen = stock
+    if not live and stock.label not in _LIVE:
+        _try_ramps(RampBaker(baker), glossy, tolerance, judge)
+        (chosen, best), reason = _best(tried, tolerance)
+        if chosen is not stock:
+            lobe_set = replace(best, stock=lobe_set)
+            reason += f"; stock nodes have {stock.label}, error {100.0 * stock.visible:.3g} %"
     report(1.0)
-    (chosen, lobe_set), reason = _best(tried, tolerance)
     if not can_bake:
         reason += f"; a bake cannot follow {in_words(live)}"
-    return Choice(chosen, lobe_set, tuple(candidate for candidate, _ in tried), reason)
+    return Choice(chosen, lobe_set, tuple(candidate for candidate, _ in tried), reason, stock)
+
+
+def _try_ramps(baker: RampBaker, glossy: int, tolerance: float, judge: Callable[[str, object], float]) -> None:
+    """Judge bakes for OSL alone with ever more glossy lobes until one is within the tolerance, or gains next to nothing."""
+    before = np.inf
+    for count in baker.counts(glossy):
+        error = judge(f"ramp, {count} glossy", baker.lobe_set(count))
+        if error <= tolerance or error > _GAIN * before:
+            return
+        before = error
 
 
 def _try_bakes(baker: Baker, glossy: int, tolerance: float, least_error: Callable[[int], float], judge: Callable[[str, object], float]) -> None:
@@ -103,13 +121,13 @@ def _try_bakes(baker: Baker, glossy: int, tolerance: float, least_error: Callabl
         least = min(least, now)
 
 
-def _best(tried: list[tuple[Candidate, object]], tolerance: float) -> tuple[tuple[Candidate, object], str]:
+def _best(tried: list[tuple[Candidate, Any]], tolerance: float) -> tuple[tuple[Candidate, Any], str]:
     """What to take of candidates and their lobe sets, and why."""
     good = [t for t in tried if t[0].visible <= tolerance]
     if good:
-        return min(good, key=lambda t: t[0].cost), f"the cheapest whose error is at most {100.0 * tolerance:g} %"
+        return min(good, key=lambda t: (t[0].cost, t[0].visible)), f"the cheapest whose error is at most {100.0 * tolerance:g} %"
     best = min(candidate.visible for candidate, _ in tried)
-    close = min((t for t in tried if t[0].visible <= best * (1.0 + _AS_CLOSE)), key=lambda t: t[0].cost)
+    close = min((t for t in tried if t[0].visible <= best * (1.0 + _AS_CLOSE)), key=lambda t: (t[0].cost, t[0].visible))
     return close, f"the cheapest of those about as close as the closest; none of {len(tried)} reaches {100.0 * tolerance:g} %"
 
 
@@ -150,7 +168,7 @@ def with_anisotropy(
     (chosen, lobe_set), reason = _best(tried, tolerance)
     noise = float(np.max(worst_share(stderr, truth)))
     reason += f"; albedo is judged with the anisotropy (standard error {100.0 * noise:.2g} %), soft light and shape without it"
-    return Choice(chosen, lobe_set, tuple(candidate for candidate, _ in tried), reason)
+    return Choice(chosen, lobe_set, tuple(candidate for candidate, _ in tried), reason, chosen)
 
 
 def _make(stack: Stack, options: Options) -> Made:
@@ -167,6 +185,7 @@ def _pack(choice: Choice) -> dict:
     live = choice.chosen.label in _LIVE
     return {
         "chosen": choice.tried.index(choice.chosen),
+        "stock": choice.tried.index(choice.stock),
         "lobe_set": None if live else pack_lobes(choice.lobe_set),
         "tried": [asdict(candidate) for candidate in choice.tried],
         "reason": choice.reason,
@@ -177,7 +196,7 @@ def _unpack(data: dict, stack: Stack) -> Choice:
     tried = tuple(Candidate(**candidate) for candidate in data["tried"])
     chosen = tried[data["chosen"]]
     lobe_set = unpack_lobes(data["lobe_set"], stack) if data["lobe_set"] else _LIVE[chosen.label](stack)
-    return Choice(chosen, lobe_set, tried, str(data["reason"]))
+    return Choice(chosen, lobe_set, tried, str(data["reason"]), tried[data["stock"]])
 
 
 COMPUTED = Computed(

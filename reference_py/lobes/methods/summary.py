@@ -21,14 +21,14 @@ def live_methods(made: Made) -> set[str]:
     return {part.lobe_set.name for part in parts_of(made) if part.lobe_set.is_live}
 
 
-def estimated_error(made: Made) -> float | None:
-    """The worst estimated visible error of what the method auto chose, as a share of the light; None where nothing was estimated."""
+def estimated_error(made: Made, osl: bool) -> float | None:
+    """The worst estimated visible error of what the method auto chose, with OSL or in stock nodes, as a share of the light; None where nothing was estimated."""
     parts = parts_of(made)
     if any(part.choice is None for part in parts):
         return None
-    return max(part.choice.chosen.visible for part in parts)
+    return max(part.choice.shown(osl).visible for part in parts)
 
 
-def estimated_cost(made: Made) -> float:
-    """What it costs, in units of a plain glossy node's, see `cost.cost`; that of the dearest of its patches."""
-    return max(part.choice.chosen.cost if part.choice else cost(part.lobe_set) for part in parts_of(made))
+def estimated_cost(made: Made, osl: bool) -> float:
+    """What it costs with OSL or in stock nodes, in units of a plain glossy node's, see `cost.cost`; that of the dearest of its patches."""
+    return max(part.choice.shown(osl).cost if part.choice else cost(part.lobe_set) for part in parts_of(made))

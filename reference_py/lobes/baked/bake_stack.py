@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The bake of a stack, whatever of it is live, and its JSON."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from ...material.place import Place
+from ...material.stack import Stack
+from ...optics.optical_stack import OpticalStack
+from ..diffuse_ramp import RAMP_COSINES, ramp_of
+from ..live_grid import LiveLobes
+from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
+from ..truth import truth_of
+from ..view_table import BASE_COLOR, DiffuseTable, TableLobes, interpolate
+from .bake import Baker
+from .black_and_white import BlackAndWhite, base_of, followed, over
+from .brushed_bake import brushed, is_brushed
+from .brushed_grid import bake_brushed
+from .live import bake_live
+from .ramped import RampBaker
+
+
+def baked(stack: Stack, live: tuple[Place, ...], glossy: int, progress: Callable[[float], None] | None) -> TableLobes | LiveLobes:
+    """The lobe set of a stack that follows these live values, which `follows` allows."""
+    if is_brushed(stack):
+        return bake_brushed(stack, live, progress or (lambda share: None)) if live else brushed(stack, progress)
+    if not live:
+        return _best(Baker(stack, truth_of(stack), progress), glossy)
+    if live == (BASE_COLOR,):
+        return _over_base_color(stack, glossy, progress)
+    return bake_live(stack, live, glossy, Baker, progress or (lambda share: None))
+
+
+def _best(baker: Baker, glossy: int) -> TableLobes:
+    """The closest bake of at most so many glossy lobes, and what stock nodes have in its place."""
+    ramped, stock = RampBaker(baker), baker.bake(glossy).lobe_set
+    best = min([stock, *map(ramped.lobe_set, ramped.counts(glossy))], key=baker.shape_error)
+    return best if best is stock else replace(best, stock=stock)
+
+
+def _over_base_color(stack: Stack, glossy: int, progress) -> TableLobes:
+    """The lobes of a stack over a diffuse base of any color."""
+    black, truth = over(stack, 0.0), BlackAndWhite(stack)
+    baker, base = Baker(black, truth, progress), base_of(truth.black, stack)
+    stock = followed(baker.lobe_set(baker.path(glossy), keep=(DiffuseTable,)), base)
+    optical = OpticalStack.of(stack)
+    # what a rough base and a medium reflect knows still where it came from
+    if baker.is_smooth or optical.base.sigma_deg or any(surface.scattering is not None for surface in optical.interfaces):
+        return stock
+    of_layers = Baker(black, truth.black, progress)
+    *tables, lambert = of_layers.lobe_set(of_layers.path(glossy), keep=(DiffuseTable,)).tables
+    light = replace(base, own=lambert.weight, ramp=ramp_of(interpolate(base.through, RAMP_COSINES)))
+    return TableLobes((*tables, light), stock)
+
+
+def pack_lobes(lobe_set: TableLobes | LiveLobes) -> dict:
+    """A baked lobe set as JSON's types."""
+    return {"grid": pack_grid(lobe_set)} if isinstance(lobe_set, LiveLobes) else {"tables": pack_tables(lobe_set)}
+
+
+def unpack_lobes(data: dict, stack: Stack) -> TableLobes | LiveLobes:
+    """The lobe set of `pack_lobes`. Raises ValueError, KeyError or TypeError on anything else."""
+    return unpack_grid(data["grid"], stack) if "grid" in data else unpack_tables(data["tables"], stack)
