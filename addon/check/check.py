@@ -4,7 +4,6 @@
 `find` looks and changes nothing; `mend` does what a finding offers. It is quick enough for a panel to draw.
 """
 
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
@@ -35,6 +34,7 @@ from ..shader.inputs import BASE, layer_owner
 from ..shader.nodes.node_groups import is_untouched as group_is_untouched
 from ..shader.nodes.node_groups import tables_size
 from .check_mends import MENDS
+from .lost_images import file_of, lost_images
 
 # A note is of what does not show in this scene.
 ERROR, WARNING, NOTE = "ERROR", "INFO", "NOTE"
@@ -67,6 +67,7 @@ CODES = {
     "link_broken": (ERROR, "{layer}: the link to {label} is broken", "Remove the Link"),
     "link_muted": (WARNING, "{layer}: the link to {label} is muted", "Unmute"),
     "image_missing": (ERROR, "{layer}: {label} has a texture without an image", "Remove the Link"),
+    "image_gone": (ERROR, "{layer}: {label} reads the image {image}, whose file is gone: {path} (File > External Data > Find Missing Files)", ""),
     "tables_shrunk": (WARNING, "Simplify's texture limit of {limit} px shrinks the tables of the stock nodes, which are {size} px: their values are wrong", "Raise the Limit"),
     "texture_ignored": (WARNING, "{layer}: {label} has a texture or animation, which stock nodes cannot follow: they show {shown}", ""),
     "value_rests": (WARNING, "{layer}: the texture or animation of {label} has no effect, as it is given by {given}", ""),
@@ -224,8 +225,10 @@ def _values(element, node, is_shown: bool, links: dict[int, list[bpy.types.NodeL
                 yield Finding("link_broken", about, element.node, parameter.label)
             elif link.is_muted:
                 yield Finding("link_muted", about, element.node, parameter.label)
-            elif is_shown and _lacks_image(link.from_node):
-                yield Finding("image_missing", about, element.node, parameter.label)
+            elif is_shown and (lost := list(lost_images(link.from_node))):
+                known = next(filter(None, lost), None)  # its link is work that a removal would lose, whatever else is fed by it
+                code, words = ("image_gone", {"image": known.name, "path": file_of(known)}) if known else ("image_missing", {})
+                yield Finding(code, about | words, element.node, parameter.label)
         if not into and parameter.type == COLOR and outside_rec709(socket):
             yield Finding("out_of_gamut", about, element.node, parameter.label)
         if not into and (wrong := out_of_range(socket.default_value, parameter)):
@@ -238,18 +241,6 @@ def out_of_range(value, parameter: Parameter) -> str:
     slack = 1e-6 * max(abs(parameter.minimum), abs(parameter.maximum))  # a socket holds float32
     wrong = [v for v in numbers if not isfinite(v) or not parameter.minimum - slack <= v <= parameter.maximum + slack]
     return f"{wrong[0]:.4g}" if wrong else ""
-
-
-def _lacks_image(node, depth: int = 16) -> bool:
-    """Whether a texture without an image, or one whose file is gone, is at or before a node."""
-    if node.bl_idname == "ShaderNodeTexImage":
-        image = node.image
-        if image is None:
-            return True
-        if image.source == "FILE" and image.packed_file is None and not image.has_data:
-            return not os.path.exists(bpy.path.abspath(image.filepath, library=image.library))
-        return False
-    return depth > 0 and any(_lacks_image(link.from_node, depth - 1) for socket in node.inputs for link in socket.links)
 
 
 def _shader(material) -> Iterator[Finding]:

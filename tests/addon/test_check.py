@@ -168,6 +168,30 @@ def test_a_fault_is_found_and_mended_with_one_click(owner, code):
         assert material.stack_of(owner) == stack
 
 
+def test_an_image_whose_file_moved_keeps_its_link(owner, tmp_path):
+    """Its link is work: Check names the image and its file, and nothing that mends all of a material takes it away."""
+    path, moved = tmp_path / "scratches.png", tmp_path / "moved.png"
+    made = bpy.data.images.new("made", 8, 8)
+    made.filepath_raw, made.file_format = str(path), "PNG"
+    made.save()
+    bpy.data.images.remove(made)
+    texture = owner.node_tree.nodes.new("ShaderNodeTexImage")
+    texture.image = bpy.data.images.load(str(path))
+    owner.node_tree.links.new(texture.outputs[0], coat(owner).inputs["Tint"])
+    material.refresh(owner)
+    texture.image.buffers_free()
+    path.rename(moved)
+    (gone,) = [f for f in found(owner) if f.level != check.NOTE]
+    assert (gone.code, gone.mending) == ("image_gone", "")
+    assert gone.text().startswith(f"Coat: Tint reads the image scratches.png, whose file is gone: {path} ")
+    with bpy.context.temp_override(material=owner):
+        bpy.ops.lamina.mend_all("EXEC_DEFAULT")
+    assert coat(owner).inputs["Tint"].is_linked
+    texture.image.filepath = str(moved)
+    texture.image.reload()
+    assert [f.code for f in found(owner) if f.level != check.NOTE] == []
+
+
 def test_values_that_reach_the_wrong_input_are_found(owner):
     cross_values(owner)
     (finding,) = found(owner)
@@ -342,6 +366,7 @@ def test_every_code_is_tested_and_every_button_works():
         "shader_stale",
         "not_baked",
         "not_editable",
+        "image_gone",
         "out_of_gamut",
         "usd_misled",
         "value_rests",
