@@ -11,6 +11,7 @@ from ...reference_py.material.stack import Stack
 from ..blender.translation import data_, rpt_
 from ..material import chosen
 from ..material import material as materials
+from ..material.replaced import lost_with_layers
 from .process import Process, worker
 
 TICK = 0.5
@@ -37,6 +38,7 @@ class Fit(Process):
         result = self.result | told
         stack = Stack.from_dict(self.result["stack"], Path(self.file).name)
         material = bpy.data.materials.new(Path(self.file).stem) if self.is_object else owner
+        lost = lost_with_layers(material)
         try:
             materials.apply_stack(material, stack, *chosen.for_new(material))
         except LaminaError:
@@ -45,7 +47,8 @@ class Fit(Process):
             raise
         if self.is_object:
             owner.active_material = material
-        return [_summary(self.file, result, _noted(self.file, result)), *materials.make_renderable(material, scene)]
+        summary = _summary(self.file, result, _noted(self.file, result))
+        return [f"{summary}; {lost.told(rpt_)}" if lost else summary, *materials.make_renderable(material, scene)]
 
 
 def _with_uid(collection, uid: int) -> bpy.types.ID | None:

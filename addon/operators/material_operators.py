@@ -18,6 +18,7 @@ from ..library import user_presets
 from ..material import chosen, entry, live_values, osl_setting, reading
 from ..material import material as materials
 from ..material.holders import can_hold_material
+from ..material.replaced import lost_with_layers
 
 _JSON = "*.json"
 _UNNAMED = "Lamina"
@@ -41,7 +42,9 @@ def why_no_material(context: bpy.types.Context) -> str:
 
 
 def what_gives_way(material: bpy.types.Material) -> str:
-    """What a first stack takes the place of, in words, where that is more or less than the Principled node at the surface."""
+    """What a stack takes the place of, in words: textures and animation of former layers, or more or less than the Principled node at the surface."""
+    if lost := lost_with_layers(material):
+        return lost.told(rpt_)
     if material.node_tree is None or material.lamina.is_layered:
         return ""
     found = entry.find_entry(entry.surface_output(material.node_tree))
@@ -126,7 +129,7 @@ class StackOperator(LaminaOperator):
         made = material is None
         if made:
             material = bpy.data.materials.new(stack.name or _UNNAMED)
-        former = material.lamina.stack_name
+        former, level = material.lamina.stack_name, "WARNING" if material.lamina.is_layered else "INFO"
         gave_way = what_gives_way(material)
         try:
             self.apply(material, stack)
@@ -135,7 +138,7 @@ class StackOperator(LaminaOperator):
                 bpy.data.materials.remove(material)
             raise
         if gave_way:
-            self.report({"INFO"}, f"Lamina: {gave_way}")
+            self.report({level}, f"Lamina: {gave_way}")
         if made:
             context.object.active_material = material
         elif re.fullmatch(rf"{re.escape(former)}(\.\d+)?", material.name) and _is_name_of_preset(former):

@@ -180,3 +180,27 @@ def test_strips_of_a_layer_that_is_pasted_elsewhere_are_named(blender):
     strip(owner.node_tree, lambda: keyed(socket, {1: 0.0, 11: 0.5}))
     assert layers.paste_layers(other, layers.copied_text(owner, [0]), 0) == ["Dielectric: its NLA strips stay behind"]
     assert json.loads(layers.copied_text(other, [0]))["lamina_layers"]
+
+
+def test_another_preset_names_the_textures_and_animation_that_go(blender, capfd):
+    owner = made("owner", {"kind": "lambert"})
+    texture_into(owner, "Color")
+    coat = node_of(owner.lamina.layers[0]).inputs
+    keyed(coat["Roughness"], {1: 0.1, 11: 0.5})
+    driven(coat["Thickness"], "frame")
+    before = curves_of(owner.node_tree)
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.lamina.apply_preset("EXEC_DEFAULT", True, preset="worn_varnish")
+    named = "Roughness of Dielectric (animation), Thickness of Dielectric (animation), Color of Lambert (texture): that is gone with the former layers"
+    assert f"Warning: Lamina: {named}" in capfd.readouterr().out
+    bpy.ops.ed.undo()
+    owner = bpy.data.materials["owner"]
+    assert curves_of(owner.node_tree) == before and base_inputs(owner)["Color"].is_linked
+
+
+def test_values_and_masks_of_a_preset_go_without_a_word(blender, capfd):
+    owner = made("owner", {"kind": "lambert"})
+    for _ in range(2):
+        bpy.ops.lamina.apply_preset(preset="worn_varnish")
+    assert any(socket.is_linked for layer in owner.lamina.layers for socket in node_of(layer).inputs)
+    assert "gone" not in capfd.readouterr().out
