@@ -19,7 +19,7 @@ from ...reference_py.exchange.hand_over import HandOver, cached_hand_over, key_o
 from ...reference_py.exchange.principled import WRITTEN
 from ...reference_py.material.stack import Stack
 from ..shader.working_space import into_working, out_of_working
-from .principled_node import PRINCIPLED, has_linked_color, linked_places, show_stack
+from .principled_node import COLOR, PRINCIPLED, has_linked_color, linked_places, picture_of, show_stack
 from .reading import stack_of
 from .roles import ROLE, Roles, give
 
@@ -122,7 +122,10 @@ def _hand_over(stack: Stack, textured: bool, settle: bool) -> HandOver:
 
 def _key(material: bpy.types.Material, stack: Stack, owners: dict[str, int]) -> str:
     """Names the values and the links that are handed over."""
-    links = [(place, source.node.name, source.identifier) for place, _, _, source in linked_places(material, owners)]
+    links = [
+        (place, source.node.name, source.identifier, *(picture_of(element, parameter).tolist() if place == COLOR else ()))
+        for place, element, parameter, source in linked_places(material, owners)
+    ]
     return hashlib.sha256(json.dumps([key_of(stack, has_linked_color(material)), links]).encode()).hexdigest()
 
 

@@ -11,16 +11,21 @@ import bpy
 
 from ...reference_py.material.schema import COLOR, FLOAT, Parameter
 from .mask_groups import MASK_KEY
-from .source_mean import has_images, is_painted, mean_of, name_of, source_of_socket, state_of
+from .source_mean import has_images, is_painted, mean_of, name_of, picture_mean, source_of_socket, state_of
 
 MEANS = "lamina_means"
 
 
 def kept_mean(socket: bpy.types.NodeSocket) -> float | list[float] | None:
     """The mean that is kept of what is linked to a value's socket; None where nothing is linked, or nothing was measured."""
-    source = source_of_socket(socket)
-    row = _rows(socket.node).get(socket.name) if source is not None else None
-    return row["mean"] if row is not None and row["of"] == _address(source) else None
+    row = _row(socket)
+    return row["mean"] if row is not None else None
+
+
+def kept_picture(socket: bpy.types.NodeSocket) -> list[float] | None:
+    """The mean that is kept of the bare picture before a color's socket, see `picture_mean`; None as for `kept_mean`."""
+    row = _row(socket)
+    return row.get("picture", row["mean"]) if row is not None else None
 
 
 def mean_name(socket: bpy.types.NodeSocket) -> str:
@@ -37,8 +42,11 @@ def measure_node(node: bpy.types.Node, parameters: tuple[Parameter, ...]) -> boo
         if source is None:
             continue
         row, state = former.get(parameter.label), state_of(source, parameter)
-        if row is None or row["state"] != state or is_painted(source):
-            row = {"of": _address(source), "state": state, "mean": _mean(source, parameter, state)}
+        if row is None or row["state"] != state or is_painted(source) or (parameter.type == COLOR and "picture" not in row):
+            mean = _mean(source, parameter, state)
+            row = {"of": _address(source), "state": state, "mean": mean}
+            if parameter.type == COLOR:
+                row["picture"] = picture_mean(source, parameter) or mean
         rows[parameter.label] = row
     if rows == former:
         return False
@@ -46,7 +54,11 @@ def measure_node(node: bpy.types.Node, parameters: tuple[Parameter, ...]) -> boo
         node[MEANS] = json.dumps(rows)
     else:
         del node[MEANS]
-    return {label: row["mean"] for label, row in rows.items()} != {label: row["mean"] for label, row in former.items()}
+    return _means(rows) != _means(former)
+
+
+def _means(rows: dict) -> dict:
+    return {label: (row["mean"], row.get("picture")) for label, row in rows.items()}
 
 
 # By their state, the means of generated masks that this session measured: what they are made of is all in them, unlike images.
@@ -63,6 +75,12 @@ def _mean(source: bpy.types.NodeSocket, parameter: Parameter, state: str) -> flo
             _measured.pop(next(iter(_measured)))
         _measured[state] = mean_of(source, parameter)
     return _measured[state]
+
+
+def _row(socket: bpy.types.NodeSocket) -> dict | None:
+    source = source_of_socket(socket)
+    row = _rows(socket.node).get(socket.name) if source is not None else None
+    return row if row is not None and row["of"] == _address(source) else None
 
 
 def _address(source: bpy.types.NodeSocket) -> list[str]:

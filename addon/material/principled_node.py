@@ -2,7 +2,7 @@
 """A Principled node that shows a stack: its values, and links from what feeds the layers.
 
 A texture of the base color goes through nodes that keep the mean albedo. The last of them is a factor, which glTF takes
-along with the texture; it is exact at the mean of the texture.
+along with the bare picture, whatever nodes are between; it is exact at the picture's mean, unless that is too dark for a factor of 1.
 """
 
 from collections.abc import Callable, Iterator
@@ -17,6 +17,7 @@ from ...reference_py.exchange.report import KEPT, LOST, noted
 from ...reference_py.material.schema import Parameter
 from .elements import kind_of, node_of, used_features, value_of
 from .kind_groups import KIND_KEY
+from .means import kept_picture
 from .properties import LaminaElement
 from .roles import Roles, give
 
@@ -57,6 +58,12 @@ def source_of(element, name: str) -> bpy.types.NodeSocket | None:
     return socket.links[0].from_socket if socket.is_linked else None
 
 
+def picture_of(element: LaminaElement, parameter: Parameter) -> np.ndarray:
+    """The mean color of the picture that glTF takes for what is linked to a parameter; without a link its own color."""
+    found = kept_picture(node_of(element).inputs[parameter.label])
+    return np.asarray(value_of(element, parameter) if found is None else found)
+
+
 def has_linked_color(material: bpy.types.Material) -> bool:
     """Whether something feeds the color of the base."""
     return source_of(material.lamina.base, parameter_of(material.lamina.base, "color")) is not None
@@ -92,7 +99,7 @@ def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values:
         fed.add(name)
         if name == COLOR and (colors is not None or roles.get(_COLOR_ROLES[0])):
             own = np.asarray(value_of(element, parameter))
-            source = _through_color(roles, source, target, colors, own)
+            source = _through_color(roles, source, target, colors, own, picture_of(element, parameter))
             kept_roles |= set(_COLOR_ROLES)
             notes.append(noted(KEPT, Sentence("{socket} texture: through nodes that keep the mean color", socket=COLOR)))
         else:
@@ -112,13 +119,13 @@ def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values:
     return notes
 
 
-def _through_color(roles: Roles, source, target, colors: ColorMap | None, own: np.ndarray) -> bpy.types.NodeSocket:
-    """Output of the map's nodes, a factor last: what goes before it is divided by it."""
+def _through_color(roles: Roles, source, target, colors: ColorMap | None, own: np.ndarray, picture: np.ndarray) -> bpy.types.NodeSocket:
+    """Output of the map's nodes, a factor last that makes a picture's mean what the map makes of `own`: what goes before it is divided by it."""
     place = target.node.location_absolute
     if colors is None:
         nodes = [roles.get(role) for role in _COLOR_ROLES]
     else:
-        factor = np.where(own > _LEAST, colors(own) / np.maximum(own, _LEAST), 1.0)
+        factor = np.where(picture > _LEAST, colors(own) / np.maximum(picture, _LEAST), 1.0)
         factor = np.where(factor > _LEAST, np.minimum(factor, 1.0), 1.0)
         steps = ColorMap(colors.p0 / factor, colors.p1 / factor, colors.p2)
         kinds = (*("ShaderNodeVectorMath",) * 5, "ShaderNodeMix")

@@ -75,8 +75,39 @@ def mean_of(source: bpy.types.NodeSocket, parameter: Parameter) -> list[float] |
         found = read(out_of_working([list(value)[:3]]) if source.type == "RGBA" else np.full((1, 3), value))[0]
     if found is None:
         found = np.mean(read(out_of_working(_baked(source, parameter.type == FLOAT))), axis=0)
-    digits = [float(f"{v:.4g}") for v in found]
+    digits = _digits(found)
     return digits[0] if parameter.type == FLOAT else digits
+
+
+def picture_mean(source: bpy.types.NodeSocket, parameter: Parameter) -> list[float] | None:
+    """The mean of the bare picture that glTF's exporter takes for what a socket gives a color, dropping the nodes between; white where it finds none.
+
+    None for a picture whose pixels alone do not say what Cycles shows (`image_mean`).
+    """
+    node = _first_picture(source, (), set(), _Way())
+    if node is None or node.image is None:
+        return [1.0, 1.0, 1.0]
+    found = image_mean(node.image, node.image_user, partial(_read, parameter))
+    return None if found is None else _digits(found)
+
+
+def _first_picture(source: bpy.types.NodeSocket, groups: tuple[bpy.types.Node, ...], seen: set, way: "_Way") -> bpy.types.Node | None:
+    """The first image texture before a socket in the order of inputs, looked for in `groups` too."""
+    node, place = source.node, list(source.node.outputs).index(source)
+    if node.bl_idname == _IMAGE or (node, place, groups) in seen:
+        return node if node.bl_idname == _IMAGE else None
+    seen.add((node, place, groups))
+    inputs = list(node.inputs)
+    if node.bl_idname == "NodeGroupInput":
+        inputs, groups = ([groups[-1].inputs[place]], groups[:-1]) if groups else ([], ())
+    elif node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None:
+        inputs, groups = [n.inputs[place] for n in node.node_tree.nodes if n.bl_idname == "NodeGroupOutput"][:1], (*groups, node)
+    found = (_first_picture(link.from_socket, groups, seen, way) for socket in inputs for link in way.links(socket))
+    return next((picture for picture in found if picture is not None), None)
+
+
+def _digits(values: np.ndarray) -> list[float]:
+    return [float(f"{v:.4g}") for v in values]
 
 
 def _read(parameter: Parameter, colors: np.ndarray) -> np.ndarray:
