@@ -8,6 +8,7 @@ import bpy
 from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.exchange.principled import PLACES, TEXTURE, from_principled, to_principled
 from ...reference_py.exchange.report import KEPT, LOST, Report, noted
+from ...reference_py.material.place import Place
 from ...reference_py.material.qualities import DEFAULT_METHOD
 from ...reference_py.material.stack import Stack
 from ..material import material as materials
@@ -19,7 +20,8 @@ from ..material.principled_node import COLOR, PRINCIPLED, has_linked_color, is_l
 from ..material.reading import measured_stack, require_editable
 from ..material.record import drop_record
 from ..material.roles import EEVEE, EEVEE_OUTPUT, LAYERS_FRAME, ROLE, SHADER_FRAME, SWITCH, TEST, Roles
-from ..material.shader_node import backend_of, surface_of
+from ..material.shader_node import surface_of
+from ..material.state import is_followed
 from .sources import animated_parts, principled_of, read_principled
 
 # What a Principled copy has no use for.
@@ -41,9 +43,8 @@ def to_lamina(material: bpy.types.Material, tier: str = DEFAULT_METHOD, backend:
     materials.apply_stack(material, stack, tier, backend)  # which removes the node where nothing is linked to it
     said = {loss.parameter for loss in converted.report.of(LOST) if loss.value == TEXTURE}
     with materials.changing(material):
-        elements = [*material.lamina.shown_layers, material.lamina.base]
-        for socket, source in sources.items():
-            notes += [note for note in [_link(socket, source, elements, converted, backend_of(material) == OSL)] if socket not in said]
+        linked = {socket: _link(socket, source, material, converted) for socket, source in sources.items()}
+    notes += [_told(socket, places, material) for socket, places in linked.items() if socket not in said]
     principled = material.node_tree.nodes.get(name)
     if principled is not None and not any(output.is_linked for output in principled.outputs):
         material.node_tree.nodes.remove(principled)
@@ -67,13 +68,14 @@ def _with_linked_features(stack: Stack, owners: dict[str, int], sources) -> Stac
     return Stack.from_dict(data, stack.name or "conversion")
 
 
-def _link(socket: str, source, elements, converted, is_followed: bool) -> Sentence:
-    """Link a texture to what its socket became, and tell so; `is_followed`: whether the shader reads its values live."""
+def _link(socket: str, source, material, converted) -> list[Place]:
+    """Link a texture to what its socket became; returns these places."""
+    elements = [*material.lamina.shown_layers, material.lamina.base]
     roles, name = next(((r, n) for s, r, n in PLACES if s == socket), ((), ""))
-    owners = _roles(roles, converted.owners, name)
-    linked = False
-    for role in owners:
-        element = elements[converted.owners[role]]
+    places = []
+    for role in _roles(roles, converted.owners, name):
+        index = converted.owners[role]
+        element = elements[index]
         kind = kind_of(element)
         parameter = parameter_of(element, name)
         if parameter not in {p.name for p in kind.given_by(element.given)} | {p.name for f in kind.features for p in f.parameters}:
@@ -83,10 +85,15 @@ def _link(socket: str, source, elements, converted, is_followed: bool) -> Senten
             link_through(source, target, converted.colors)
         else:
             source.id_data.links.new(source, target)
-        linked = True
-    if not linked:
+        places.append(Place(None if element == material.lamina.base else index, parameter))
+    return places
+
+
+def _told(socket: str, places: list[Place], material) -> Sentence:
+    """What became of a texture that is linked to these places."""
+    if not places:
         return noted(LOST, Sentence("{socket} texture: a stack has no place for it", socket=socket))
-    if not is_followed and name != "coverage":
+    if not all(is_followed(material, place) for place in places):
         return noted(LOST, Sentence("{socket} texture: it stays linked, but stock nodes cannot follow it and show its mean", socket=socket))
     if socket == COLOR:
         return noted(KEPT, Sentence("{socket} texture: through nodes that keep the mean color", socket=socket))

@@ -12,14 +12,14 @@ from ...reference_py.exchange.conversion import Converted
 from ...reference_py.exchange.materialx import AnyMaterial, load_mtlx
 from ...reference_py.exchange.materialx_graph import Image
 from ...reference_py.exchange.report import KEPT, LOST, Report, noted
+from ...reference_py.material.place import Place
 from ...reference_py.material.stack import Stack
 from ...reference_py.optics.colour import canonical, is_known
 from ..material import material as materials
-from ..material.backend import OSL
 from ..material.elements import kind_of, node_of
 from ..material.means import mean_name
 from ..material.principled_node import link_through, parameter_of
-from ..material.shader_node import backend_of
+from ..material.state import is_followed
 
 # Blender's names of color spaces; an image of another one is told.
 _SPACES = {
@@ -75,12 +75,17 @@ def apply_material(target: bpy.types.Material, source: AnyMaterial, tier: str, b
     places = {given: source.places(given, converted) for given in there}
     stack = _with_linked_features(converted, places)
 
+    linked: dict[str, list[Place]] = {}
+
     def link(material: bpy.types.Material) -> None:
         outputs: dict[Image, bpy.types.NodeSocket] = {}
         for row, given in enumerate(there):
-            notes.extend(_place(material, given, places[given], source.images[given], outputs, converted, row))
+            linked[given] = _link(material, places[given], source.images[given], outputs, converted, row, notes)
 
     materials.apply_stack(target, stack, tier, backend, link)
+    for given, ways in linked.items():
+        is_through = converted.colors is not None and (-1, "color") in places[given]
+        notes.append(_told(target, ways, is_through, {"given": given, "file": Path(source.images[given].file).name}))
     return Imported(target, converted.report, notes)
 
 
@@ -93,13 +98,12 @@ def _with_linked_features(converted: Converted, places: dict[str, list[tuple[int
     return Stack.from_dict(data, converted.stack.name or "MaterialX")
 
 
-def _place(
-    material: bpy.types.Material, given: str, places: list[tuple[int, str]], image: Image, outputs: dict, converted: Converted, row: int
-) -> list[Sentence]:
-    """Link one image to what its input became; returns sentences."""
+def _link(
+    material: bpy.types.Material, places: list[tuple[int, str]], image: Image, outputs: dict, converted: Converted, row: int, notes: list[Sentence]
+) -> list[Place]:
+    """Link one image to what its input became; returns these places, and adds to `notes` how it is read otherwise."""
     elements = [*material.lamina.shown_layers, material.lamina.base]
-    notes: list[Sentence] = []
-    is_linked = is_share = is_through = False
+    linked = []
     for index, name in places:
         element = elements[index]
         kind, parameter = kind_of(element), parameter_of(element, name)
@@ -108,21 +112,23 @@ def _place(
         target = node_of(element).inputs[kind.parameter(parameter).label]
         if image not in outputs:
             outputs[image] = _texture(material.node_tree, image, target.node.location_absolute, row, notes)
-        is_through = index < 0 and name == "color" and converted.colors is not None
-        if is_through:
+        if index < 0 and name == "color" and converted.colors is not None:
             link_through(outputs[image], target, converted.colors)
         else:
             material.node_tree.links.new(outputs[image], target)
-        is_linked, is_share = True, name == "coverage"
-    words = {"given": given, "file": Path(image.file).name}
-    if not is_linked:
-        return [noted(LOST, Sentence("{given} image {file}: the stack has no place for it", **words))]
-    if backend_of(material) != OSL and not is_share:
-        told = Sentence("{given} image {file}: it stays linked, but stock nodes cannot follow it and show the socket's own value", **words)
-        return [*notes, noted(LOST, told)]
+        linked.append(Place(None if element == material.lamina.base else index, parameter))
+    return linked
+
+
+def _told(material: bpy.types.Material, linked: list[Place], is_through: bool, words: dict) -> Sentence:
+    """What became of an image that is linked to these places."""
+    if not linked:
+        return noted(LOST, Sentence("{given} image {file}: the stack has no place for it", **words))
+    if not all(is_followed(material, place) for place in linked):
+        return noted(LOST, Sentence("{given} image {file}: it stays linked, but stock nodes cannot follow it and show its mean", **words))
     if is_through:
-        return [*notes, noted(KEPT, Sentence("{given} image {file}: through nodes that keep the mean color", **words))]
-    return [*notes, noted(KEPT, Sentence("{given} image {file}: linked to the layer", **words))]
+        return noted(KEPT, Sentence("{given} image {file}: through nodes that keep the mean color", **words))
+    return noted(KEPT, Sentence("{given} image {file}: linked to the layer", **words))
 
 
 def _texture(tree: bpy.types.NodeTree, image: Image, place, row: int, notes: list[Sentence]) -> bpy.types.NodeSocket:

@@ -8,7 +8,7 @@ import bpy
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.lobes import methods
-from ...reference_py.lobes.cache import stack_key
+from ...reference_py.lobes.cache import ALWAYS_LIVE, stack_key
 from ...reference_py.lobes.made import DEFAULT_TOLERANCE, Made
 from ...reference_py.lobes.methods import bake_process
 from ...reference_py.material.place import Place
@@ -22,7 +22,7 @@ from .limits import require_shader
 from .live_values import live_in_nodes, live_values
 from .reading import stack_of
 from .roles import node_with
-from .shader_node import shader_of, surface_of
+from .shader_node import backend_of, shader_of, surface_of
 
 # Of a branch's node: a hash of the values that it holds, empty where it reads them, and what it was computed for in
 # tiers that compute first, empty until that is done.
@@ -112,6 +112,11 @@ def is_settled(material: bpy.types.Material) -> bool:
     if not methods.holds_values(material.lamina.tier):
         return True
     return note_of(shader_of(material), SETTLED, material) == wanted_lobes(material).key
+
+
+def is_followed(material: bpy.types.Material, place: Place) -> bool:
+    """Whether what Cycles shows here follows what is linked to a value of a shown layer or the base; else it shows the mean. Raises LaminaError for bad values."""
+    return place.name in ALWAYS_LIVE or backend_of(material) == OSL or place in live_in_nodes(material, stack_of(material))
 
 
 def is_final(material: bpy.types.Material) -> bool:

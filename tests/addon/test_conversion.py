@@ -13,8 +13,9 @@ bpy = pytest.importorskip("bpy")
 
 from lamina.addon.blender.images import read_png
 from lamina.addon.blender.versions import node_tree
+from lamina.addon.check import check
 from lamina.addon.cli.main import run
-from lamina.addon.exchange import conversion, textures
+from lamina.addon.exchange import conversion, materialx_import, textures
 from lamina.addon.exchange.sources import PRINCIPLED, principled_of
 from lamina.addon.material import material as materials
 from lamina.addon.material.elements import node_of
@@ -87,6 +88,13 @@ def feeding(socket) -> set[str]:
     return {n for link in socket.links for n in {link.from_node.name}.union(*(feeding(s) for s in link.from_node.inputs))}
 
 
+def saved_image(path: Path) -> None:
+    image = bpy.data.images.new(path.stem, 4, 4)
+    image.filepath_raw, image.file_format = str(path), "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+
+
 def counts() -> dict:
     names = ("scenes", "objects", "meshes", "materials", "images", "worlds", "node_groups")
     return {name: sorted(block.name for block in getattr(bpy.data, name)) for name in names}
@@ -109,6 +117,27 @@ def test_a_principled_material_becomes_a_stack_with_its_textures(plane):
     assert [n[ROLE] for n in material.node_tree.nodes if n.bl_idname == PRINCIPLED] == [VALUES]
     told = bpy.data.texts[REPORT_TEXT].as_string()
     assert "lost: Sheen Weight 0.5" in told and "lost: Metallic texture" in told and "worst albedo error" in told
+
+
+@pytest.mark.parametrize("tier, word", [("auto", "kept"), ("analytic", "lost")])
+def test_stock_nodes_alone_lose_the_textures_that_they_do_not_follow(plane, tmp_path, tier, word):
+    """As Check says: tables follow them, and the tier analytic does not; a normal is followed by both."""
+    material = principled(plane, Coat_Weight=1.0, Coat_Roughness=0.1)
+    for name in ("Base Color", "Coat Roughness", "Normal"):
+        material.node_tree.links.new(ramp(material, color=name != "Coat Roughness"), principled_of(material).inputs[name])
+    _, notes = conversion.to_lamina(material, tier, "nodes")
+    words = {name: next(n for n in notes if f": {name} texture: " in n).split(":")[0] for name in ("Base Color", "Coat Roughness", "Normal")}
+    assert words == {"Base Color": word, "Coat Roughness": word, "Normal": "kept"}
+    ignored = [f for f in check.find(material, bpy.context.scene, bpy.context.preferences) if f.code == "texture_ignored"]
+    assert len(ignored) == {"kept": 0, "lost": 2}[word]
+    saved_image(tmp_path / "wood.png")
+    file, new = tmp_path / "wood.mtlx", bpy.data.materials.new("new")
+    file.write_text(
+        '<materialx version="1.39" colorspace="lin_rec709"><image name="i" type="color3"><input name="file" type="filename" value="wood.png"/></image>'
+        '<standard_surface name="s" type="surfaceshader"><input name="base_color" type="color3" nodename="i"/></standard_surface></materialx>'
+    )
+    imported = materialx_import.apply_material(new, load_mtlx(file)[0], tier, "nodes")
+    assert [note.split(":")[0] for note in imported.notes] == [word]
 
 
 def test_light_below_the_surface_becomes_a_medium_and_comes_back(plane):
@@ -222,10 +251,7 @@ WOOD = """<nodegraph name="g"><tiledimage name="i" type="color3"><input name="fi
 
 
 def test_a_file_becomes_materials_with_its_images(plane, tmp_path):
-    image = bpy.data.images.new("wood", 4, 4)
-    image.filepath_raw, image.file_format = str(tmp_path / "wood.png"), "PNG"
-    image.save()
-    bpy.data.images.remove(image)
+    saved_image(tmp_path / "wood.png")
     links = (("base_color", "color3", "c"), ("specular_roughness", "float", "r"), ("normal", "vector3", "n"), ("coat", "float", "m"))
     inputs = "".join(f'<input name="{name}" type="{kind}" nodegraph="g" output="{output}"/>' for name, kind, output in links)
     material = '<surfacematerial name="{0}" type="material"><input name="surfaceshader" type="surfaceshader" nodename="{1}"/></surfacematerial>'
