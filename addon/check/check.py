@@ -56,6 +56,7 @@ CODES = {
     "shader_edited": (WARNING, "The shader was edited by hand; its next change will replace it", "Make It Anew"),
     "shader_unlinked": (ERROR, "{count} values do not reach the shader, the first is {first}", "Link Them"),
     "exported_shows": (ERROR, "What exporters find is mixed into the picture: the factor of its Mix Shader is not 0", "Set It to 0"),
+    "not_followed": (ERROR, "{reason}", ""),
     "shader_stale": (WARNING, "The shader holds old values", "Update"),
     "not_baked": (WARNING, "Shown as a preview; its final look is not computed: {reason}", "Compute Again"),
     "node_gone": (ERROR, "The node of {layer} was deleted; its values are known", "Make It Anew"),
@@ -125,6 +126,11 @@ def find(material: bpy.types.Material, scene: bpy.types.Scene, preferences: bpy.
         *_shader(material),
         *_stock(material, scene, not why_stock_nodes(scene, preferences)),
     ]
+    problem = material.lamina.problem_sentence
+    if problem:  # the reason why the shader is stale, and what an update fails by
+        found = [f for f in found if f.code != "shader_stale"]
+    if problem and problem not in [f.text() for f in found]:
+        found.append(Finding("not_followed", {"reason": problem}))
     if before := usd_takes(material):
         found.append(Finding("usd_misled", {"node": before.name}, before.name, is_note=True))
     return sorted(found, key=lambda f: (ERROR, WARNING, NOTE).index(f.level))

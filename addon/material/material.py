@@ -91,7 +91,7 @@ def regenerate(material: bpy.types.Material) -> None:
     """Make the shader anew, for instance after somebody deleted its node."""
     require_layered(material)
     with changing(material):
-        material.lamina.keep_problem(None)
+        pass
 
 
 def make_renderable(material: bpy.types.Material, scene: bpy.types.Scene) -> list[Sentence]:
@@ -140,7 +140,6 @@ def changing(material: bpy.types.Material, settle: bool = False, progress: Calla
     try:
         with quietly():
             yield tree
-            lamina.keep_problem(None)
             refresh(material, settle, progress)
     except Exception:
         remove_with_masks(tree, _value_nodes(lamina) - nodes_before)
@@ -188,6 +187,8 @@ def refresh(material: bpy.types.Material, settle: bool = False, progress: Callab
     hand_over(material, settle)
     _follow_eevee(material)
     arrange(material)
+    if material.lamina.problem:
+        material.lamina.keep_problem(None)
     keep_record(material)
 
 

@@ -36,7 +36,7 @@ def draw_status(layout, context, material) -> None:
     row = layout.row(align=True)
     row.use_property_split = False
     findings = _findings(context, material)
-    problem = problem_of(material) or _unfound_problem(material, findings)
+    problem = problem_of(material)
     level = check.ERROR if problem else next((finding.level for finding in findings), check.NOTE)
     _draw_line(row, material, next((f.text(iface_) for f in findings if f.level != check.NOTE), problem))
     # an icon for each level of what is found
@@ -91,12 +91,6 @@ def _findings(context, material) -> list["check.Finding"]:
     return check.find(material, context.scene, context.preferences)
 
 
-def _unfound_problem(material, findings) -> str:
-    """Why the shader does not follow the structure, unless a finding says that."""
-    problem = material.lamina.problem_sentence
-    return "" if not problem or problem in [finding.text() for finding in findings] else problem.told(iface_)
-
-
 def _fit_summary(context, material) -> str:
     return fitting.last_summary(material) or fitting.last_summary(getattr(context, "object", None))
 
@@ -119,9 +113,8 @@ class LAMINA_PT_findings(bpy.types.Panel):
 def draw_findings(layout, context, material) -> None:
     """All that is known of a material's state, each with the button that mends it."""
     found = _findings(context, material)
-    notes = [text for text in (problem_of(material), _unfound_problem(material, found)) if text]
-    for text in dict.fromkeys(notes):
-        draw_message(layout, context, text, "ERROR", _POPOVER_UNITS)
+    if problem := problem_of(material):
+        draw_message(layout, context, problem, "ERROR", _POPOVER_UNITS)
     for finding in found:
         if finding.level == check.NOTE and finding.code != "without_osl":
             continue  # of what does not show here; Check says it
@@ -134,7 +127,7 @@ def draw_findings(layout, context, material) -> None:
         layout.operator(check_ops.LAMINA_OT_mend_all.bl_idname, icon="TOOL_SETTINGS")
     for sentence in filter(None, (*_device_notes(material), _fit_summary(context, material))):
         draw_message(layout, context, sentence, "INFO", _POPOVER_UNITS)
-    if all(finding.level == check.NOTE for finding in found) and not notes:
+    if all(finding.level == check.NOTE for finding in found) and not problem:
         layout.label(text="Nothing is wrong", text_ctxt=CONTEXT, icon="CHECKMARK")
     layout.operator(check_ops.LAMINA_OT_check.bl_idname, icon="VIEWZOOM")
 

@@ -4,7 +4,8 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from ..errors import Sentence
+from ..errors import Sentence, joined
+from .schema import SCHEMA
 from .stack import Base, Layer, Stack
 
 
@@ -56,3 +57,15 @@ def places(stack: Stack) -> list[tuple[int | None, Layer | Base]]:
 def in_words(where: Iterable[Place]) -> str:
     """Places in words: "the roughness of layer 0, the tint of layer 1"."""
     return ", ".join(map(str, where))
+
+
+def named(stack: Stack, where: Iterable[Place]) -> Sentence:
+    """Places in the words of a layer's own name, else of its kind: "the roughness of Varnish, the tint of Dielectric"."""
+    return joined(Sentence("the {value} of {element}", value=place.name.replace("_", " "), element=_title(stack, place)) for place in where)
+
+
+def _title(stack: Stack, place: Place) -> str:
+    name = place.element(stack).unknown.get("name")
+    if isinstance(name, str) and name:
+        return name
+    return place.where if place.layer is None else Sentence(SCHEMA.layers[stack.layers[place.layer].kind].label)

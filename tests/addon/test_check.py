@@ -366,6 +366,7 @@ def test_every_code_is_tested_and_every_button_works():
         "shader_stale",
         "not_baked",
         "not_editable",
+        "not_followed",
         "image_gone",
         "out_of_gamut",
         "usd_misled",

@@ -12,6 +12,8 @@ bpy = pytest.importorskip("bpy")
 from lamina.addon import registration
 from lamina.addon.blender import environment
 from lamina.addon.blender.versions import node_tree
+from lamina.addon.check import check
+from lamina.addon.jobs import bakes
 from lamina.addon.material import material as materials
 from lamina.addon.material import osl_setting, properties
 from lamina.addon.material.elements import node_of
@@ -426,6 +428,36 @@ def test_panel_offers_to_update_a_shader_of_old_values(layered):
     assert "The shader holds old values" in " ".join(drawn("label"))
     bpy.ops.lamina.regenerate()
     assert "old values" not in " ".join(drawn("label"))
+
+
+def test_two_features_that_exclude_each_other_are_told_where_the_status_stands(bare):
+    """By the name of the layer, and without a button that would try the same in vain."""
+    bpy.ops.lamina.apply_preset(preset="satin_varnish")
+    varnish = bare.active_material.lamina.layers[0]
+    varnish.use_scattering = True
+    varnish.use_anisotropy = True
+    node_of(varnish).inputs["Roughness"].default_value = 0.77
+    told = "medium that scatters cannot be had together with the anisotropy of Varnish; choose one of the two"
+    assert f"A {told}" in drawn("label") and "lamina.mend" not in drawn("operator")
+    (found,) = [f for f in check.find(bare.active_material, bpy.context.scene, bpy.context.preferences) if f.level == check.ERROR]
+    assert (found.code, found.text()) == ("not_followed", f"a {told}")
+    varnish.use_anisotropy = False
+    assert told not in " ".join(drawn("label"))
+
+
+def test_a_value_that_is_mended_takes_what_it_hindered_along(layered):
+    """What the timer noted as the reason goes once the shader follows."""
+    material = layered.active_material
+    with properties.quietly():
+        material.lamina.backend, material.lamina.tier = "nodes", "analytic"
+    bpy.ops.lamina.regenerate()
+    roughness = node_of(material.lamina.layers[0]).inputs["Roughness"]
+    roughness.default_value = 1.5
+    bakes.tick()
+    assert material.lamina.problem
+    roughness.default_value = 0.5
+    bakes.tick()
+    assert not material.lamina.problem
 
 
 def test_a_preset_renames_only_what_a_preset_named(blender):

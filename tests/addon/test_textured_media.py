@@ -63,5 +63,5 @@ def test_no_density_is_a_clear_layer(blender, tmp_path):
 
 def test_a_forwardness_that_varies_is_refused_in_one_line(blender):
     made = textured("Forwardness", 5.0)
-    with pytest.raises(LaminaError, match="no quality follows the scatter g of layer 0 where a medium scatters; take its texture or animation away"):
+    with pytest.raises(LaminaError, match="no quality follows the scatter g of Dielectric where a medium scatters; take its texture or animation away"):
         materials.refresh(made, settle=True)

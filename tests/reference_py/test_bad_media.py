@@ -70,7 +70,7 @@ def test_a_texture_of_the_density_that_goes_below_0_is_a_clear_layer():
 
 def test_a_density_together_with_a_thickness_is_not_followed():
     assert axes_of(cloudy(), (Place(0, "density"), Place(0, "thickness"))) is None
-    with pytest.raises(LaminaError, match="no quality follows the density of layer 0, the thickness of layer 0 where a medium scatters"):
+    with pytest.raises(LaminaError, match="no quality follows the density of Dielectric, the thickness of Dielectric where a medium scatters"):
         make_lobe_set(cloudy(), "auto", live=(Place(0, "density"), Place(0, "thickness")))
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from ...errors import LaminaError
 from ...material.coverage import Patch, is_plain, patches
-from ...material.place import Place, in_words
+from ...material.place import Place, in_words, named
 from ...material.qualities import DEFAULT_METHOD
 from ...material.stack import Stack
 from ...optics.optical_stack import OpticalStack
@@ -154,9 +154,9 @@ def _live_of(patch: Patch, options: Options):
 def require_bake_follows(stack: Stack, live: tuple[Place, ...] = ()) -> None:
     """Raise LaminaError for a stack that scatters, which bakes alone know, and has what no bake follows."""
     if scatters(stack) and (not_bakeable(stack) or not can_follow(bakeable(stack), live)):
-        if what := needs_live(stack):
-            raise LaminaError("a medium that scatters cannot be had together with {what}; choose one of the two", what=what)
-        raise LaminaError("no quality follows {what} where a medium scatters; take its texture or animation away", what=in_words(live))
+        if lost := not_bakeable(stack):
+            raise LaminaError("a medium that scatters cannot be had together with {what}; choose one of the two", what=named(stack, lost))
+        raise LaminaError("no quality follows {what} where a medium scatters; take its texture or animation away", what=named(stack, live))
 
 
 def _made(row: Method, stack: Stack, options: Options) -> Made:
