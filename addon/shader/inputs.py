@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.coverage import Patch
 from ...reference_py.material.place import Place
-from ...reference_py.material.schema import ANISOTROPY, LAMBERT, NORMAL, SCHEMA, VECTOR, Parameter, Schema
+from ...reference_py.material.schema import ANISOTROPY, LAMBERT, NORMAL, OREN_NAYAR, SCHEMA, VECTOR, Parameter, Schema
 from ...reference_py.material.stack import Base, Layer, Stack
 
 BASE = "Base"
@@ -43,6 +43,11 @@ def owners_of(patch: Patch) -> list[str]:
 def base_color_input(owner: str) -> ShaderInput:
     """The color of a Lambert base, which is the material's or an opaque layer."""
     return ShaderInput(owner + LAMBERT.parameter("color").osl_name, owner, LAMBERT.parameter("color"))
+
+
+def base_slopes_input(owner: str) -> ShaderInput:
+    """The slope deviation of an Oren-Nayar base, which is the material's or an opaque layer."""
+    return ShaderInput(owner + OREN_NAYAR.parameter("sigma_deg").osl_name, owner, OREN_NAYAR.parameter("sigma_deg"))
 
 
 def normal_input(place: Place, owners: Sequence[str]) -> ShaderInput:

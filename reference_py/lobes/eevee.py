@@ -19,7 +19,7 @@ from .live_tables import LiveTable, LiveTables
 from .lobe import GlossyLobe
 from .patch_lobes import PatchLobes
 from .tabulate import tabulate
-from .view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
+from .view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, RoughBase, TableLobes, knot_cosines
 
 # Points along each side of the unit square that an albedo is the mean over.
 _POINTS = 32
@@ -107,6 +107,8 @@ def _tilted(slope: np.ndarray) -> np.ndarray:
 def _table(table):
     if isinstance(table, OrenNayarTable):
         return DiffuseTable(oren_nayar_albedo(knot_cosines(), table.weight, table.sigma_deg, table.power), table.axis, table.normal)
+    if isinstance(table, RoughBase):
+        return replace(table, is_lambert=True)
     if isinstance(table, BaseColorTable) and table.distribution is not None:
         white = _table(GlossyTable(table.distribution, np.ones((KNOTS, 3)), table.shape))
         return replace(table, own=table.own * white.weight, through=table.through * white.weight, distribution=white.distribution, shape=white.shape)

@@ -6,7 +6,7 @@ how the curve changes within the lobe, and for a rough interface that is a lot: 
 36 % at 80 degrees go elsewhere for frosted metal (L1, alpha .24). So Blenders that can, keep a dielectric's curve,
 but for lobes of about a degree, within which nobody sees it: EEVEE takes it for a metal's, .046 for .152 at the edge
 of a ball.
-Oren-Nayar lobes become one that keeps their energy at every knot: stock nodes use the weight as the color of its multiple
+A bare Oren-Nayar base stays itself (`RoughBase`). Oren-Nayar lobes beside others become one that keeps their energy at every knot: stock nodes use the weight as the color of its multiple
 scattering, whose power differs between Blenders. Where it is the model's and nothing lies above, that is exact;
 for Blender up to 5.2 the L1 error is 1.3 % at most (tests/reference_py/test_tabulate.py).
 Of ramps of diffuse light (`diffuse_ramp`) Lambert's lobe is left.
@@ -16,29 +16,39 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..material.stack import Stack
 from ..optics.diffuse import OREN_NAYAR_POWER, oren_nayar_albedo, oren_nayar_color
+from .bare_base import is_bare_oren_nayar
 from .closure import fresnel_share
 from .live_grid import LiveLobes
 from .live_tables import NARROWEST_CURVE, LiveTables, live_tables
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
+from .own_normals import normal_place
 from .patch_lobes import PatchLobes
-from .view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, knot_cosines
+from .view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, RoughBase, TableLobes, knot_cosines
 
 
 def tabulate(lobe_set, keep_dielectrics: bool = False, power: int = OREN_NAYAR_POWER) -> TableLobes | LiveTables | PatchLobes:
     """A lobe set in tables, those of one over live values in tables over these too, or, of a PatchLobes, one of such; `keep_dielectrics` leaves lobes their dielectric curve that
     are grey, isotropic, of weight 2 at most and wider than NARROWEST_CURVE. `power` is that of Oren-Nayar lobes (`DiffuseLobe`).
 
-    `lobe_set` has `lobes(cos_theta_o)`, the same list of kinds at every view. Lobes of no weight are left out, but one stays.
+    `lobe_set` has `lobes(cos_theta_o)`, the same list of kinds at every view, and those that make a bare rough base its `stack`. Lobes of no weight are left out, but one stays.
     """
     if isinstance(lobe_set, PatchLobes):
         return PatchLobes(lobe_set.stack, tuple((patch, tabulate(part.lobe_set, keep_dielectrics, power)) for patch, part in lobe_set.parts))
     if isinstance(lobe_set, LiveLobes):
         return live_tables(lobe_set, keep_dielectrics)
     lobe_set = stock_lobes(lobe_set)
+    stack = getattr(lobe_set, "stack", None)
+    if stack is not None and is_bare_oren_nayar(stack):
+        return TableLobes((_rough_base(stack, power),))
     tables = lobe_set.tables if isinstance(lobe_set, TableLobes) else tables_of(lobe_set, power)
     tables = [table if keep_dielectrics and _has_seen_curve(table) else _without_curve(table) for table in tables]
     return TableLobes(tuple([t for t in tables if isinstance(t, BaseColorTable) or np.any(t.weight > 0.0)] or tables[-1:]))
+
+
+def _rough_base(stack: Stack, power: int) -> RoughBase:
+    return RoughBase(np.array(stack.base["color"]), float(stack.base["sigma_deg"]), power, normal_place(stack, None))
 
 
 def stock_lobes(lobe_set):

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..material.place import Place
 from ..material.stack import Stack
-from ..optics.diffuse import OREN_NAYAR_POWER
+from ..optics.diffuse import OREN_NAYAR_POWER, oren_nayar_albedo, oren_nayar_color
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
 from .own_normals import BELOW, DIFFUSE, TOP, normals_of_fits
 
@@ -24,6 +24,8 @@ AZIMUTH_PLACES = (0, 22, 73, 113, 168, 250)
 AZIMUTHS = np.array(AZIMUTH_PLACES) / AZIMUTH_PLACES[-1]
 # The color of the base, where a table follows it.
 BASE_COLOR = Place(None, "color")
+# The slope deviation of an Oren-Nayar base, where nodes follow it.
+BASE_SLOPES = Place(None, "sigma_deg")
 # The least cosine of a view; towards the horizon tables are read at this one.
 MIN_COS_O = 1e-4
 
@@ -121,6 +123,32 @@ class OrenNayarTable:
 
 
 @dataclass(frozen=True)
+class RoughBase:
+    """A bare Oren-Nayar base, which needs no table: stock nodes compute with its color and its slope deviation, of which `color` (3,) and `sigma_deg` are the present ones.
+
+    `power` is that of `DiffuseLobe`; where nodes have no rough diffuse lobe it `is_lambert`. Its energy is the model's in any case.
+    """
+
+    color: np.ndarray
+    sigma_deg: float
+    power: int = OREN_NAYAR_POWER
+    normal: Place | None = None
+    is_lambert: bool = False
+
+    @property
+    def weight(self) -> np.ndarray:
+        """(3,), that of no layers."""
+        return np.clip(self.color, 0.0, 1.0)
+
+    def lobe(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> DiffuseLobe:
+        """The lobe at views of cosine cos_theta_o (...) and azimuth phi (...)."""
+        energy = oren_nayar_albedo(cos_theta_o, self.weight, self.sigma_deg)
+        if self.is_lambert:
+            return DiffuseLobe(energy, normal=self.normal)
+        return DiffuseLobe(np.ones(3), oren_nayar_color(cos_theta_o, energy, self.sigma_deg, self.power), self.sigma_deg, self.power, self.normal)
+
+
+@dataclass(frozen=True)
 class BaseColorTable:
     """A fitted lobe of a stack over a diffuse base, for all its colors c: of weight own + through c / (1 - back c), and Lambert where it has no distribution.
 
@@ -161,7 +189,7 @@ class BaseColorTable:
 class TableLobes:
     """A lobe set whose lobes are tables; `stock` is what stock nodes have in its place, which know no ramps, where they are not to have the same with Lambert's lobe."""
 
-    tables: tuple[GlossyTable | DiffuseTable | OrenNayarTable | BaseColorTable, ...]
+    tables: tuple[GlossyTable | DiffuseTable | OrenNayarTable | RoughBase | BaseColorTable, ...]
     stock: "TableLobes | None" = None
 
     name = "baked"
@@ -170,6 +198,8 @@ class TableLobes:
     @property
     def followed(self) -> tuple[Place, ...]:
         """The live values that the tables follow."""
+        if any(isinstance(table, RoughBase) for table in self.tables):
+            return (BASE_COLOR, BASE_SLOPES)
         return (BASE_COLOR,) if any(isinstance(table, BaseColorTable) for table in self.tables) else ()
 
     @property

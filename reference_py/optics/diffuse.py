@@ -11,15 +11,21 @@ import numpy as np
 
 from .frame import dot
 
-_G0 = 0.5 * np.pi - 2.0 / 3.0
+# Of the albedo a pi + b G(theta) in light that meets one facet: G at the horizon, and its mean over all views.
+G_AT_HORIZON, MEAN_G = 0.5 * np.pi - 2.0 / 3.0, (2.0 * np.pi - 5.6) / 3.0
 # Of the color, in light that meets several facets: the model's, and that of Cycles up to Blender 5.2.
 OREN_NAYAR_POWER, CYCLES_5_2_POWER = 2, 3
 _NEWTON_STEPS = 8
 
 
+# With s the square of a slope deviation, the model of 1994 has A = 1 - x and B = y of x and y = f s / (s + o), by f and o.
+FACTORS_1994 = (0.5, 0.33), (0.45, 0.09)
+
+
 def _coefficients_1994(sigma_deg):
     sigma2 = np.square(np.radians(sigma_deg))
-    return 1.0 - 0.5 * sigma2 / (sigma2 + 0.33), 0.45 * sigma2 / (sigma2 + 0.09)
+    less, b = (factor * sigma2 / (sigma2 + offset) for factor, offset in FACTORS_1994)
+    return 1.0 - less, b
 
 
 def fujii_roughness(sigma_deg):
@@ -28,13 +34,13 @@ def fujii_roughness(sigma_deg):
     return b / a
 
 
-def _directional_g(cos_theta: np.ndarray) -> np.ndarray:
-    """G of the albedo a pi + b G(theta); a Taylor expansion where tan(theta) would overflow."""
+def directional_g(cos_theta: np.ndarray) -> np.ndarray:
+    """G (...) of view cosines (...) in the albedo a pi + b G(theta); a Taylor expansion where tan(theta) would overflow."""
     cos_theta = np.clip(cos_theta, 0.0, 1.0)
     safe = np.maximum(cos_theta, 1e-6)
     sin_theta = np.sqrt(np.maximum(1.0 - safe * safe, 0.0))
     g = sin_theta * (np.arccos(safe) - 2.0 / 3.0 - sin_theta * safe) + 2.0 / 3.0 * (sin_theta / safe) * (1.0 - sin_theta**3)
-    return np.where(cos_theta < 1e-6, _G0 - cos_theta, g)
+    return np.where(cos_theta < 1e-6, G_AT_HORIZON - cos_theta, g)
 
 
 def oren_nayar(wi: np.ndarray, wo: np.ndarray, color: np.ndarray, sigma_deg: float, power: int = OREN_NAYAR_POWER) -> np.ndarray:
@@ -47,14 +53,14 @@ def oren_nayar(wi: np.ndarray, wo: np.ndarray, color: np.ndarray, sigma_deg: flo
     cos_i, cos_o = np.maximum(wi[..., 2], 0.0), np.maximum(wo[..., 2], 0.0)
     if np.all(sigma == 0.0):
         return np.broadcast_to(color / np.pi, np.broadcast_shapes(cos_i.shape, cos_o.shape) + color.shape).copy()
-    a = 1.0 / (np.pi + sigma * _G0)
+    a = 1.0 / (np.pi + sigma * G_AT_HORIZON)
     b = sigma * a
     t = dot(wi, wo) - cos_i * cos_o
     t = np.where(t > 0.0, t / np.maximum(np.maximum(cos_i, cos_o), 1e-30), t)
-    mean = np.asarray(a * np.pi + (2.0 * np.pi - 5.6) / 3.0 * b)[..., None]
+    mean = np.asarray(a * np.pi + MEAN_G * b)[..., None]
     multiple = color**power * (mean / (1.0 - mean)) / (np.pi * (1.0 - color * (1.0 - mean)))
-    lost_o = 1.0 - (a * np.pi + b * _directional_g(cos_o))
-    lost_i = 1.0 - (a * np.pi + b * _directional_g(cos_i))
+    lost_o = 1.0 - (a * np.pi + b * directional_g(cos_o))
+    lost_i = 1.0 - (a * np.pi + b * directional_g(cos_i))
     return color * (a + b * t)[..., None] + multiple * (lost_o * lost_i)[..., None]
 
 
@@ -77,9 +83,9 @@ def oren_nayar_color(cos_theta_o: np.ndarray, albedo: np.ndarray, sigma_deg: flo
 def _single_albedo(cos_theta_o: np.ndarray, sigma_deg: float) -> tuple[np.ndarray, np.ndarray]:
     """Albedo (..., 1) of white in light that meets one facet, and its mean (..., 1) over all views."""
     sigma = fujii_roughness(sigma_deg)
-    a = 1.0 / (np.pi + sigma * _G0)
+    a = 1.0 / (np.pi + sigma * G_AT_HORIZON)
     b = sigma * a
-    return (a * np.pi + b * _directional_g(np.asarray(cos_theta_o, float)))[..., None], np.asarray(a * np.pi + (2.0 * np.pi - 5.6) / 3.0 * b)[..., None]
+    return (a * np.pi + b * directional_g(np.asarray(cos_theta_o, float)))[..., None], np.asarray(a * np.pi + MEAN_G * b)[..., None]
 
 
 def _albedo_and_slope(color: np.ndarray, single: np.ndarray, mean: np.ndarray, power: int) -> tuple[np.ndarray, np.ndarray]:
@@ -96,7 +102,7 @@ def oren_nayar_shares(color: np.ndarray, sigma_deg: float) -> tuple[np.ndarray, 
     """
     color = np.asarray(color, float)
     sigma = fujii_roughness(sigma_deg)
-    mean = np.asarray((np.pi + (2.0 * np.pi - 5.6) / 3.0 * sigma) / (np.pi + sigma * _G0))[..., None]
+    mean = np.asarray((np.pi + MEAN_G * sigma) / (np.pi + sigma * G_AT_HORIZON))[..., None]
     white = color**2 * mean / (1.0 - color * (1.0 - mean))
     return white, color - white
 

@@ -7,9 +7,9 @@ import numpy as np
 
 from ...reference_py.atomic import require_writable
 from ...reference_py.lobes.baked import Baker
+from ...reference_py.lobes.bare_base import is_bare_oren_nayar
 from ...reference_py.lobes.error_estimate import ErrorEstimator, Errors
 from ...reference_py.lobes.methods import METHODS, AnalyticLobes, holds_values, make_lobe_set
-from ...reference_py.lobes.methods.baking import is_bare_oren_nayar
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.adding.adding_model import Adding
 from ..suite import charted

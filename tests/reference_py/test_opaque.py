@@ -41,7 +41,7 @@ def test_places_of_an_opaque_layer_are_the_bases_in_its_patch():
     assert below.place(Place(2, "ior")) == Place(1, "ior")
     # stock nodes follow what the bake of each patch follows
     assert followed_by_nodes(stack(COAT, {**PAINT, "coverage": 0.5}, base=GOLD), "auto", (color, roughness)) == (color, roughness)
-    assert followed_by_nodes(stack({**PAINT, "coverage": 0.5}, base=RUST), "auto", (Place(None, "color"),)) == (), "a bare rough base is no bake"
+    assert followed_by_nodes(stack({**PAINT, "coverage": 0.5}, base=RUST), "auto", (Place(None, "color"),)) == (Place(None, "color"),)
 
 
 @pytest.mark.parametrize("model", ["adding", "position_free", "weidlich_wilkie", "schlick"])

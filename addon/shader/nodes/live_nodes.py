@@ -65,7 +65,7 @@ class LiveNodes:
             return (*map(float, into_working(np.ones(3))), 1.0)
         weight = self._energy(plan["energy"])
         if "through" in plan:
-            color = self._view.base_color
+            color = self._view.base_color(self._owners[-1])
             left = self._build.vector("MULTIPLY_ADD", self._build.vector("MULTIPLY", color, self._energy(plan["back"])), (-1.0,) * 3, 1.0)
             weight = self._build.vector("MULTIPLY_ADD", self._build.vector("DIVIDE", color, left), self._energy(plan["through"]), weight)
         if "unit" in plan:

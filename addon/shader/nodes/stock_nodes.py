@@ -17,21 +17,47 @@ from ....reference_py.lobes.live_tables import LiveTables
 from ....reference_py.lobes.patch_lobes import PatchLobes
 from ....reference_py.lobes.pools import MAX_NODE_CLOSURES
 from ....reference_py.lobes.tabulate import is_grey_dielectric, tabulate
-from ....reference_py.lobes.view_table import KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, TableLobes, is_glossy, knot_cosines
+from ....reference_py.lobes.view_table import (
+    BASE_COLOR,
+    BASE_SLOPES,
+    KNOTS,
+    BaseColorTable,
+    DiffuseTable,
+    GlossyTable,
+    OrenNayarTable,
+    RoughBase,
+    TableLobes,
+    is_glossy,
+    knot_cosines,
+)
 from ....reference_py.material.schema import COLOR, COVERAGE, FLOAT, VECTOR
 from ....reference_py.optics.diffuse import fujii_roughness, oren_nayar_albedo, oren_nayar_color
 from ....reference_py.optics.microfacet import SPECULAR_ALPHA
 from ...blender.versions import DIFFUSE_POWER, HAS_DIELECTRIC
-from ..inputs import BASE, TANGENT, TANGENT_INPUT, ShaderInput, base_color_input, layer_owner, normal_input, owners_of, place_input, shader_inputs
+from ..inputs import (
+    BASE,
+    TANGENT,
+    TANGENT_INPUT,
+    ShaderInput,
+    base_color_input,
+    base_slopes_input,
+    layer_owner,
+    normal_input,
+    owners_of,
+    place_input,
+    shader_inputs,
+)
 from ..working_space import REC709, into_working, out_of_working, primaries, working_space
 from .live_nodes import LiveNodes
 from .node_builder import Builder
+from .rough_base_nodes import rough_base
 from .table_lookup import EnvironmentLookup, ImageLookup
 from .view_nodes import STEP, View, in_space, numbers, ramp
 
 # Lobe sets in tables, as `tabulate` makes them.
 Tables = TableLobes | LiveTables | PatchLobes
 
+_BASE_INPUTS = {BASE_COLOR: base_color_input, BASE_SLOPES: base_slopes_input}
 SPACE_MARK = "Rec.709 Red"
 _SOCKETS = {FLOAT: "NodeSocketFloat", COLOR: "NodeSocketColor", VECTOR: "NodeSocketVector"}
 _DISTRIBUTIONS = {"ggx": "GGX", "beckmann": "BECKMANN"}
@@ -66,7 +92,7 @@ def group_inputs(lobe_set: Tables, owners: Sequence[str] | None = None) -> tuple
         if isinstance(lobe_set, LiveTables):
             followed = [place_input(lobe_set.stack, place, owners) for place in lobe_set.followed]
         else:
-            followed = [base_color_input(owners[-1])] if lobe_set.followed else []
+            followed = [_BASE_INPUTS[place](owners[-1]) for place in lobe_set.followed]
         return tuple(dict.fromkeys([*([TANGENT_INPUT] if lobe_set.is_brushed else []), *followed, *normals]))
     covers = [i for i in shader_inputs(lobe_set.stack) if i.parameter in COVERAGE.parameters]
     return (*covers, *dict.fromkeys(i for patch, part in lobe_set.parts for i in group_inputs(part, owners_of(patch))))
@@ -147,27 +173,27 @@ def _sum(build: Builder, closures: list[bpy.types.NodeSocket]) -> bpy.types.Node
     return build.shader("ShaderNodeAddShader", head, _sum(build, tail)) if tail else head
 
 
-def _lambert(build: Builder, view: View, table: DiffuseTable) -> bpy.types.NodeSocket:
+def _lambert(build: Builder, view: View, table: DiffuseTable, owner: str) -> bpy.types.NodeSocket:
     return build.shader("ShaderNodeBsdfDiffuse", Color=_weight(build, view, table.weight, table.axis), Roughness=0.0, **view.own_normal)
 
 
-def _base(build: Builder, view: View, table: BaseColorTable) -> bpy.types.NodeSocket:
-    color = _base_weight(build, view, table)
+def _base(build: Builder, view: View, table: BaseColorTable, owner: str) -> bpy.types.NodeSocket:
+    color = _base_weight(build, view, table, owner)
     if table.distribution is not None:
-        return _glossy(build, view, table.now, color)
+        return _glossy(build, view, table.now, owner, color)
     return build.shader("ShaderNodeBsdfDiffuse", Color=color, Roughness=0.0, **view.own_normal)
 
 
-def _base_weight(build: Builder, view: View, table: BaseColorTable) -> bpy.types.NodeSocket:
+def _base_weight(build: Builder, view: View, table: BaseColorTable, owner: str) -> bpy.types.NodeSocket:
     """own + through c / (1 - back c), channel by channel of Rec.709: numbers, which Blender would convert if they were colors."""
     columns = _columns(build, view, np.column_stack([table.through, table.own]))
-    weight = build.vector("MULTIPLY_ADD", view.base_light(table.back), build.combined(columns[:3]), build.combined(columns[3:]))
+    weight = build.vector("MULTIPLY_ADD", view.base_light(owner, table.back), build.combined(columns[:3]), build.combined(columns[3:]))
     if np.any(table.through < 0.0):
         weight = build.vector("MAXIMUM", weight, 0.0)
     return in_space(build, weight, primaries())
 
 
-def _oren_nayar(build: Builder, view: View, table: OrenNayarTable) -> bpy.types.NodeSocket:
+def _oren_nayar(build: Builder, view: View, table: OrenNayarTable, owner: str) -> bpy.types.NodeSocket:
     sigma = float(fujii_roughness(table.sigma_deg))
     colors = table.weight
     if working_space() != REC709:  # of its color such a node is not linear, so the energies are what is converted
@@ -177,7 +203,6 @@ def _oren_nayar(build: Builder, view: View, table: OrenNayarTable) -> bpy.types.
 
 
 def _part_of(build: Builder, view: View, lobe_set: TableLobes | LiveTables, owners: Sequence[str]) -> "_FixedPart | _LivePart":
-    view.base_owner = owners[-1]
     return _LivePart(build, view, lobe_set, owners) if isinstance(lobe_set, LiveTables) else _FixedPart(build, view, lobe_set, owners)
 
 
@@ -190,7 +215,7 @@ class _FixedPart:
     """The lobes of one patch, of tables over the view alone: by number a weight, the columns of a shape, a closure."""
 
     def __init__(self, build: Builder, view: View, lobe_set: TableLobes, owners: Sequence[str]):
-        self._build, self._views, self.tables = build, _views(view, lobe_set, owners), lobe_set.tables
+        self._build, self._views, self.tables, self._owner = build, _views(view, lobe_set, owners), lobe_set.tables, owners[-1]
 
     def is_lambert(self, number: int) -> bool:
         """Whether it is Lambert about the surface's normal."""
@@ -199,13 +224,15 @@ class _FixedPart:
 
     def weight(self, number: int):
         table, view = self.tables[number], self._views[number]
-        return _base_weight(self._build, view, table) if isinstance(table, BaseColorTable) else _weight(self._build, view, table.weight, table.axis)
+        return (
+            _base_weight(self._build, view, table, self._owner) if isinstance(table, BaseColorTable) else _weight(self._build, view, table.weight, table.axis)
+        )
 
     def columns(self, number: int) -> list:
         return _columns(self._build, self._views[number], self.tables[number].shape)
 
     def closure(self, number: int) -> bpy.types.NodeSocket:
-        return _LOBES[type(self.tables[number])](self._build, self._views[number], self.tables[number])
+        return _LOBES[type(self.tables[number])](self._build, self._views[number], self.tables[number], self._owner)
 
     def is_same(self, number: int, other, other_number: int) -> bool:
         """Whether two lobes are one closure."""
@@ -213,6 +240,7 @@ class _FixedPart:
         return (
             self._views[number] is other._views[other_number]
             and type(first) is type(second)
+            and (self._owner == other._owner or not isinstance(first, BaseColorTable | RoughBase))
             and all(np.array_equal(getattr(first, f.name), getattr(second, f.name)) for f in fields(first))
         )
 
@@ -258,7 +286,7 @@ class _LivePart:
         return False
 
 
-def _glossy(build: Builder, view: View, table: GlossyTable, color=None) -> bpy.types.NodeSocket:
+def _glossy(build: Builder, view: View, table: GlossyTable, owner: str, color=None) -> bpy.types.NodeSocket:
     if table.fresnel is not None:
         return _dielectric(build, view, table)
     color = _weight(build, view, table.weight, table.axis) if color is None else color
@@ -430,7 +458,7 @@ def _pool(build: Builder, view: View, members: list) -> bpy.types.NodeSocket:
     )
 
 
-_LOBES = {BaseColorTable: _base, DiffuseTable: _lambert, OrenNayarTable: _oren_nayar, GlossyTable: _glossy}
+_LOBES = {BaseColorTable: _base, RoughBase: rough_base, DiffuseTable: _lambert, OrenNayarTable: _oren_nayar, GlossyTable: _glossy}
 
 
 def _weight(build: Builder, view: View, table: np.ndarray, axis: float | None):

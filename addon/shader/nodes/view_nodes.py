@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from ....reference_py.lobes.view_table import AZIMUTH_PLACES, KNOTS
-from ..inputs import BASE, ShaderInput, base_color_input
+from ..inputs import ShaderInput, base_color_input
 from ..working_space import REC709, primaries, working_space
 from .node_builder import Builder
 from .table_lookup import Lookup
@@ -40,7 +40,6 @@ class View:
         own: bpy.types.NodeSocket | None = None,
     ):
         self._build, self.lookup, self.given_tangent, self._sockets, self._own = build, lookup, given_tangent, sockets, own
-        self.base_owner = BASE
         self._about: dict[str, View] = {}
         self._base_colors: dict[str, bpy.types.NodeSocket] = {}
         self._base_lights: dict[tuple[str, bytes], bpy.types.NodeSocket] = {}
@@ -53,9 +52,7 @@ class View:
             return self
         if own.osl_name not in self._about:
             self._about[own.osl_name] = View(self._build, self.lookup, self.given_tangent, self._sockets, self.given(own))
-        other = self._about[own.osl_name]
-        other.base_owner = self.base_owner
-        return other
+        return self._about[own.osl_name]
 
     @cached_property
     def own_normal(self) -> dict[str, bpy.types.NodeSocket]:
@@ -110,19 +107,18 @@ class View:
         along_normal = self._build.vector("SCALE", self.normal, scale=self._cosine)
         return self._build.vector("SUBTRACT", self._incoming, along_normal)
 
-    @property
-    def base_color(self) -> bpy.types.NodeSocket:
-        """The color of the base of `base_owner` in Rec.709, from 0 to 1."""
-        if self.base_owner not in self._base_colors:
-            self._base_colors[self.base_owner] = self.bounded(self.given(base_color_input(self.base_owner)))
-        return self._base_colors[self.base_owner]
+    def base_color(self, owner: str) -> bpy.types.NodeSocket:
+        """The color of the base, or of the opaque layer, of an owner in Rec.709, from 0 to 1."""
+        if owner not in self._base_colors:
+            self._base_colors[owner] = self.bounded(self.given(base_color_input(owner)))
+        return self._base_colors[owner]
 
-    def base_light(self, back: np.ndarray) -> bpy.types.NodeSocket:
+    def base_light(self, owner: str, back: np.ndarray) -> bpy.types.NodeSocket:
         """c / (1 - back c) for that color c and a table `back` (KNOTS, 3): what of light that got down to the base leaves it up again."""
-        key = self.base_owner, back.tobytes()
+        key = owner, back.tobytes()
         if key not in self._base_lights:
-            returned = self._build.combined(numbers(self._build, self.place, STEP * np.arange(KNOTS), -back))
-            self._base_lights[key] = self._build.vector("DIVIDE", self.base_color, self._build.vector("MULTIPLY_ADD", self.base_color, returned, 1.0))
+            color, returned = self.base_color(owner), self._build.combined(numbers(self._build, self.place, STEP * np.arange(KNOTS), -back))
+            self._base_lights[key] = self._build.vector("DIVIDE", color, self._build.vector("MULTIPLY_ADD", color, returned, 1.0))
         return self._base_lights[key]
 
     def given(self, live: ShaderInput) -> bpy.types.NodeSocket:

@@ -16,6 +16,7 @@ from ..analytic import AnalyticLobes
 from ..analytic.interface_tables import closure_energy
 from ..baked import follows as can_follow
 from ..baked import in_tables
+from ..bare_base import is_bare_oren_nayar
 from ..cache import ALWAYS_LIVE
 from ..made import Made, Options
 from ..patch_lobes import PatchLobes
@@ -95,17 +96,22 @@ def key_of(stack: Stack, method: str, **options) -> str:
 
 def followed_by_nodes(stack: Stack, method: str, live: tuple[Place, ...]) -> tuple[Place, ...]:
     """Those of the live values that a method's stock nodes follow, in every patch that has them."""
-    if not holds_values(method):
-        return ()
-    lost = {place for patch in patches(stack) for place in _lost(patch, live)}
+    lost = {place for patch in patches(stack) for place in _lost(patch, method, live)}
     return tuple(place for place in live if place not in lost)
 
 
-def _lost(patch: Patch, live: tuple[Place, ...]) -> list[Place]:
+def _lost(patch: Patch, method: str, live: tuple[Place, ...]) -> list[Place]:
     """Those of the live values of the whole stack that the stock nodes of a patch, which has them, do not follow."""
     own = {place: there for place in live if (there := patch.place(place)) is not None}
-    followed = () if not_bakeable(patch.stack) or baking.is_bare_oren_nayar(patch.stack) else in_tables(patch.stack, tuple(own.values()))
+    followed = _followed(patch.stack, method, tuple(own.values()))
     return [place for place, there in own.items() if there not in followed]
+
+
+def _followed(stack: Stack, method: str, live: tuple[Place, ...]) -> tuple[Place, ...]:
+    """Those of the live values of a plain stack that its stock nodes follow."""
+    if is_bare_oren_nayar(stack):
+        return live
+    return () if not holds_values(method) or not_bakeable(stack) else in_tables(stack, live)
 
 
 def is_cached(stack: Stack, method: str, **options) -> bool:

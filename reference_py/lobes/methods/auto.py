@@ -19,6 +19,7 @@ from ...optics.frame import spherical
 from ...optics.optical_stack import Support
 from ..analytic import AnalyticLobes
 from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, RampBaker, baked, follows, is_brushed, level, pack_lobes, unpack_lobes
+from ..bare_base import is_bare_oren_nayar
 from ..brushing import isotropic
 from ..cache import stack_key
 from ..closure import lobe_energy
@@ -65,7 +66,7 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
         report(0.2 + 0.8 * len(tried) / (glossy + len(_LIVE)))
         return tried[-1][0].visible
 
-    if live and can_bake:  # stock nodes follow what is baked over, and no live method
+    if live and can_bake and not is_bare_oren_nayar(stack):  # stock nodes follow what is baked over, and of live methods a bare rough base alone
         judge(f"baked over {in_words(live)}", baked(stack, live, min(DEFAULT_GLOSSY, glossy), lambda share: report(0.4 + 0.6 * share)))
     else:
         for method, lobe_set in able.items():

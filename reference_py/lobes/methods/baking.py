@@ -8,21 +8,15 @@ from ...material.place import Place, in_words
 from ...material.qualities import BAKED
 from ...material.schema import ANISOTROPY, SCATTERING, THIN_FILM
 from ...material.stack import Stack
-from ...optics.bases import DiffuseBase
-from ...optics.optical_stack import OpticalStack, Support
+from ...optics.optical_stack import Support
 from ..analytic import AnalyticLobes
 from ..baked import DEFAULT_GLOSSY, baked, follows, pack_lobes, unpack_lobes
+from ..bare_base import is_bare_oren_nayar
 from ..cache import stack_key
 from ..made import Made, Options
 from .method import Computed, Method
 
 NAME = BAKED
-
-
-def is_bare_oren_nayar(stack: Stack) -> bool:
-    """Whether Cycles has the stack itself as closures, which tables do not know."""
-    base = OpticalStack.of(stack).base
-    return not stack.layers and isinstance(base, DiffuseBase) and base.sigma_deg > 0.0
 
 
 def _follows(stack: Stack, live: tuple[Place, ...]) -> bool:
