@@ -9,7 +9,7 @@ import numpy as np
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.baked import MAX_GLOSSY, is_brushed
-from ...reference_py.lobes.brushing import has_brushing
+from ...reference_py.lobes.brushing import has_brushing, without_idle
 from ...reference_py.lobes.error_estimate import SOFT_LIGHT_DEG
 from ...reference_py.lobes.made import DEFAULT_TOLERANCE, Options
 from ...reference_py.lobes.methods import MAX_CLOSURES, glossy_of_each, require_bake_follows
@@ -38,10 +38,10 @@ def explain(options) -> None:
     tolerance = DEFAULT_TOLERANCE if options.tolerance is None else 0.01 * options.tolerance
     parts = patches(stack)
     for patch in parts:
-        require_bake_follows(patch.stack)
+        require_bake_follows(without_idle(patch.stack)[0])
     glossy = min(MAX_GLOSSY, glossy_of_each(len(parts)))
     bakes_all = len(parts) >= MAX_CLOSURES
-    choices = [(patch, _choice(patch.stack, tolerance, glossy, sight, tenths(report))) for patch in parts]
+    choices = [(patch, _choice(without_idle(patch.stack)[0], tolerance, glossy, sight, tenths(report))) for patch in parts]
     if options.json:
         rows = [{**_where_json(patch), **_json(choice)} for patch, choice in choices]
         seen = None if sight is None else {"theta_deg": np.degrees(np.arccos(sight.cosines)).tolist(), "pixels": sight.pixels}

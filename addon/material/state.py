@@ -54,7 +54,7 @@ class Wanted:
 
     def put(self, packed: list[dict]) -> None:
         """Keep what another process computed."""
-        methods.put(self.key, self.stack, self.method, packed)
+        methods.put(self.key, self.stack, self.method, packed, self.live)
 
 
 def wanted_lobes(material: bpy.types.Material) -> Wanted:

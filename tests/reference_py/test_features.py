@@ -7,10 +7,11 @@ from support.chi_square import chi_square_p_value
 
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.lobes.eevee import eevee_tables
-from lamina.reference_py.lobes.methods import MAX_CLOSURES, make_lobe_set
+from lamina.reference_py.lobes.methods import MAX_CLOSURES, followed_by_nodes, key_of, make_lobe_set
 from lamina.reference_py.lobes.methods.not_bakeable import needs_live
 from lamina.reference_py.lobes.tabulate import tabulate
 from lamina.reference_py.material.coverage import patches
+from lamina.reference_py.material.place import Place
 from lamina.reference_py.material.schema import ANISOTROPY, COVERAGE, NORMAL, SCHEMA_VERSION, THIN_FILM
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.models.patch_model import PatchModel
@@ -41,6 +42,35 @@ def test_a_feature_is_there_when_any_of_its_parameters_is_given():
     assert Stack.from_json(one.to_json()) == one
     with pytest.raises(LaminaError, match="here: layer 0: film_thickness is 3000; choose 0 to 2000 nm"):
         Stack.from_dict({"layers": [{**COAT, "film_thickness": 3000}], "base": WHITE}, "here")
+
+
+AT_REST = {
+    "film": ([{**COAT, **FILM}], WHITE, (0,)),
+    "medium": ([{**COAT, "scatter_color": [0.8, 0.7, 0.5], "density": 1.0}], WHITE, (0,)),
+    "metal": ([], STEEL, (None,)),
+    "one of two": ([COAT], {**STEEL, **BRUSHED}, (0,)),
+}
+
+
+@pytest.mark.parametrize("tier", ["auto", "baked"])
+@pytest.mark.parametrize("name", AT_REST)
+def test_an_anisotropy_of_0_that_nothing_drives_is_none(name, tier):
+    """A film fell back to another model, a medium was refused, and stock nodes of a metal followed no roughness."""
+    layers, base, where = AT_REST[name]
+    plain, rest = stack(layers, base), {"anisotropy": 0.0, "rotation": 0.25}
+    ticked = stack([{**layer, **(rest if i in where else {})} for i, layer in enumerate(layers)], {**base, **(rest if None in where else {})})
+    assert ticked != plain and key_of(ticked, tier) == key_of(plain, tier)
+    roughness, rotation, anisotropy = (Place(where[0], p) for p in ("roughness", "rotation", "anisotropy"))
+    assert roughness in followed_by_nodes(ticked, tier, (roughness, rotation))
+    assert followed_by_nodes(ticked, tier, (roughness,)) == followed_by_nodes(plain, tier, (roughness,))
+    made, expected = make_lobe_set(ticked, tier), make_lobe_set(plain, tier)
+    assert made.lobe_set.name == expected.lobe_set.name and made.reason == expected.reason
+    for own, other in zip(made.lobes(WO[:, 2]), expected.lobes(WO[:, 2]), strict=True):
+        assert np.allclose(own.weight, other.weight, rtol=0.01)
+    # what a user gives a value shows where the lobes are live, and what is driven counts
+    assert not made.lobe_set.is_live or made.lobe_set.stack == ticked
+    assert key_of(ticked, tier, live=(roughness,)) == key_of(plain, tier, live=(roughness,)) == key_of(ticked, tier, live=(roughness, rotation))
+    assert anisotropy not in followed_by_nodes(ticked, tier, (anisotropy,))
 
 
 def test_a_version_1_stack_means_what_it_meant():

@@ -17,8 +17,9 @@ from ..analytic.interface_tables import closure_energy
 from ..baked import follows as can_follow
 from ..baked import in_tables
 from ..bare_base import is_bare_oren_nayar
+from ..brushing import without_idle
 from ..cache import ALWAYS_LIVE
-from ..made import Made, Options
+from ..made import LobeSet, Made, Options
 from ..patch_lobes import PatchLobes
 from ..pools import MAX_CLOSURES
 from . import auto, baking
@@ -76,6 +77,8 @@ def make_lobe_set(stack: Stack, method: str = DEFAULT_METHOD, **options) -> Made
         if asked.progress is not None:
             own = Options(own.live, own.tolerance, own.glossy, lambda share, done=done: asked.report((done + share) / len(parts)))
         made.append((patch, _made(row, patch.stack, own)))
+    # live lobe sets have sockets of what rests, too, which a user may give a value
+    made = [(whole, _with_idle(own, whole.stack) if own.lobe_set.is_live and whole != patch else own) for whole, (patch, own) in zip(patches(stack), made)]
     if is_plain(stack):
         return made[0][1]
     reasons = dict.fromkeys(part.reason for _, part in made if part.reason)
@@ -108,10 +111,14 @@ def _lost(patch: Patch, method: str, live: tuple[Place, ...]) -> list[Place]:
 
 
 def _followed(stack: Stack, method: str, live: tuple[Place, ...]) -> tuple[Place, ...]:
-    """Those of the live values of a plain stack that its stock nodes follow."""
+    """Those of the live values of a plain stack that its stock nodes follow, and those that have no effect."""
     if is_bare_oren_nayar(stack):
         return live
-    return () if not holds_values(method) or not_bakeable(stack) else in_tables(stack, live)
+    if not holds_values(method):
+        return ()
+    told, moving = without_idle(stack, live)
+    resting = tuple(place for place in live if place not in moving)
+    return resting if not_bakeable(told) else (*resting, *in_tables(told, moving))
 
 
 def is_cached(stack: Stack, method: str, **options) -> bool:
@@ -126,10 +133,11 @@ def packed(stack: Stack, method: str, **options) -> list[dict]:
     return [row.computed.pack(row.computed.result(bakeable(patch.stack), own)) for patch, own in _parts(row, stack, asked)]
 
 
-def put(key: str, stack: Stack, method: str, data: list[dict]) -> None:
+def put(key: str, stack: Stack, method: str, data: list[dict], live: tuple[Place, ...] = ()) -> None:
     """Keep what `packed` gave in another process under the key that `key_of` gives."""
-    for patch, own_key, own in zip(patches(stack), key.split("\n"), data):
-        _row_of(method, stack).computed.put(own_key, bakeable(patch.stack), own)
+    row = _row_of(method, stack)
+    for (patch, _), own_key, own in zip(_parts(row, stack, Options(live)), key.split("\n"), data):
+        row.computed.put(own_key, bakeable(patch.stack), own)
 
 
 def glossy_of_each(count: int) -> int:
@@ -141,7 +149,10 @@ def glossy_of_each(count: int) -> int:
 
 
 def _parts(row: Method, stack: Stack, options: Options) -> list[tuple[Patch, Options]]:
-    """The patches of a stack, each with its own options: live values are placed by its layers; what is always live needs no place."""
+    """The patches of a stack, each with its own options: live values are placed by its layers; what is always live needs no place.
+
+    Those of methods that compute first are without anisotropies that rest (`without_idle`).
+    """
     for place in options.live:
         if place.layer is not None and not 0 <= place.layer < len(stack.layers):
             raise LaminaError("live value: {place} of a stack of {count} layers, which are numbered from 0", place=place, count=len(stack.layers))
@@ -149,12 +160,23 @@ def _parts(row: Method, stack: Stack, options: Options) -> list[tuple[Patch, Opt
     if row.computed is None:
         return [(patch, options) for patch in parts]
     glossy = min(options.glossy or row.computed.most_glossy, glossy_of_each(len(parts)))
-    return [(patch, Options(_live_of(patch, options), options.tolerance, glossy, options.progress)) for patch in parts]
+    result = []
+    for patch in parts:
+        live = (place for place in map(patch.place, options.live) if place is not None and place.name not in ALWAYS_LIVE)
+        told, moving = without_idle(patch.stack, tuple(live))
+        own = Options((*moving, *not_bakeable(told)), options.tolerance, glossy, options.progress)
+        result.append((replace(patch, stack=told), own))
+    return result
 
 
-def _live_of(patch: Patch, options: Options):
-    live = [place for place in map(patch.place, options.live) if place is not None and place.name not in ALWAYS_LIVE]
-    return (*live, *not_bakeable(patch.stack))
+def _with_idle(made: Made, stack: Stack) -> Made:
+    """What is made of a stack without its anisotropies of 0, of the whole one."""
+    return replace(made, stack=stack, lobe_set=_live_set_of(stack, made.lobe_set))
+
+
+def _live_set_of(stack: Stack, like: LobeSet) -> LobeSet:
+    """The live lobe set of a stack of the method that another is of."""
+    return featured_analytic(stack) if isinstance(like, AnalyticLobes) else type(like)(stack)
 
 
 def require_bake_follows(stack: Stack, live: tuple[Place, ...] = ()) -> None:
@@ -179,7 +201,7 @@ def _made(row: Method, stack: Stack, options: Options) -> Made:
     if not not_bakeable(stack):
         return made
     # what is chosen for the plain stack, which has a truth that is quick to compute, is made of the whole one
-    whole = featured_analytic(stack) if isinstance(made.lobe_set, AnalyticLobes) else type(made.lobe_set)(stack)
+    whole = _live_set_of(stack, made.lobe_set)
     reason, choice = made.reason, made.choice
     if whole.name != made.lobe_set.name:
         reason, choice = f"{whole.name}, the one live quality that knows thin films", None
