@@ -7,6 +7,8 @@ from ...reference_py.optics.diffuse import CYCLES_5_2_POWER, OREN_NAYAR_POWER
 
 # From 5.0 on Cycles' Metallic node has the exact Fresnel equations, and no extinction makes a metal a dielectric.
 HAS_DIELECTRIC = bpy.app.version >= (5, 0, 0)
+# Whether Principled has films on metals, and not on dielectrics alone.
+HAS_METAL_FILMS = bpy.app.version >= (5, 0, 0)
 # Of the color of a rough Diffuse node, in light that meets several facets.
 DIFFUSE_POWER = OREN_NAYAR_POWER if bpy.app.version >= (5, 3, 0) else CYCLES_5_2_POWER
 

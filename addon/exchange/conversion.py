@@ -11,6 +11,7 @@ from ...reference_py.exchange.report import KEPT, LOST, Report, noted
 from ...reference_py.material.place import Place
 from ...reference_py.material.qualities import DEFAULT_METHOD
 from ...reference_py.material.stack import Stack
+from ..blender.versions import HAS_METAL_FILMS
 from ..material import material as materials
 from ..material.backend import NODES, OSL
 from ..material.elements import find_node, kind_of, node_of
@@ -103,7 +104,7 @@ def _told(socket: str, places: list[Place], material) -> Sentence:
 def principled_copy(material: bpy.types.Material) -> tuple[bpy.types.Material, Report, list[Sentence]]:
     """A new material with a Principled node as bright as the stack, fed by the same textures. The old one stays as it is."""
     stack = measured_stack(material)
-    converted = to_principled(stack, textured=has_linked_color(material))
+    converted = to_principled(stack, textured=has_linked_color(material), metal_films=HAS_METAL_FILMS)
     copy = material.copy()
     copy.name = f"{material.name} Principled"
     own_actions(copy.node_tree)

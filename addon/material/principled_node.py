@@ -12,7 +12,7 @@ import numpy as np
 
 from ...reference_py.errors import Sentence
 from ...reference_py.exchange.matching import ColorMap
-from ...reference_py.exchange.principled import COAT_TINT, PLACES, WRITTEN
+from ...reference_py.exchange.principled import OUT_OF_COLOR, PLACES, WRITTEN
 from ...reference_py.exchange.report import KEPT, LOST, noted
 from ...reference_py.material.schema import Parameter
 from .elements import kind_of, node_of, used_features, value_of
@@ -78,8 +78,8 @@ def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values:
     """Give a Principled node, in the tree of `material`, the values and the links of its layers; only what differs is set.
 
     Arguments as in Converted. Without `colors` a texture of the base color keeps the nodes that it goes through, if any.
-    Returns one sentence for each link. Sockets that a stack says nothing about, such as Alpha, are left alone, and a tint of the coat that
-    the values leave out is not linked.
+    Returns one sentence for each link. Sockets that a stack says nothing about, such as Alpha, are left alone, and a tint of the coat or
+    a film that the values leave out, as the base color has them, is not linked.
     """
     roles, lamina, notes, fed = Roles(principled.id_data), material.lamina, [], set()
     for name, default in WRITTEN.items():
@@ -87,7 +87,7 @@ def show_stack(principled: bpy.types.Node, material: bpy.types.Material, values:
     several = len(lamina.shown_layers) > 1
     kept_roles = set()
     for name, element, parameter, source in linked_places(material, owners):
-        if name == COAT_TINT and name not in values:
+        if name in OUT_OF_COLOR and name not in values:
             continue
         target = principled.inputs[name]
         if parameter.name == "tint" and several:

@@ -10,7 +10,7 @@ from ..errors import LaminaError, Sentence
 from ..material.schema import THIN_FILM
 from ..material.stack import Stack
 from .appearance import Appearance
-from .matching import TOLERANCE, Albedos, ColorMap, color_key, color_map, compared, mean, solve, truth, with_color
+from .matching import TOLERANCE, Albedos, ColorMap, color_key, color_map, compared, mean, solve, solve_near, truth, with_color
 from .report import APPROXIMATED, LOST, Loss, Report, shown
 from .slots import BASE, MOST_REFLECTANCE, Body, Slots, from_stack, to_stack
 
@@ -38,14 +38,27 @@ class Converted:
 
 
 def stack_to_slots(
-    stack: Stack, name: str, rendered: Callable[[Slots], Albedos], room=frozenset(), textured: bool = False
+    stack: Stack,
+    name: str,
+    rendered: Callable[[Slots], Albedos],
+    room=frozenset(),
+    textured: bool = False,
+    filmed: Callable[[Slots], Albedos] | None = None,
 ) -> tuple[Slots, dict, Report, ColorMap | None]:
-    """Slots that a model called `name` renders as bright as the stack is; owners, report and color map as in Converted."""
+    """Slots that a model called `name` renders as bright as the stack is; owners, report and color map as in Converted.
+
+    `rendered` knows no film. A film without a place in the slots goes into the base color; one that has a place is left out on both sides, unless
+    `filmed` renders it.
+    """
     placed = from_stack(stack, name, room)
-    original, shown_as = truth(stack), rendered(placed.slots)
+    everywhere = frozenset(range(-1, len(stack.layers)))
+    original, shown_as = truth(stack, everywhere - placed.films), rendered(placed.slots)
     wanted = original()
     color, found = solve(shown_as, mean(wanted), placed.slots.color)
-    match = compared(wanted, found, _has_film(placed.slots))
+    if placed.films and filmed is not None:
+        wanted = truth(stack, everywhere)()
+        color, found = solve_near(filmed(placed.slots), wanted)
+    match = compared(wanted, found, without_film=bool(placed.films) and filmed is None)
     losses = [*placed.losses, *unmatched("base color", color, match.mean_error)]
     colors = color_map(original, shown_as) if textured and placed.owners[BASE] < 0 and color_key(stack.base) in stack.base else None
     return placed.slots.with_color(color), placed.owners, Report(tuple(losses), match), colors
@@ -115,11 +128,6 @@ def matched(
         losses = [*losses, Loss("tint", given, APPROXIMATED, how)]
     losses = [*losses, *unmatched("base color", color, mean(found) - wanted)]
     return stack, color, Report(tuple(losses), compared(look.seen, found, has_film, look.all_lost))
-
-
-def _has_film(slots: Slots) -> bool:
-    surfaces = (slots.features, *(s.features for s in (slots.gloss, slots.coat) if s))
-    return any(features.get("film_thickness") for features in surfaces)
 
 
 def unmatched(parameter: str, color: np.ndarray, off: np.ndarray) -> list[Loss]:

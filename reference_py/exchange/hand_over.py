@@ -9,7 +9,7 @@ from ..lobes.cache import cached, get, stack_key
 from ..material.schema import COVERAGE
 from ..material.stack import Stack
 from .matching import ColorMap
-from .principled import NAME, exported_values, to_principled
+from .principled import EXPORTED, NAME, exported_values, to_principled
 from .slots import from_stack
 
 
@@ -47,8 +47,8 @@ def key_of(stack: Stack, textured: bool) -> str:
 
 
 def provisional(stack: Stack) -> HandOver:
-    """At once: every value but the base color as it will be; that one is the stack's own, too bright under a coat."""
-    placed = from_stack(stack, NAME)
+    """At once: every value but the base color as it will be; that one is the stack's own, too bright under a coat, and without the color of a film."""
+    placed = from_stack(stack, NAME, EXPORTED)
     return HandOver(exported_values(placed.slots), placed.owners)
 
 

@@ -6,7 +6,7 @@ others. So a map from one material's base color to another's is (p0 + p1 c) / (1
 which three colors determine, and textures go through it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from ..material.schema import ANISOTROPY, NORMAL, THIN_FILM
 from ..material.stack import Base, LayerOrBase, Stack
+from ..models.model import Model
 from ..optics.colour import ciede2000, lab_of_linear
 from ..optics.frame import spherical
 from ..optics.gauss import gauss_legendre
@@ -32,14 +33,21 @@ TOLERANCE, FINE = 1e-4, 1e-6
 _STEPS = 6
 _PROBES = (0.0, 0.6, 0.95)
 _UNSEEN = 1e-9
+# Colors that are looked at where a film makes brighter ones darker, and then between two of them.
+_SCANNED, _CLOSE_BY = 21, 0.03
+_BETWEEN = np.linspace(-0.04, 0.04, 9)
 
 Albedos = Callable[[np.ndarray], np.ndarray]
 """Albedo (views, 3) of a material whose base color is (3,)."""
 
 
-def truth(stack: Stack) -> Albedos:
-    """Albedos of a stack by the exact model; None is its own color, and what scatters above a base of its own color has that too. Anisotropy counts by its mean width; films and normals do not count."""
-    plain = replace(stack, layers=tuple(_plain(e) for e in stack.layers), base=_plain(stack.base))
+def truth(stack: Stack, filmed: Container[int] = ()) -> Albedos:
+    """Albedos of a stack by the exact model; None is its own color, and what scatters above a base of its own color has that too.
+
+    Anisotropy counts by its mean width, normals do not count, films only of the elements `filmed`: indices of layers, -1 the base.
+    """
+    layers = tuple(_plain(e, i in filmed) for i, e in enumerate(stack.layers))
+    plain = replace(stack, layers=layers, base=_plain(stack.base, -1 in filmed))
 
     def albedos(color=None):
         return make_model("adding", plain if color is None else with_color(plain, color)).albedo(_WO)
@@ -65,16 +73,16 @@ def color_key(base: Base) -> str:
     return "color" if "color" in base else "reflectance"
 
 
-def _plain(element: LayerOrBase) -> LayerOrBase:
-    left_out = {p.name for f in (ANISOTROPY, THIN_FILM, NORMAL) for p in f.parameters}
+def _plain(element: LayerOrBase, keeps_film: bool) -> LayerOrBase:
+    left_out = {p.name for f in (ANISOTROPY, NORMAL, *(() if keeps_film else (THIN_FILM,))) for p in f.parameters}
     values = {k: v for k, v in element.values.items() if k not in left_out}
     if element.has(ANISOTROPY):
         values["roughness"] = Microfacets.of(element).alpha ** 0.5
     return type(element)(element.kind, MappingProxyType(values))
 
 
-def rendered_by(model: str, slots: Slots) -> Albedos:
-    """Albedos of slots by the model that renders them."""
+def rendered_by(make: Callable[[Stack], Model], slots: Slots) -> Albedos:
+    """Albedos of slots by the model that renders them, which `make` makes of a stack."""
 
     def albedos(color):
         colored = slots.with_color(np.clip(color, 0.0, 1.0))
@@ -82,7 +90,7 @@ def rendered_by(model: str, slots: Slots) -> Albedos:
         total = np.zeros((len(COSINES), 3))
         for share, coated in ((weight, True), (1.0 - weight, False)):
             if share > 0.0:
-                total = total + share * make_model(model, colored.image(coated)).albedo(_WO)
+                total = total + share * make(colored.image(coated)).albedo(_WO)
         return total
 
     return albedos
@@ -134,6 +142,23 @@ def compared(original: np.ndarray, converted: np.ndarray, without_film: bool = F
         color_difference=float(ciede2000(*(lab_of_linear(mean(albedo)) for albedo in (whole, converted)))),
         without_film=without_film,
     )  # fmt: skip
+
+
+def solve_near(albedos: Albedos, exact: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """As `solve` for albedos `exact` (views, 3), where brighter colors need not show brighter: the color that is nearest over the views.
+
+    Its mean albedo is `exact`'s where such a color is close by.
+    """
+
+    def nearest(colors: np.ndarray) -> np.ndarray:
+        off = [mean(np.abs(albedos(color) - exact)) for color in colors]
+        return colors[np.argmin(off, axis=0), np.arange(3)]
+
+    coarse = nearest(np.linspace(0.0, 1.0, _SCANNED)[:, None] * np.ones(3))
+    color = nearest(np.clip(coarse + _BETWEEN[:, None], 0.0, 1.0))
+    found, _ = solve(albedos, mean(exact), color)
+    color = np.where(np.abs(found - color) < _CLOSE_BY, found, color)
+    return color, albedos(color)
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from .appearance import Appearance, appearance, body_color, specular_index
 from .conversion import Converted, is_default, require_finite, slots_to_stack, stack_to_slots, told, with_body
 from .matching import mean
 from .report import APPROXIMATED, KEPT, LOST, Loss, Report, film_limited, metal_or_not
-from .slots import BASE, COAT, GLOSS, SUBSURFACE, Slots, edge_of_f82, sigma_of_fujii
+from .slots import BASE, COAT, COAT_COLOR, FILM, GLOSS, METAL_FILM, SUBSURFACE, Slots, edge_of_f82, sigma_of_fujii
 from .slots import Surface as Interface
 from .surfaces import OPENPBR, SURFACES, Surface, geometric_roughness, open_roughness
 
@@ -68,7 +68,7 @@ def to_surface(surface: Surface, stack: Stack, textured: bool = False) -> Conver
 
         return albedos
 
-    room = {"anisotropy", SUBSURFACE} if surface.own("subsurface_weight") in surface.defaults else {"anisotropy"}
+    room = {"anisotropy", COAT_COLOR, FILM, METAL_FILM} | ({SUBSURFACE} if surface.own("subsurface_weight") in surface.defaults else set())
     slots, owners, report, colors = stack_to_slots(stack, surface.title, rendered, frozenset(room), textured)
     losses: list[Loss] = []
     values = write(slots, losses)

@@ -2,6 +2,7 @@
 """Blender's Principled BSDF, by the names of its sockets (4.5 to 5.2), to a stack and back."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -9,13 +10,15 @@ from ..errors import Sentence
 from ..material.stack import Stack
 from ..models.baselines import PrincipledCoat
 from ..models.baselines.parts import metal_colors
+from ..models.baselines.principled_film import FilmedPrincipled
 from ..optics.diffuse import fujii_roughness
 from ..optics.optical_stack import OpticalStack
+from ..optics.thin_film import Film
 from .appearance import Appearance, Rules, appearance
 from .conversion import Converted, lost_if, require_finite, slots_to_stack, stack_to_slots, told, with_body
 from .matching import rendered_by
 from .report import APPROXIMATED, KEPT, LOST, Loss, Report, metal_or_not
-from .slots import BASE, COAT, GLOSS, SUBSURFACE, Slots, Surface, edge_of_f82, effective_ior, sigma_of_fujii
+from .slots import BASE, COAT, COAT_COLOR, FILM, GLOSS, METAL_FILM, SUBSURFACE, Slots, Surface, edge_of_f82, effective_ior, sigma_of_fujii
 from .surfaces import OPENPBR
 
 NAME, COAT_TINT = "Principled", "Coat Tint"
@@ -37,6 +40,10 @@ _TEXTURED = {"Subsurface Weight": Sentence("light spreads below the whole surfac
 # The value that a report has of a socket with one.
 TEXTURE = Sentence("texture")
 _BODY_NAMES = ("Subsurface Weight", "Subsurface Radius", "Subsurface Scale", "Subsurface Anisotropy")
+# What the base color has where a value is left out.
+OUT_OF_COLOR = (COAT_TINT, "Thin Film Thickness", "Thin Film IOR")
+# What glTF and USD have room for of it.
+EXPORTED = frozenset({SUBSURFACE})
 # What a stack says something about; the rest of the node is its user's.
 WRITTEN = {socket: default for socket, default in DEFAULTS.items() if socket not in _NO_PLACE}
 # Where the inputs of the node are in a stack: socket, slots in order of preference, parameter. Base Color goes through a map.
@@ -49,18 +56,31 @@ PLACES = (
 )  # fmt: skip
 
 
-def to_principled(stack: Stack, textured: bool = False, exported: bool = False) -> Converted:
+def to_principled(stack: Stack, textured: bool = False, exported: bool = False, metal_films: bool = True) -> Converted:
     """Socket values as bright as the stack. `textured`: with a map for textures of the base color, which takes seconds.
 
-    `exported`: as glTF and USD can say it, whose coats have no tint; the base color has it.
+    `exported`: as glTF, USD and pictures can say it, which have no tint of a coat and no film; the base color has them.
+    `metal_films`: whether Principled has films on metals, as from Blender 5.0 on; without, the base color has theirs.
     """
     shaped = _untinted if exported else lambda slots: slots
-    room = frozenset({SUBSURFACE})
-    slots, owners, report, colors = stack_to_slots(stack, NAME, lambda slots: rendered_by(PrincipledCoat.name, shaped(slots)), room, textured)
+    room = EXPORTED if exported else EXPORTED | {COAT_COLOR, FILM} | ({METAL_FILM} if metal_films else set())
+    slots, owners, report, colors = stack_to_slots(
+        stack,
+        NAME,
+        lambda slots: rendered_by(PrincipledCoat, shaped(slots)),
+        room,
+        textured,
+        lambda slots: rendered_by(partial(FilmedPrincipled, film=_film(slots)), slots),
+    )
     if slots.body and slots.body.g < 0.0:
         backward = Loss("scatter_g", slots.body.g, LOST, Sentence("light below the surface of Principled is not scattered backward; its anisotropy is 0"))
         report = replace(report, losses=(*report.losses, backward))
     return Converted(stack, exported_values(slots) if exported else values_of(slots), shaped(slots), owners, report, colors)
+
+
+def _film(slots: Slots) -> Film:
+    features = slots.gloss.features if slots.gloss else slots.features
+    return Film(features["film_thickness"], features["film_ior"])
 
 
 def _untinted(slots: Slots) -> Slots:
@@ -115,7 +135,7 @@ def from_principled(values: dict, name: str = "", textured: bool = False, used: 
     slots = _slots(values, is_metal, used, losses)
     if values["Subsurface Weight"] and not is_metal:
         slots = with_body(slots, _free_path(values), values["Subsurface Anisotropy"], "Base Color" in used, _BODY_NAMES, values, losses)
-    rendered, opaque = rendered_by(PrincipledCoat.name, slots), 1.0 if is_metal else 1.0 - values["Transmission Weight"]
+    rendered, opaque = rendered_by(PrincipledCoat, slots), 1.0 if is_metal else 1.0 - values["Transmission Weight"]
 
     def original(color):
         return rendered(opaque * np.asarray(color))

@@ -29,7 +29,9 @@ _LEAST_IOR = 0.2
 # Reduced optical depth of a layer that stands for a medium without end; its base has the medium's color besides.
 _OPAQUE = 20.0
 _LIMITS = {p.name: p for p in SCATTERING.parameters}
-SUBSURFACE = "subsurface"
+SUBSURFACE, COAT_COLOR, FILM, METAL_FILM = "subsurface", "coat color", "film", "metal film"
+"""What only some models have room for, beside the anisotropy of a coat; films are those of a gloss and of a metal."""
+_IN_COLOR = Sentence("in the base color, the same at all angles")
 _WHITE = 1e-9  # optical depth below which a medium is clear
 
 
@@ -160,11 +162,17 @@ class Placed:
     losses: tuple[Loss, ...]
     owners: dict[str, int]
 
+    @property
+    def films(self) -> frozenset[int]:
+        """The elements whose film is in the slots."""
+        surfaces = {BASE: self.slots.features, GLOSS: self.slots.gloss.features if self.slots.gloss else {}}
+        return frozenset(self.owners[role] for role, features in surfaces.items() if features.get("film_thickness"))
+
 
 def from_stack(stack: Stack, name: str, room: frozenset[str] = frozenset()) -> Placed:
     """Put a stack into slots of the model called `name`; its base color is still that of the stack.
 
-    `room`: what this model has beside the others: "anisotropy" of its coat, "subsurface". One clear layer over a
+    `room`: what this model has beside the others: "anisotropy" of its coat, `SUBSURFACE` and what is there. One clear layer over a
     diffuse base is its gloss, any other top layer the coat; a layer that covers less than half and is no coat is left out. An
     opaque layer that covers half or more is the base.
     """
@@ -182,7 +190,7 @@ def from_stack(stack: Stack, name: str, room: frozenset[str] = frozenset()) -> P
     gloss = rest[0] if rest and not is_metal else None
     owners = {BASE: place} | ({COAT: coat[0]} if coat else {}) | ({GLOSS: gloss[0]} if gloss else {})
     above = coat[1]["ior"] if coat else 1.0
-    slots = _base_slots(base, _medium_above_base(layers), losses, name)
+    slots = _base_slots(base, _medium_above_base(layers), losses, name, METAL_FILM in room)
     if coat:
         tint = tuple(np.exp(-2.0 * tau))
         slots = replace(
@@ -192,13 +200,20 @@ def from_stack(stack: Stack, name: str, room: frozenset[str] = frozenset()) -> P
             coat_weight=coat[1]["coverage"] if coat[1].has(COVERAGE) else 1.0,
         )
     if gloss:
-        slots = replace(slots, gloss=Surface(gloss[1]["ior"] / above, gloss[1]["roughness"], _features(gloss[1])))
+        slots = replace(slots, gloss=Surface(gloss[1]["ior"] / above, gloss[1]["roughness"], _features(gloss[1], FILM in room)))
     if SUBSURFACE in room and layers and is_body(layers[-1][1], base.base):
         slots = replace(slots, body=Body(layers[-1][1]["density"] * layers[-1][1]["thickness"], layers[-1][1]["scatter_g"]))
     for index, layer in layers:
         role = next((r for r, i in owners.items() if i == index), None)
         losses += _layer_losses(
-            f"layer {index}", layer, role, tinted and not coat, name, room, (index, layer) in working, slots.body is not None and index == layers[-1][0]
+            f"layer {index}",
+            layer,
+            role,
+            tinted and not (coat and COAT_COLOR in room),
+            name,
+            room,
+            (index, layer) in working,
+            slots.body is not None and index == layers[-1][0],
         )
     return Placed(slots, tuple(losses), owners)
 
@@ -245,11 +260,11 @@ def _medium_above_base(layers) -> float:
     return layers[-1][1]["ior"] if layers else 1.0
 
 
-def _features(element: Layer | Base) -> dict:
-    return {p.name: element[p.name] for f in (ANISOTROPY, THIN_FILM) if element.has(f) for p in f.parameters}
+def _features(element: Layer | Base, with_film: bool = True) -> dict:
+    return {p.name: element[p.name] for f in (ANISOTROPY, *((THIN_FILM,) if with_film else ())) if element.has(f) for p in f.parameters}
 
 
-def _base_slots(stack: Stack, n: float, losses: list[Loss], name: str) -> Slots:
+def _base_slots(stack: Stack, n: float, losses: list[Loss], name: str, with_film: bool) -> Slots:
     base = stack.base
     if base.has(NORMAL):
         losses.append(Loss("base normal", "", KEPT, Sentence("as the normal")))
@@ -264,8 +279,11 @@ def _base_slots(stack: Stack, n: float, losses: list[Loss], name: str) -> Slots:
     losses.append(Loss(f"base {given}", base[given], APPROXIMATED, Sentence("as reflectance at 0 and 82 degrees, solved such that the mean albedo stays")))
     losses.append(Loss("base roughness", base["roughness"], KEPT, Sentence("as roughness")))
     losses += _distribution_loss("base", base, name)
-    losses += [Loss(f"base {key}", value, KEPT, Sentence("as it is")) for key, value in _features(base).items()]
-    return Slots(tuple(np.minimum(f0, MOST_REFLECTANCE)), edge=tuple(edge), roughness=base["roughness"], features=_features(base))
+    kept = _features(base, with_film)
+    losses += [
+        Loss(f"base {key}", value, *((KEPT, Sentence("as it is")) if key in kept else (APPROXIMATED, _IN_COLOR))) for key, value in _features(base).items()
+    ]
+    return Slots(tuple(np.minimum(f0, MOST_REFLECTANCE)), edge=tuple(edge), roughness=base["roughness"], features=kept)
 
 
 def _distribution_loss(where: str, element: Layer | Base, name: str) -> list[Loss]:
@@ -275,7 +293,7 @@ def _distribution_loss(where: str, element: Layer | Base, name: str) -> list[Los
 
 
 def _layer_losses(where: str, layer: Layer, role: str | None, in_color: bool, name: str, room, works: bool, is_body: bool) -> list[Loss]:
-    """What became of a layer's parameters; `in_color`: there is no coat whose tint could hold the media."""
+    """What became of a layer's parameters; `in_color`: there is no tint of a coat that could hold the media."""
     losses = []
     white = np.max(optical_depth(layer["tint"], layer["thickness"])) <= _WHITE
     if role:
@@ -287,7 +305,7 @@ def _layer_losses(where: str, layer: Layer, role: str | None, in_color: bool, na
     if white:
         losses.append(Loss(f"{where} tint", layer["tint"], KEPT, Sentence("it is clear")))
     elif in_color:
-        losses.append(Loss(f"{where} tint", layer["tint"], APPROXIMATED, Sentence("in the base color, the same at all angles")))
+        losses.append(Loss(f"{where} tint", layer["tint"], APPROXIMATED, _IN_COLOR))
     else:
         how = Sentence("its round trip is the coat's tint") if role == COAT else Sentence("merged into the coat's tint")
         losses.append(Loss(f"{where} tint", layer["tint"], KEPT if role == COAT else APPROXIMATED, how))
@@ -295,16 +313,12 @@ def _layer_losses(where: str, layer: Layer, role: str | None, in_color: bool, na
         losses.append(Loss(f"{where} coverage", layer["coverage"], KEPT, Sentence("as the coat's weight")))
     for feature in (ANISOTROPY, THIN_FILM):
         if layer.has(feature):
-            kept = role == GLOSS or (role == COAT and feature.name in room)
-            losses += [
-                Loss(
-                    f"{where} {p.name}",
-                    layer[p.name],
-                    KEPT if kept else LOST,
-                    Sentence("as it is") if kept else Sentence("{name} has no place for it here", name=name),
-                )
-                for p in feature.parameters
-            ]
+            fate, how = LOST, Sentence("{name} has no place for it here", name=name)
+            if role == GLOSS and feature == THIN_FILM and FILM not in room:
+                fate, how = APPROXIMATED, _IN_COLOR
+            elif role == GLOSS or (role == COAT and feature.name in room):
+                fate, how = KEPT, Sentence("as it is")
+            losses += [Loss(f"{where} {p.name}", layer[p.name], fate, how) for p in feature.parameters]
     if layer.has(SCATTERING):
         given = (p.name for p in SCATTERING.parameters if p.name in layer)
         if is_body:

@@ -6,6 +6,7 @@ Fourier transform of each channel's color matching function under an equal-energ
 Blender 4.5 has the paper's Gaussian fit of the functions instead. Below 1 nm the film's index fades to the medium's.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
@@ -73,8 +74,13 @@ def sensitivities() -> np.ndarray:
     return np.exp(-1j * phase[:, None] / fine) @ (weights / weights.sum(axis=0))
 
 
-def film_reflectance(cos_theta_i: np.ndarray, n_above: float, film: Film, n_below, k_below=None, channels: slice = _ALL) -> np.ndarray:
-    """Unpolarised reflectance (..., 3), or of some of the channels, for light from above; n_below and k_below are numbers or (3,), k for conductors."""
+def film_reflectance(
+    cos_theta_i: np.ndarray, n_above: float, film: Film, n_below, k_below=None, channels: slice = _ALL, curve_below: Callable | None = None
+) -> np.ndarray:
+    """Unpolarised reflectance (..., 3), or of some of the channels, for light from above; n_below and k_below are numbers or (3,), k for conductors.
+
+    `curve_below` gives a conductor's reflectance (..., 3) at cosines (...) inside the film instead; the phases stay.
+    """
     cos_1 = np.clip(np.asarray(cos_theta_i, float), 0.0, 1.0)[..., None]
     ior = film.faded_ior(n_above)
     cos_2 = cos_theta_t(cos_1, ior / n_above)
@@ -87,6 +93,8 @@ def film_reflectance(cos_theta_i: np.ndarray, n_above: float, film: Film, n_belo
     else:
         below = _conductor_amplitudes(cos_2, ior, np.asarray(n_below) + 1j * np.asarray(k_below))
         is_total = cos_2 <= 0.0
+    if curve_below is not None:
+        below = tuple(np.sqrt(curve_below(cos_2[..., 0])) * r / np.maximum(np.abs(r), 1e-300) for r in below)
     path = 2.0 * ior * film.thickness_nm * cos_2
     total = 0.0
     for r12, energy, r23 in zip((r_s, r_p), reflected_above, below):
