@@ -2,7 +2,7 @@
 """A stack as textures for game engines: Principled's inputs, baked over an object's UV map where they have textures.
 
 All happens in a scene and on copies of its own, which are gone afterwards, so the user's file is left alone. The base
-color is corrected per texel, by the map that keeps the mean albedo.
+color is corrected per texel, by the map that keeps the mean albedo, and has a coat's tint and the color of films too: no picture holds those.
 """
 
 import json
@@ -55,7 +55,7 @@ class TextureBake:
         folder = output_folder(self.folder)
         yield 0.0
         places = {socket: source for socket, _, _, source in linked_places(self.material, {"base": -1})}
-        converted = to_principled(measured_stack(self.material), textured="Base Color" in places)
+        converted = to_principled(measured_stack(self.material), textured="Base Color" in places, exported=True)
         self.report = converted.report
         linked = {socket: source for socket, _, _, source in linked_places(self.material, converted.owners)}
         values = DEFAULTS | converted.values

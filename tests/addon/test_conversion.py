@@ -30,6 +30,7 @@ from lamina.reference_py.exchange import openpbr
 from lamina.reference_py.exchange.materialx import load_mtlx, to_mtlx
 from lamina.reference_py.exchange.openpbr import to_openpbr
 from lamina.reference_py.exchange.principled import to_principled
+from lamina.reference_py.material import presets
 from lamina.reference_py.material.stack import Stack
 from lamina.reference_py.optics.frame import spherical
 from lamina.reference_py.registry import make_model
@@ -393,7 +394,7 @@ def test_textures_are_baked_and_the_file_is_as_before(plane, tmp_path):
     u = (np.arange(64) + 0.5) / 64
     rough = read_png(tmp_path / "Coated_coat_roughness.png")[0][32, :, 0]
     np.testing.assert_allclose(rough / 255.0, u, atol=0.01)
-    colors = to_principled(materials.stack_of(material), textured=True).colors
+    colors = to_principled(materials.stack_of(material), textured=True, exported=True).colors
     red = colors(np.stack([u, u, 0 * u], axis=-1))[:, 0]
     shown = read_png(tmp_path / "Coated_base_color.png")[0][32, :, 0] / 255.0
     linear = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
@@ -401,6 +402,27 @@ def test_textures_are_baked_and_the_file_is_as_before(plane, tmp_path):
     assert np.all(red <= u) and np.max(u - red) > 0.1, "the correction does something"
     assert np.all(read_png(tmp_path / "Coated_metallic.png")[0] == 0)
     assert "worst albedo error" in json.loads((tmp_path / "Coated_principled.json").read_text())["report"][-1]
+
+
+GREEN_COAT = {"layers": [{"kind": "dielectric", "roughness": 0.2, "tint": [0.5, 0.9, 0.5]}], "base": {"kind": "lambert", "color": [0.5] * 3}}
+
+
+@pytest.mark.parametrize("stack, off", ((Stack.from_dict(GREEN_COAT), 0.05), (presets.load("anodised_titanium"), 0.35)), ids=("tint", "film"))
+def test_a_baked_color_has_the_tint_of_a_coat_and_the_color_of_a_film(plane, tmp_path, stack, off):
+    """No picture holds either: without the tint a green coat over grey was 171 % too red. `off`: a film's color is the same at all angles there."""
+    layered(plane, stack).name = "Coated"
+    assert bpy.ops.lamina.bake_textures("EXEC_DEFAULT", directory=str(tmp_path), size="64") == {"FINISHED"}
+    shown = read_png(tmp_path / "Coated_base_color.png")[0][32, 32] / 255.0
+    linear = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
+    told = json.loads((tmp_path / "Coated_principled.json").read_text())
+    assert not {"Coat Tint", "Thin Film Thickness"} & set(told["values"]) and "in the base color, the same at all angles" in " ".join(told["report"])
+    plain = principled(plane, **{socket.replace(" ", "_"): value for socket, value in told["values"].items() if np.ndim(value) == 0})
+    node = principled_of(plain)
+    node.inputs["Base Color"].default_value = (*linear, 1.0)
+    measured, stderr = render_furnace(plain, (0.0, 40.0), samples=64, size=16)
+    exact = make_model("adding", stack).albedo(spherical(np.radians([0.0, 40.0]), 0.0))
+    print(linear, measured, exact)
+    assert np.all(np.abs(measured - exact) <= off * exact + 4.0 * stderr)
 
 
 def test_a_flat_normal_is_flat(plane, tmp_path):
