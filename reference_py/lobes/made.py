@@ -89,7 +89,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Choice:
-    """What was chosen and its lobe set, what was tried, why as a sentence, and which of the tried stock nodes have."""
+    """What was chosen and its lobe set, what was tried, why as a sentence, and what stock nodes have."""
 
     chosen: Candidate
     lobe_set: LobeSet

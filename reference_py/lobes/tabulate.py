@@ -9,7 +9,6 @@ of a ball.
 A bare Oren-Nayar base stays itself (`RoughBase`). Oren-Nayar lobes beside others become one that keeps their energy at every knot: stock nodes use the weight as the color of its multiple
 scattering, whose power differs between Blenders. Where it is the model's and nothing lies above, that is exact;
 for Blender up to 5.2 the L1 error is 1.3 % at most (tests/reference_py/test_tabulate.py).
-Of ramps of diffuse light (`diffuse_ramp`) Lambert's lobe is left.
 """
 
 from dataclasses import replace
@@ -52,8 +51,11 @@ def _rough_base(stack: Stack, power: int) -> RoughBase:
 
 
 def stock_lobes(lobe_set):
-    """The lobe set that stock nodes have in the place of one."""
-    return (lobe_set.stock or lobe_set) if isinstance(lobe_set, TableLobes) else lobe_set
+    """The lobe set that stock nodes have in the place of one: of ramps of diffuse light (`diffuse_ramp`) they know Lambert's alone."""
+    if not isinstance(lobe_set, TableLobes):
+        return lobe_set
+    tables = (lobe_set.stock or lobe_set).tables
+    return TableLobes(tuple([replace(table, ramp=None) if isinstance(table, DiffuseTable | BaseColorTable) else table for table in tables]))
 
 
 def is_grey_dielectric(table) -> bool:
@@ -73,8 +75,6 @@ def _has_seen_curve(table) -> bool:
 
 
 def _without_curve(table):
-    if isinstance(table, DiffuseTable | BaseColorTable):
-        return replace(table, ramp=None)
     if not isinstance(table, GlossyTable) or table.fresnel is None:
         return table
     alpha_x, alpha_y, slope = table.shape.T

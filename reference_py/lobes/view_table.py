@@ -196,6 +196,11 @@ class TableLobes:
     is_live = False
 
     @property
+    def has_ramps(self) -> bool:
+        """Whether stock nodes have something else."""
+        return any(getattr(table, "ramp", None) is not None for table in self.tables)
+
+    @property
     def followed(self) -> tuple[Place, ...]:
         """The live values that the tables follow."""
         if any(isinstance(table, RoughBase) for table in self.tables):

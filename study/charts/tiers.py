@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from ...reference_py.atomic import require_writable
-from ...reference_py.lobes.baked import Baker
+from ...reference_py.lobes.baked import Baker, best_of
 from ...reference_py.lobes.bare_base import is_bare_oren_nayar
 from ...reference_py.lobes.error_estimate import ErrorEstimator, Errors
 from ...reference_py.lobes.methods import METHODS, AnalyticLobes, holds_values, make_lobe_set
+from ...reference_py.lobes.tabulate import stock_lobes
 from ...reference_py.material.stack import Stack
 from ...reference_py.models.adding.adding_model import Adding
 from ..suite import charted
@@ -19,6 +20,7 @@ from .output import print_table
 # Views of the albedo; shapes are judged at the same.
 THETA_DEG = np.array([0.0, 20.0, 40.0, 60.0, 75.0, 80.0])
 GLOSSY = (1, 2, 3)
+STOCK = "baked, 2 glossy, stock nodes"
 COLUMNS = ("stack", "tier", "closures", "albedo_worst", "shape_worst", "shape_median")
 _HEADING = (
     "lamina chart tiers",
@@ -47,7 +49,8 @@ def _rows(stack: Stack) -> list[list[str]]:
     lobe_sets = {method: make_lobe_set(stack, method) for method in METHODS if not holds_values(method)}
     baker = Baker(stack, truth)
     exact = AnalyticLobes(stack) if is_bare_oren_nayar(stack) else None
-    lobe_sets |= {f"baked, {count} glossy": exact or baker.bake(count).lobe_set for count in GLOSSY}
+    lobe_sets |= {f"baked, {count} glossy": exact or best_of(baker, count) for count in GLOSSY}
+    lobe_sets[STOCK] = exact or stock_lobes(lobe_sets["baked, 2 glossy"])
     return [[tier, str(lobe_set.lobe_count), *_cells(estimator.errors(lobe_set))] for tier, lobe_set in lobe_sets.items()]
 
 

@@ -18,6 +18,7 @@ from lamina.reference_py.material.place import Place
 from lamina.study.suite import suite_stack
 
 COATED = stack(coat(0.1), base=lambert(0.5))
+SMOOTH = stack(coat(0.0), base=lambert(0.5))
 WORST, CLOSE = 0.5, 0.001
 
 
@@ -26,6 +27,10 @@ class Bake:
     name: str
     lobe_count: int
     stock: "Bake | None" = None
+
+    @property
+    def has_ramps(self) -> bool:
+        return self.name.startswith("ramp")
 
 
 @pytest.fixture
@@ -127,6 +132,13 @@ def test_where_a_ramp_is_no_closer_both_have_the_same(offered):
     bakes = {"baked, 1 glossy": (1.1, 0.3, 0.0), "baked, 2 glossy": (1.3, 0.01, 0.0)}
     told = offered({**DEAR_AND_EXACT, **bakes, "ramp, 1 glossy": (1.1, 0.05, 0.0), "ramp, 2 glossy": (1.3, 0.05, 0.0)}, tolerance=0.02)
     assert told.chosen is told.stock and told.lobe_set.name == "baked, 2 glossy" and told.lobe_set.stock is None
+
+
+def test_what_stock_nodes_make_of_a_smooth_coat_is_judged_apart():
+    """With OSL its Lambert lobe has a ramp, in stock nodes it has none."""
+    told = auto.choose(SMOOTH, truth_of(SMOOTH), Options(tolerance=0.001))
+    assert told.chosen.label == told.stock.label and told.lobe_set.stock is None
+    assert told.chosen.visible <= 0.006 and told.stock.visible >= 0.02 and f"stock nodes have {told.stock.label}, error" in told.reason
 
 
 def test_what_people_read_of_a_candidate_is_the_worse_of_both_errors():

@@ -25,13 +25,13 @@ def baked(stack: Stack, live: tuple[Place, ...], glossy: int, progress: Callable
     if is_brushed(stack):
         return bake_brushed(stack, live, progress or (lambda share: None)) if live else brushed(stack, progress)
     if not live:
-        return _best(Baker(stack, truth_of(stack), progress), glossy)
+        return best_of(Baker(stack, truth_of(stack), progress), glossy)
     if live == (BASE_COLOR,):
         return _over_base_color(stack, glossy, progress)
     return bake_live(stack, live, glossy, Baker, progress or (lambda share: None))
 
 
-def _best(baker: Baker, glossy: int) -> TableLobes:
+def best_of(baker: Baker, glossy: int) -> TableLobes:
     """The closest bake of at most so many glossy lobes, and what stock nodes have in its place."""
     ramped, stock = RampBaker(baker), baker.bake(glossy).lobe_set
     best = min([stock, *map(ramped.lobe_set, ramped.counts(glossy))], key=baker.shape_error)

@@ -25,6 +25,7 @@ from ..cache import stack_key
 from ..closure import lobe_energy
 from ..error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosines
 from ..made import Candidate, Choice, LobeSet, Made, Options
+from ..tabulate import stock_lobes
 from ..truth import truth_of
 from .cost import cost
 from .featured_analytic import featured_analytic
@@ -79,8 +80,10 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
     if not live and stock.label not in _LIVE:
         _try_ramps(RampBaker(baker), glossy, tolerance, judge)
         (chosen, best), reason = _best(tried, tolerance)
-        if chosen is not stock:
-            lobe_set = replace(best, stock=lobe_set)
+        if best.has_ramps:
+            own = stock_lobes(lobe_set)
+            stock = _candidate(stock.label, own, estimator.errors(own), live=False)
+            lobe_set = best if best is lobe_set else replace(best, stock=lobe_set)
             reason += f"; stock nodes have {stock.label}, error {100.0 * stock.visible:.3g} %"
     report(1.0)
     if not can_bake:
@@ -186,7 +189,7 @@ def _pack(choice: Choice) -> dict:
     live = choice.chosen.label in _LIVE
     return {
         "chosen": choice.tried.index(choice.chosen),
-        "stock": choice.tried.index(choice.stock),
+        "stock": asdict(choice.stock),
         "lobe_set": None if live else pack_lobes(choice.lobe_set),
         "tried": [asdict(candidate) for candidate in choice.tried],
         "reason": choice.reason,
@@ -197,7 +200,7 @@ def _unpack(data: dict, stack: Stack) -> Choice:
     tried = tuple(Candidate(**candidate) for candidate in data["tried"])
     chosen = tried[data["chosen"]]
     lobe_set = unpack_lobes(data["lobe_set"], stack) if data["lobe_set"] else _LIVE[chosen.label](stack)
-    return Choice(chosen, lobe_set, tried, str(data["reason"]), tried[data["stock"]])
+    return Choice(chosen, lobe_set, tried, str(data["reason"]), Candidate(**data["stock"]))
 
 
 COMPUTED = Computed(
