@@ -100,14 +100,15 @@ class LiveRamp:
 
 @dataclass(frozen=True)
 class LiveBase:
-    """What a diffuse base of a live color adds (`BaseColorTable`) on the grid: the logarithms of `through` and of `back`.
+    """What a diffuse base of any color adds (`BaseColorTable`) on the grid: the logarithms of `through` and of `back`.
 
-    `ramp` is where its light goes. What turns with a brushing has none, and is left to Lambert.
+    `ramp` is where its light goes. What turns with a brushing has none, and is left to Lambert. `is_live` tells whether the color is a live value.
     """
 
     log_through: LogEnergy
     log_back: LogEnergy
     ramp: LiveRamp | None = None
+    is_live: bool = True
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,8 @@ class LiveLobes:
     base: LiveBase | None = None
     rotation: Place | None = None
     """The rotation of the brushing, where it is live."""
+    stock: "LiveLobes | None" = None
+    """What stock nodes have in its place, which know no ramps, where they are not to have the same with Lambert's lobe."""
 
     name = "baked"
     is_live = False
@@ -134,7 +137,7 @@ class LiveLobes:
     def followed(self) -> tuple[Place, ...]:
         """The live values that the tables follow."""
         rotation = () if self.rotation is None else (self.rotation,)
-        return (*(place for axis in self.axes for place in axis.live), *rotation, *([BASE_COLOR] if self.base is not None else []))
+        return (*(place for axis in self.axes for place in axis.live), *rotation, *([BASE_COLOR] if self.base is not None and self.base.is_live else []))
 
     @property
     def brushing(self) -> float | None:
@@ -154,7 +157,8 @@ class LiveLobes:
     def with_values_of(self, stack: Stack) -> "LiveLobes":
         """The same for a stack's own live values and normals."""
         normals = normals_of_fits(stack, [lobe.kind for lobe in self.grid])
-        return replace(self, stack=stack, grid=tuple(replace(lobe, normal=normal) for lobe, normal in zip(self.grid, normals)))
+        grid = tuple(replace(lobe, normal=normal) for lobe, normal in zip(self.grid, normals))
+        return replace(self, stack=stack, grid=grid, stock=self.stock and self.stock.with_values_of(stack))
 
     @property
     def lobe_count(self) -> int:

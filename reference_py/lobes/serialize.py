@@ -81,7 +81,12 @@ def pack_grid(lobe_set: LiveLobes) -> dict:
         for axis in lobe_set.axes
     ]
     ramp = lobe_set.base and lobe_set.base.ramp and {"modes": lobe_set.base.ramp.modes.tolist(), "amounts": lobe_set.base.ramp.amounts.tolist()}
-    base = lobe_set.base and {"log_through": _pack_log(lobe_set.base.log_through), "log_back": _pack_log(lobe_set.base.log_back), "ramp": ramp}
+    base = lobe_set.base and {
+        "log_through": _pack_log(lobe_set.base.log_through),
+        "log_back": _pack_log(lobe_set.base.log_back),
+        "ramp": ramp,
+        "is_live": lobe_set.base.is_live,
+    }
     coefficients = None if lobe_set.coefficients is None else lobe_set.coefficients.tolist()
     return {
         "axes": axes,
@@ -90,6 +95,7 @@ def pack_grid(lobe_set: LiveLobes) -> dict:
         "coefficients": coefficients,
         "base": base,
         "rotation": lobe_set.rotation and lobe_set.rotation.pair(),
+        "stock": lobe_set.stock and pack_grid(lobe_set.stock),
     }
 
 
@@ -133,11 +139,13 @@ def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
         )
         for lobe in data["lobes"]
     ]
-    base = data["base"] and LiveBase(
-        log_energy(data["base"]["log_through"]), log_energy(data["base"]["log_back"]), _unpack_live_ramp(data["base"]["ramp"], axes)
-    )
+    base = data["base"]
+    if base is not None:
+        ramp = _unpack_live_ramp(base["ramp"], axes)
+        base = LiveBase(log_energy(base["log_through"]), log_energy(base["log_back"]), ramp, bool(base["is_live"]))
     rotation = data["rotation"] and Place.of_pair(*data["rotation"])
-    return LiveLobes(stack, axes, tuple(lobes), log_energy(data["log_sum"]), coefficients, base, rotation)
+    stock = data["stock"] and unpack_grid(data["stock"], stack)
+    return LiveLobes(stack, axes, tuple(lobes), log_energy(data["log_sum"]), coefficients, base, rotation, stock)
 
 
 def _unpack_live_ramp(data: dict | None, axes: tuple[Axis, ...]) -> LiveRamp | None:

@@ -36,7 +36,7 @@ def tabulate(lobe_set, keep_dielectrics: bool = False, power: int = OREN_NAYAR_P
     if isinstance(lobe_set, PatchLobes):
         return PatchLobes(lobe_set.stack, tuple((patch, tabulate(part.lobe_set, keep_dielectrics, power)) for patch, part in lobe_set.parts))
     if isinstance(lobe_set, LiveLobes):
-        return live_tables(lobe_set, keep_dielectrics)
+        return live_tables(lobe_set.stock or lobe_set, keep_dielectrics)
     lobe_set = stock_lobes(lobe_set)
     stack = getattr(lobe_set, "stack", None)
     if stack is not None and is_bare_oren_nayar(stack):

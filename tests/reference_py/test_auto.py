@@ -40,7 +40,7 @@ def offered(monkeypatch):
     Every shape is far off: it does not count. Calls of `cost` tell whether values are live.
     """
 
-    def offer(candidates, live=(), least=None, **options):
+    def offer(candidates, live=(), least=None, shapes=None, **options):
         told = []
 
         class Estimator:
@@ -50,7 +50,7 @@ def offered(monkeypatch):
             def errors(self, lobe_set):
                 _, albedo, soft = candidates[lobe_set.name]
                 # the albedo is the worst view's, the soft light's a mean over views
-                return Errors(np.array([0.0, albedo]), np.array([0.5 * soft, 1.5 * soft]), np.array([0.9, 0.9]))
+                return Errors(np.array([0.0, albedo]), np.array([0.5 * soft, 1.5 * soft]), np.full(2, (shapes or {}).get(lobe_set.name, 0.9)))
 
         baker = SimpleNamespace(
             most_glossy=4,
@@ -126,6 +126,12 @@ def test_a_ramp_is_for_osl_and_stock_nodes_have_what_they_had(offered):
     assert told.chosen.label == told.lobe_set.name == "ramp, 2 glossy" and told.shown(osl=True) is told.chosen
     assert told.stock.label == told.lobe_set.stock.name == "baked, 2 glossy" and told.shown(osl=False) is told.stock
     assert told.reason == "the cheapest whose error is at most 2 %; stock nodes have baked, 2 glossy, error 1 %"
+
+
+def test_a_cheaper_ramp_that_is_further_off_in_shape_is_not_taken(offered):
+    bakes = {"baked, 1 glossy": (1.1, 0.3, 0.0), "baked, 2 glossy": (1.3, 0.01, 0.0), "ramp, 1 glossy": (1.1, 0.015, 0.0), "ramp, 2 glossy": (1.3, 0.001, 0.0)}
+    assert offered({**DEAR_AND_EXACT, **bakes}, tolerance=0.02).chosen.label == "ramp, 1 glossy"
+    assert offered({**DEAR_AND_EXACT, **bakes}, tolerance=0.02, shapes={"ramp, 1 glossy": 0.95}).chosen.label == "ramp, 2 glossy"
 
 
 def test_where_a_ramp_is_no_closer_both_have_the_same(offered):

@@ -95,7 +95,15 @@ def test_bakes_for_osl_are_several_times_closer_than_those_of_stock_nodes(name, 
 
 
 @pytest.mark.parametrize(
-    "name, live", [("satin_varnish", ()), ("glazed_mug", ()), ("satin_varnish", (BASE_COLOR,)), ("tinted_glaze", (BASE_COLOR,)), ("satin_varnish", LIVE)]
+    "name, live",
+    [
+        ("satin_varnish", ()),
+        ("glazed_mug", ()),
+        ("satin_varnish", (BASE_COLOR,)),
+        ("tinted_glaze", (BASE_COLOR,)),
+        ("satin_varnish", LIVE),
+        ("satin_varnish", LIVE[:1]),
+    ],
 )
 def test_a_bake_comes_back_from_its_file(name, live):
     stack = presets.load(name)

@@ -255,7 +255,8 @@ class _Writer:
                     weight += f" / {self._value(f'Unit{i}', lobe.unit, 'fine' if has_waves(self._axes) else 'knots')}"
             if lobe.is_diffuse and lobe_set.base is not None:
                 through, back = self._energy("LogThrough", lobe_set.base.log_through), self._energy("LogBack", lobe_set.base.log_back)
-                weight = f"({weight} + {through} * {base_color} / (color(1.0) - {back} * {base_color}))"
+                color = base_color if lobe_set.base.is_live else f"color({numbers(np.clip(lobe_set.stack.base['color'], 0.0, 1.0))})"
+                weight = f"({weight} + {through} * {color} / (color(1.0) - {back} * {color}))"
                 if lobe_set.base.ramp is not None:
                     self.closures.append(self._diffuse_ramp(weight, lobe_set.base.ramp))
                     continue

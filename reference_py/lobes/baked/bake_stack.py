@@ -6,7 +6,9 @@ from dataclasses import replace
 
 from ...material.place import Place
 from ...material.stack import Stack
-from ...optics.optical_stack import OpticalStack
+from ...optics.bases import DiffuseBase
+from ...optics.optical_stack import OpticalStack, rough_surfaces
+from ..axes import has_waves
 from ..diffuse_ramp import RAMP_COSINES, ramp_of
 from ..live_grid import LiveLobes
 from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
@@ -16,8 +18,11 @@ from .bake import Baker
 from .black_and_white import BlackAndWhite, base_of, followed, over
 from .brushed_bake import brushed, is_brushed
 from .brushed_grid import bake_brushed
-from .live import bake_live
+from .live import axes_of, bake_live, without_knots
 from .ramped import RampBaker
+
+# Of live values at once whose grids are made twice, for OSL and for stock nodes; beside a film one alone.
+_MOST_AXES_TWICE = 2
 
 
 def baked(stack: Stack, live: tuple[Place, ...], glossy: int, progress: Callable[[float], None] | None) -> TableLobes | LiveLobes:
@@ -28,7 +33,21 @@ def baked(stack: Stack, live: tuple[Place, ...], glossy: int, progress: Callable
         return best_of(Baker(stack, truth_of(stack), progress), glossy)
     if live == (BASE_COLOR,):
         return _over_base_color(stack, glossy, progress)
-    return bake_live(stack, live, glossy, Baker, progress or (lambda share: None))
+    return _over_live_values(stack, live, glossy, progress or (lambda share: None))
+
+
+def _over_live_values(stack: Stack, live: tuple[Place, ...], glossy: int, report: Callable[[float], None]) -> LiveLobes:
+    """The grid of a stack over live values; for OSL its base's light apart, as if the color were live too, so that it has a ramp."""
+    optical, axes = OpticalStack.of(stack), axes_of(stack, without_knots(stack, live))
+    scatters = any(surface.scattering is not None for surface in optical.interfaces)
+    # light that a rough base reflects knows still where it came from, which fits beside a rough coat have too
+    has_ramp = isinstance(optical.base, DiffuseBase) and not scatters and (not optical.base.sigma_deg or not rough_surfaces(stack))
+    takes_long = len(axes) > (1 if has_waves(axes) else _MOST_AXES_TWICE)
+    if BASE_COLOR in live or not stack.layers or not has_ramp or takes_long:
+        return bake_live(stack, live, glossy, Baker, report)
+    ramped = bake_live(stack, (*live, BASE_COLOR), glossy, Baker, lambda share: report(0.5 * share))
+    stock = bake_live(stack, live, glossy, Baker, lambda share: report(0.5 + 0.5 * share))
+    return replace(ramped, base=replace(ramped.base, is_live=False), stock=stock)
 
 
 def best_of(baker: Baker, glossy: int) -> TableLobes:

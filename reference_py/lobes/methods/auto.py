@@ -40,6 +40,8 @@ _AS_CLOSE = 0.05
 _LIKELY, _SURELY = 1.6, 1.15
 # With one lobe more a bake is judged too where `Baker.least_soft_light` falls below this share: of a hundred stacks none that gained less was worth its lobe.
 _GAIN = 0.96
+# With fewer lobes than fits have a ramp is looked at no further below this share of the tolerance.
+_WELL_WITHIN = 0.5
 # Of albedos with anisotropy: azimuths, views, and walks for each.
 _AZIMUTHS = np.radians([0.0, 45.0, 90.0, 135.0])
 _FEW, _WALKS = 4, 1 << 15
@@ -79,7 +81,9 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
     chosen = stock
     if not live and stock.label not in _LIVE:
         _try_ramps(RampBaker(baker), glossy, tolerance, judge)
-        (chosen, best), reason = _best(tried, tolerance)
+        # what is cheaper is not to be further off in shape
+        closer = [t for t in tried if t[0].shape <= stock.shape or t[0] is stock]
+        (chosen, best), reason = _best(closer, tolerance, len(tried))
         if best.has_ramps:
             own = stock_lobes(lobe_set)
             stock = _candidate(stock.label, own, estimator.errors(own), live=False)
@@ -92,11 +96,11 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
 
 
 def _try_ramps(baker: RampBaker, glossy: int, tolerance: float, judge: Callable[[str, object], float]) -> None:
-    """Judge bakes for OSL alone with ever more glossy lobes until one is within the tolerance, or gains next to nothing."""
+    """Judge bakes for OSL alone with ever more glossy lobes until one is well within the tolerance, or gains next to nothing."""
     before = np.inf
     for count in baker.counts(glossy):
         error = judge(f"ramp, {count} glossy", baker.lobe_set(count))
-        if error <= tolerance or error > _GAIN * before:
+        if error <= _WELL_WITHIN * tolerance or error > _GAIN * before:
             return
         before = error
 
@@ -125,14 +129,14 @@ def _try_bakes(baker: Baker, glossy: int, tolerance: float, least_error: Callabl
         least = min(least, now)
 
 
-def _best(tried: list[tuple[Candidate, Any]], tolerance: float) -> tuple[tuple[Candidate, Any], str]:
-    """What to take of candidates and their lobe sets, and why."""
+def _best(tried: list[tuple[Candidate, Any]], tolerance: float, count: int | None = None) -> tuple[tuple[Candidate, Any], str]:
+    """What to take of candidates and their lobe sets, of `count` that were tried, and why."""
     good = [t for t in tried if t[0].visible <= tolerance]
     if good:
         return min(good, key=lambda t: (t[0].cost, t[0].visible)), f"the cheapest whose error is at most {100.0 * tolerance:g} %"
     best = min(candidate.visible for candidate, _ in tried)
     close = min((t for t in tried if t[0].visible <= best * (1.0 + _AS_CLOSE)), key=lambda t: (t[0].cost, t[0].visible))
-    return close, f"the cheapest of those about as close as the closest; none of {len(tried)} reaches {100.0 * tolerance:g} %"
+    return close, f"the cheapest of those about as close as the closest; none of {count or len(tried)} reaches {100.0 * tolerance:g} %"
 
 
 def choose_brushed(stack: Stack, options: Options, cosines: np.ndarray | None = None, light_deg: float = SOFT_LIGHT_DEG) -> Choice:
