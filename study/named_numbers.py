@@ -286,6 +286,8 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "baked 2 shape usual": partial(tier, "baked, 2 glossy", np.median, "shape_median", 1),
     "baked 2 shape median": partial(tier, "baked, 2 glossy", np.median, "shape_worst", 1),
     "baked 2 shape worst": partial(tier, "baked, 2 glossy", np.max, "shape_worst", 0),
+    "stock 2 shape usual": partial(tier, "baked, 2 glossy, stock nodes", np.median, "shape_median", 1),
+    "stock 2 shape median": partial(tier, "baked, 2 glossy, stock nodes", np.median, "shape_worst", 1),
     "baked 3 shape usual": partial(tier, "baked, 3 glossy", np.median, "shape_median", 1),
     "baked 3 shape median": partial(tier, "baked, 3 glossy", np.median, "shape_worst", 1),
     "baked 3 shape worst": partial(tier, "baked, 3 glossy", np.max, "shape_worst", 0),

@@ -47,6 +47,7 @@ def _over_live_values(stack: Stack, live: tuple[Place, ...], glossy: int, report
         return bake_live(stack, live, glossy, Baker, report)
     ramped = bake_live(stack, (*live, BASE_COLOR), glossy, Baker, lambda share: report(0.5 * share))
     stock = bake_live(stack, live, glossy, Baker, lambda share: report(0.5 + 0.5 * share))
+    assert ramped.base is not None, "its color is followed"
     return replace(ramped, base=replace(ramped.base, is_live=False), stock=stock)
 
 
