@@ -41,8 +41,14 @@ OF_CAVITIES, OF_FILM = "tests/reference_py/test_v_cavities.py::", "tests/referen
 OF_WARNING, OF_PAPER = "tests/reference_py/test_fit_warnings.py::", "tests/reference_py/test_weidlich_wilkie.py::"
 
 OF_BRUSHED = "tests/reference_py/test_brushed_bakes.py::test_"
+OF_EXCHANGE = "tests/reference_py/test_exchange.py::test_"
 
 FAULTS = (
+    Fault("what a conversion is compared with has no films", "reference_py/exchange/conversion.py", "truth(stack, everywhere - placed.films)", "truth(stack)",
+          (f"{OF_EXCHANGE}a_film_without_a_place_counts", f"{OF_EXCHANGE}the_color_of_a_film_is_in_the_base_color_where_none_goes_out")),
+    Fault("under a film of Principled a metal keeps its own color", "reference_py/exchange/conversion.py",
+          "color, found = solve_near(filmed(placed.slots), wanted)", "found = filmed(placed.slots)(color)",
+          (f"{OF_EXCHANGE}under_a_film_of_principled_the_base_color_is_the_nearest",)),
     Fault("what brushing does to a live bake's energy is left out", "reference_py/lobes/baked/brushed_grid.py",
           "total = level[:, None] * turns", "total = level[:, None] + 0.0 * turns",
           (f"{OF_BRUSHED}auto_follows_live_values",)),

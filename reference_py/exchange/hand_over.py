@@ -43,7 +43,7 @@ def unpacked(data: dict) -> HandOver:
 def key_of(stack: Stack, textured: bool) -> str:
     """Names the hand-over of a stack by content."""
     shares = [f"{layer[COVERAGE.parameters[0].name]:.5g}" if layer.has(COVERAGE) else "" for layer in stack.layers]
-    return f"{NAME} exported {textured:d} {stack_key(stack)} {' '.join(shares)}"
+    return f"{NAME} exported, films in its color {textured:d} {stack_key(stack)} {' '.join(shares)}"
 
 
 def provisional(stack: Stack) -> HandOver:
