@@ -22,7 +22,7 @@ from ..material.elements import find_node, kind_of, node_of, outside_rec709
 from ..material.entry import feeds, output_after
 from ..material.hand_over import MIX, usd_takes
 from ..material.kind_groups import KIND_KEY, hands_on
-from ..material.live_values import live_in_nodes, live_values, resting_values
+from ..material.live_values import live_in_nodes, live_values, resting_values, what_moves
 from ..material.means import mean_name
 from ..material.osl_setting import device_problem, why_stock_nodes
 from ..material.reading import require_editable, require_layered, stack_of
@@ -238,7 +238,14 @@ def _values(element, node, is_shown: bool, links: dict[int, list[bpy.types.NodeL
         if not into and parameter.type == COLOR and outside_rec709(socket):
             yield Finding("out_of_gamut", about, element.node, parameter.label)
         if not into and (wrong := out_of_range(socket.default_value, parameter)):
-            yield Finding("out_of_range", about | {"value": wrong, "allowed": parameter.allowed}, element.node, parameter.label)
+            yield Finding("out_of_range", about | _wrong(element, parameter, wrong), element.node, parameter.label)
+
+
+def _wrong(element, parameter: Parameter, value: str) -> dict:
+    """Words of a value out of range. Of one that is animated nothing here can be mended: the next frame has it again."""
+    if parameter.name in what_moves(element):
+        return {"value": Sentence("{value}, by its driver or keyframes", value=value), "allowed": parameter.allowed, "is_final": True}
+    return {"value": value, "allowed": parameter.allowed}
 
 
 def out_of_range(value, parameter: Parameter) -> str:

@@ -240,6 +240,15 @@ _DISTRIBUTION = Parameter(
     choices=("ggx", "beckmann"),
     look="How highlights end: GGX in a wide soft glow, Beckmann sooner",
 )
+ROTATION = Parameter(
+    "rotation",
+    FLOAT,
+    0.0,
+    "Rotation",
+    "Turns the tangent about the normal; 1 is a full turn",
+    unit="turns",
+    look="Turns the stretched highlights; 1 is a full turn",
+)
 ANISOTROPY = Feature(
     "anisotropy",
     "Anisotropy",
@@ -253,15 +262,7 @@ ANISOTROPY = Feature(
             "How much rougher along the tangent than across: the alphas' ratio is 1 - 0.9 anisotropy",
             look="Stretches highlights along one direction: 0 is even, 0.7 strongly brushed",
         ),
-        Parameter(
-            "rotation",
-            FLOAT,
-            0.0,
-            "Rotation",
-            "Turns the tangent about the normal; 1 is a full turn",
-            unit="turns",
-            look="Turns the stretched highlights; 1 is a full turn",
-        ),
+        ROTATION,
     ),
 )
 THIN_FILM = Feature(

@@ -168,6 +168,14 @@ def test_a_fault_is_found_and_mended_with_one_click(owner, code):
         assert material.stack_of(owner) == stack
 
 
+def test_a_driven_value_out_of_range_has_no_button(owner):
+    """One that sets the value would say that all is well until the next frame."""
+    coat(owner).inputs["Roughness"].default_value = 1.5
+    coat(owner).inputs["Roughness"].driver_add("default_value").driver.expression = "1.5"
+    (wrong,) = [f for f in found(owner) if f.code == "out_of_range"]
+    assert (wrong.text(), wrong.mending) == ("Coat: Roughness is 1.5, by its driver or keyframes; allowed is 0 to 1", "")
+
+
 def test_an_image_whose_file_moved_keeps_its_link(owner, tmp_path):
     """Its link is work: Check names the image and its file, and nothing that mends all of a material takes it away."""
     path, moved = tmp_path / "scratches.png", tmp_path / "moved.png"

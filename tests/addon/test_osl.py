@@ -3,6 +3,7 @@
 
 import re
 
+import numpy as np
 import pytest
 
 from lamina.addon.material.shader_node import shader_of
@@ -80,3 +81,38 @@ def test_any_number_of_layers_compiles(blender, layers):
         apply_stack(material, Stack.from_dict({"layers": [COAT] * layers, "base": base}))
         script = shader_of(material)
         assert script.bytecode
+
+
+COATED = {"layers": [{**COAT, "tint": [0.9, 0.6, 0.3], "thickness": 1.0}], "base": {**LAMBERT, "color": [0.7, 0.4, 0.2]}}
+METAL = {"base": {"kind": "conductor", "eta": [0.2, 0.9, 1.2], "k": [3.0, 2.5, 2.3], "roughness": 0.3}}
+# A stack, a value of its topmost element, an end of its range and what lies beyond.
+BEYOND = [
+    (COATED, "IOR", 1.0, 0.5),
+    (COATED, "IOR", 4.0, 9.0),
+    (COATED, "Roughness", 1.0, 3.0),
+    (COATED, "Thickness", 0.0, -1.0),
+    (METAL, "IOR", 20.0, 40.0),
+    (METAL, "Extinction", 0.0, -1.0),
+    (METAL, "Roughness", 0.0, -2.0),
+]
+
+
+@pytest.mark.blender
+@pytest.mark.parametrize("tier", ["weidlich_wilkie", "analytic"])
+@pytest.mark.parametrize("stack, label, end, beyond", BEYOND, ids=[f"{label} {beyond:g}" for _, label, _, beyond in BEYOND])
+def test_what_a_driver_gives_beyond_a_range_shows_as_its_end(blender, tier, stack, label, end, beyond):
+    """An index of .5 gave an albedo above 1, one of 9 three quarters too much, a negative thickness light from nothing."""
+    import bpy
+
+    from lamina.addon.material.elements import node_of
+    from lamina.addon.material.material import apply_stack
+    from lamina.addon.rendering.measure import render_furnace
+
+    new = bpy.data.materials.new("driven")
+    apply_stack(new, Stack.from_dict(stack), tier)
+    socket = node_of([*new.lamina.layers, new.lamina.base][0]).inputs[label]
+    shown = []
+    for value in (end, beyond):
+        socket.default_value = value if socket.type == "VALUE" else (value,) * 3
+        shown.append(render_furnace(new, [40.0], samples=16, size=8)[0])
+    np.testing.assert_allclose(*shown, rtol=1e-5)

@@ -11,13 +11,15 @@ import numpy as np
 from ....reference_py.lobes.analytic.interface_tables import UNIT, tables
 from ....reference_py.lobes.lobe import DARK
 from ....reference_py.lobes.pools import Pool
-from ....reference_py.material.schema import COLOR, FLOAT, Parameter
+from ....reference_py.material.schema import COLOR, FLOAT, NORMAL, ROTATION, VECTOR, Parameter
 from ....reference_py.optics.microfacet import DISTRIBUTIONS
-from ..inputs import PRIMARIES, ShaderInput
+from ..inputs import PRIMARIES, TANGENT_INPUT, ShaderInput
 from .osl_files import functions
 from .view_frame import FRAME_FUNCTIONS, Frame
 
 PRIMARY_ARGUMENTS = ", ".join(PRIMARIES)
+# Directions, and turns: more than a full one shows as what is over.
+_WITHOUT_BOUNDS = (ROTATION, *NORMAL.parameters, TANGENT_INPUT.parameter)
 # What the output "Live" of every shader is. A muted node passes one of its inputs on instead, and none can have this value.
 LIVE = -7.0
 
@@ -68,9 +70,9 @@ def shader_text(title: str, note: str, parts: Sequence[tuple[Share, Block]], inp
     blocks = [block for _, block in parts]
     body, terms = _alone(blocks[0]) if len(parts) == 1 else _mixed(parts)
     pools = [pool for share, _ in parts for pool in share.pools.values()]
-    covers = [f"float cover_{owner} = clamp({owner}Coverage, 0.0, 1.0);" for owner in dict.fromkeys(owner for share, _ in parts for owner, _ in share.covered)]
-    colors = [i.osl_name for i in inputs if i.parameter.type == COLOR]
-    read = [f"color {name}_rec709 = from_working({name}, {PRIMARY_ARGUMENTS});" for name in colors]
+    covers = [f"float cover_{owner} = {owner}Coverage;" for owner in dict.fromkeys(owner for share, _ in parts for owner, _ in share.covered)]
+    bounded = [i for i in inputs if i.parameter not in _WITHOUT_BOUNDS]
+    read = [_bounded(i.osl_name, i.parameter) for i in bounded]
     common = _once([*covers, *(text for block in blocks for text in block.common), *((*Frame().view, *Frame().glossy) if pools else ())])
     primaries = [f"    color {name} = color({numbers([float(i == j) for j in range(3)])})," for i, name in enumerate(PRIMARIES)]
     declared = [_declaration(i.osl_name, i.parameter) for i in inputs]
@@ -98,7 +100,7 @@ def shader_text(title: str, note: str, parts: Sequence[tuple[Share, Block]], inp
         f"    output float Live = {LIVE:.1f},",
         "    output closure color BSDF = 0)",
         "{",
-        *(f"    {line}" for line in (*read, *_in_rec709([*common, *body], colors))),
+        *(f"    {line}" for line in (*read, *_of_model([*common, *body], [i.osl_name for i in bounded]))),
         "    // Nested to the right: Cycles drops terms of long left-nested sums.",
         f"    BSDF = {_right_nested(terms)};",
         "}",
@@ -123,9 +125,19 @@ def _right_nested(names: list[str]) -> str:
     return f"{head} + ({_right_nested(tail)})" if len(tail) > 1 else " + ".join(names)
 
 
-def _in_rec709(lines: list[str], colors: list[str]) -> list[str]:
-    """Statements that read the model's colors in place of the sockets'."""
-    return [re.sub(rf"\b({'|'.join(colors)})\b", r"\1_rec709", line) for line in lines] if colors else lines
+def _bounded(name: str, parameter: Parameter) -> str:
+    """A statement that reads a socket as the model takes it: within its range, which drivers and textures exceed, and a color in Rec.709."""
+    low, high = f"{parameter.minimum:.9g}", f"{parameter.maximum:.9g}"
+    if parameter.type == FLOAT:
+        return f"float {name}_model = clamp({name}, {low}, {high});"
+    if parameter.type == VECTOR:
+        return f"vector {name}_model = clamp({name}, vector({low}), vector({high}));"
+    return f"color {name}_model = clamp(from_working({name}, {PRIMARY_ARGUMENTS}), color({low}), color({high}));"
+
+
+def _of_model(lines: list[str], names: list[str]) -> list[str]:
+    """Statements that read the model's values in place of the sockets'."""
+    return [re.sub(rf"\b({'|'.join(names)})\b", r"\1_model", line) for line in lines] if names else lines
 
 
 def _working(weight: str) -> str:

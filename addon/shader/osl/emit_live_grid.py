@@ -29,9 +29,8 @@ from ....reference_py.material.place import Place
 from ....reference_py.material.schema import COLOR, SCHEMA
 from ....reference_py.material.stack import Stack
 from ....reference_py.optics.scattering import FIT
-from ..inputs import place_input
+from ..inputs import base_color_input, place_input
 from .block import PRIMARY_ARGUMENTS, Block, Closure, numbers
-from .emit_tables import clamped_color
 from .view_frame import FRAME_FUNCTIONS, Frame
 
 NOTE = "Tables hold the values that the stack had, but for those with a socket."
@@ -67,7 +66,7 @@ class _Writer:
             turns = f"{lobe_set.brushing / (2.0 * np.pi):.9g}" if rotation is None else place_input(lobe_set.stack, rotation, owners).osl_name
             self._say(f"vector {self._brushed} = rotate_tangent(Tangent, N, {turns});")
         self._coordinates = [self._coordinate(i, axis, lobe_set.stack, owners) for i, axis in enumerate(lobe_set.axes)]
-        self._lobes(lobe_set, clamped_color(owners[-1]))
+        self._lobes(lobe_set, base_color_input(owners[-1]).osl_name)
 
     def _name(self, word: str) -> str:
         return f"{word}_{self._prefix}" if self._prefix else word

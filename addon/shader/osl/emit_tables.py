@@ -18,11 +18,6 @@ from .view_frame import FRAME_FUNCTIONS, Frame
 NOTE = "Tables hold the values that the stack had."
 
 
-def clamped_color(owner: str) -> str:
-    """The color of a base that tables follow."""
-    return f"clamp({base_color_input(owner).osl_name}, color(0.0), color(1.0))"
-
-
 def table_block(lobe_set: TableLobes, owners: Sequence[str], prefix: str = "") -> Block:
     """The block of a lobe set of a stack whose shader parameters begin with `owners`; its array parameters begin with `prefix`."""
     arrays: list[str] = []
@@ -120,7 +115,7 @@ def _base_light(arrays: list[str], said: dict[str, str], name: str, table: BaseC
     """What of light that got down to the base leaves it up again: one expression for all lobes of equal tables."""
     key = f"{about.suffix}/{table.back.tobytes().hex()}"
     if key not in said:
-        color = clamped_color(owner)
+        color = base_color_input(owner).osl_name
         said[key] = f"color base_light_{name} = {color} / (color(1.0) - {_value(arrays, f'Back{name}', table.back, about)} * {color});"
     return said[key].split()[1]
 
