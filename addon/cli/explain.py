@@ -9,6 +9,7 @@ import numpy as np
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.lobes.baked import MAX_GLOSSY, is_brushed
+from ...reference_py.lobes.bare_base import is_bare_brushed
 from ...reference_py.lobes.brushing import has_brushing, without_idle
 from ...reference_py.lobes.error_estimate import SOFT_LIGHT_DEG
 from ...reference_py.lobes.made import DEFAULT_TOLERANCE, Options
@@ -63,8 +64,11 @@ def _choice(stack: Stack, tolerance: float, glossy: int, sight, progress) -> Cho
     """What auto chooses for one patch; anisotropy that no bake holds leaves the live tiers, judged with it."""
     if is_brushed(stack):
         options = Options((), tolerance, glossy, progress)
-        return COMPUTED.result(stack, options) if sight is None else choose_brushed(stack, options, sight.cosines, sight.light_deg(SOFT_LIGHT_DEG))
-    choice = _choice_of_plain(bakeable(stack), Options(not_bakeable(stack), tolerance, glossy, progress), sight)
+        choice = COMPUTED.result(stack, options) if sight is None else choose_brushed(stack, options, sight.cosines, sight.light_deg(SOFT_LIGHT_DEG))
+        if not is_bare_brushed(stack):
+            return choice
+    else:
+        choice = _choice_of_plain(bakeable(stack), Options(not_bakeable(stack), tolerance, glossy, progress), sight)
     return with_anisotropy(choice, stack, tolerance, None if sight is None else sight.cosines) if has_brushing(stack) else choice
 
 

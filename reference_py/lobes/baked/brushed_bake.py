@@ -37,12 +37,12 @@ _LEAST = 1e-4
 
 
 def is_brushed(stack: Stack) -> bool:
-    """Whether tables hold the stack's brushed surfaces: one direction, on layers or below them, without films, media that scatter or own normals.
+    """Whether tables hold the stack's brushed surfaces: one direction, on layers, below them or bare, without films, media that scatter or own normals.
 
-    A bare brushed metal needs no bake: `analytic` is right within 1 %.
+    A bare brushed metal needs a bake only to follow live values (`is_bare_brushed`).
     """
     others = any(element.has(feature) for _, element in places(stack) for feature in (THIN_FILM, SCATTERING))
-    return has_brushing(stack) and bool(stack.layers) and len(directions(stack)) == 1 and not others and not has_own_normals(stack)
+    return has_brushing(stack) and len(directions(stack)) == 1 and not others and not has_own_normals(stack)
 
 
 def brushed(stack: Stack, progress: Callable[[float], None] | None = None) -> TableLobes:

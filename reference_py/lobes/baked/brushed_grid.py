@@ -114,7 +114,9 @@ def _terms(size: tuple[int, ...]) -> np.ndarray:
 
 
 def _top(stack: Stack, psi: float) -> np.ndarray:
-    """The energy (KNOTS, 1) of what a rough top reflects, for views of an azimuth from the brushing; a mirror has none here."""
+    """The energy (KNOTS, 1) of what a rough top reflects, for views of an azimuth from the brushing; a mirror and no layer have none here."""
+    if not stack.layers:
+        return np.zeros((KNOTS, 1))
     layer = stack.layers[0]
     facets = Microfacets.of(layer)
     if facets.is_specular:

@@ -19,7 +19,7 @@ from ...optics.frame import spherical
 from ...optics.optical_stack import Support
 from ..analytic import AnalyticLobes
 from ..baked import DEFAULT_GLOSSY, MAX_GLOSSY, Baker, RampBaker, baked, follows, is_brushed, level, pack_lobes, unpack_lobes
-from ..bare_base import is_bare_oren_nayar
+from ..bare_base import is_bare_brushed, is_bare_oren_nayar
 from ..brushing import isotropic
 from ..cache import stack_key
 from ..closure import lobe_energy
@@ -140,10 +140,13 @@ def _best(tried: list[tuple[Candidate, Any]], tolerance: float, count: int | Non
 
 
 def choose_brushed(stack: Stack, options: Options, cosines: np.ndarray | None = None, light_deg: float = SOFT_LIGHT_DEG) -> Choice:
-    """As `choose`, for a stack of which `is_brushed` is true: a bake is tried too, or, where values are live and it follows them, alone."""
+    """As `choose`, for a stack of which `is_brushed` is true: a bake is tried too, but not of a bare metal, or, where values are live and it follows them, alone."""
     plain, report, live = isotropic(stack), options.report, options.live
     truth, brushing = truth_of(plain), tuple(Place(i, ANISOTROPY.name) for i, element in places(stack) if element.has(ANISOTROPY))
     choice = choose(plain, truth, replace(options, live=brushing, progress=lambda share: report(0.3 * share)), cosines, light_deg)
+    if not live and is_bare_brushed(stack):
+        reason = f"{choice.reason}; errors are those without {in_words(brushing)}"
+        return replace(choice, lobe_set=_LIVE[choice.chosen.label](stack), reason=reason)
     if not follows(stack, live):
         choice = with_anisotropy(choice, stack, options.tolerance, cosines)
         return replace(choice, reason=f"{choice.reason}; a bake cannot follow {in_words(live)}")
