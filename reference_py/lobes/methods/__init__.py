@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from ...errors import LaminaError
 from ...material.coverage import Patch, is_plain, patches
-from ...material.place import Place, in_words, named
+from ...material.place import Place, named
 from ...material.qualities import DEFAULT_METHOD
 from ...material.stack import Stack
 from ...optics.optical_stack import OpticalStack
@@ -25,7 +25,7 @@ from ..pools import MAX_CLOSURES
 from . import auto, baking
 from .featured_analytic import featured_analytic
 from .method import Method
-from .not_bakeable import bakeable, has_film, needs_live, not_bakeable, scatters
+from .not_bakeable import bakeable, beyond_bakes, has_film, needs_live, not_bakeable, scatters
 from .paper import PaperLobes
 
 METHODS = {
@@ -197,7 +197,7 @@ def _made(row: Method, stack: Stack, options: Options) -> Made:
         made = row.make(plain, options)
     else:
         lobe_set = featured_analytic(plain)
-        made = Made(row.name, plain, lobe_set, f"{lobe_set.name}, as a bake cannot follow {in_words(options.live)}")
+        made = Made(row.name, plain, lobe_set, f"{lobe_set.name}, as a bake cannot {beyond_bakes(plain, options.live)}")
     if not not_bakeable(stack):
         return made
     # what is chosen for the plain stack, which has a truth that is quick to compute, is made of the whole one

@@ -30,7 +30,7 @@ from ..truth import truth_of
 from .cost import cost
 from .featured_analytic import featured_analytic
 from .method import Computed, Method
-from .not_bakeable import has_film, scatters
+from .not_bakeable import beyond_bakes, has_film, scatters
 from .paper import PaperLobes
 
 NAME = AUTO
@@ -91,7 +91,7 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
             reason += f"; stock nodes have {stock.label}, error {100.0 * stock.visible:.3g} %"
     report(1.0)
     if not can_bake:
-        reason += f"; a bake cannot follow {in_words(live)}"
+        reason += f"; a bake cannot {beyond_bakes(stack, live)}"
     return Choice(chosen, lobe_set, tuple(candidate for candidate, _ in tried), reason, stock)
 
 
@@ -149,7 +149,7 @@ def choose_brushed(stack: Stack, options: Options, cosines: np.ndarray | None = 
         return replace(choice, lobe_set=_LIVE[choice.chosen.label](stack), reason=reason)
     if not follows(stack, live):
         choice = with_anisotropy(choice, stack, options.tolerance, cosines)
-        return replace(choice, reason=f"{choice.reason}; a bake cannot follow {in_words(live)}")
+        return replace(choice, reason=f"{choice.reason}; a bake cannot {beyond_bakes(stack, live)}")
     lobe_set = baked(stack, live, DEFAULT_GLOSSY, lambda share: report(0.3 + 0.5 * share))
     errors = ErrorEstimator(plain, truth, ball_cosines() if cosines is None else cosines, light_deg).errors(level(plain))
     candidate = _candidate(f"baked over {in_words(live)}, brushed" if live else "baked, brushed", lobe_set, errors, bool(live))

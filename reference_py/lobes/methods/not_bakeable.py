@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Features that tables over the view cannot hold: most anisotropy, and films on a rough top where normals differ, as that has no lobe apart."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -30,6 +31,14 @@ def _lost(stack: Stack, i: int | None) -> list[Feature]:
     # of rough tops those with a dielectric's curve alone have a closure apart, with a normal of its own
     is_rough_film = i == 0 and film_of(element) is not None and not Microfacets.of(element).is_specular
     return [*lost, THIN_FILM] if is_rough_film and has_own_normals(stack) else lost
+
+
+def beyond_bakes(stack: Stack, live: Iterable[Place]) -> str:
+    """Which live values no bake follows, and which features of `not_bakeable` it does not hold, in words; the stack is without these."""
+    where = tuple(dict.fromkeys(live))
+    gone = [place for place in where if place.name in (ANISOTROPY.name, THIN_FILM.name) and place.name not in place.element(stack)]
+    there = [place for place in where if place not in gone]
+    return " or ".join(f"{verb} {in_words(places)}" for verb, places in (("hold", gone), ("follow", there)) if places)
 
 
 def scatters(stack: Stack) -> bool:
