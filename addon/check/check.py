@@ -33,6 +33,7 @@ from ..material.shader_node import shader_of, surface_of
 from ..shader.inputs import BASE, layer_owner
 from ..shader.nodes.node_groups import is_untouched as group_is_untouched
 from ..shader.nodes.node_groups import tables_size
+from .brushing import without_uv_map
 from .check_mends import MENDS
 from .lost_images import file_of, lost_images
 
@@ -73,6 +74,7 @@ CODES = {
     "texture_ignored": (WARNING, "{layer}: {label} has a texture or animation, which stock nodes cannot follow: they show {shown}", ""),
     "value_rests": (WARNING, "{layer}: the texture or animation of {label} has no effect, as it is given by {given}", ""),
     "usd_misled": (WARNING, "USD export takes the node {node}, which was there before; delete it if it is of no use", ""),
+    "uv_map_missing": (WARNING, "{object} has no UV map for the direction of brushing: give it one, or set the node Lamina Tangent to Radial", ""),
     "out_of_gamut": (WARNING, "{layer}: {label} lies outside linear Rec.709, in which the model computes, and is limited to it", ""),
     "out_of_range": (ERROR, "{layer}: {label} is {value}; allowed is {allowed}", "Bring into Range"),
 }  # fmt: skip
@@ -131,6 +133,8 @@ def find(material: bpy.types.Material, scene: bpy.types.Scene, preferences: bpy.
         found = [f for f in found if f.code != "shader_stale"]
     if problem and problem not in [f.text() for f in found]:
         found.append(Finding("not_followed", {"reason": problem}))
+    if item := without_uv_map(material, scene):
+        found.append(Finding("uv_map_missing", {"object": item.name}))
     if before := usd_takes(material):
         found.append(Finding("usd_misled", {"node": before.name}, before.name, is_note=True))
     return sorted(found, key=lambda f: (ERROR, WARNING, NOTE).index(f.level))

@@ -12,6 +12,7 @@ from lamina.addon.material import layers, material, osl_setting, properties, rec
 from lamina.addon.material.elements import node_of
 from lamina.addon.material.roles import node_with
 from lamina.addon.material.shader_node import shader_of, surface_of
+from lamina.addon.shader.inputs import TANGENT
 from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.material.place import Place
 from lamina.reference_py.material.stack import Stack
@@ -174,6 +175,29 @@ def test_a_driven_value_out_of_range_has_no_button(owner):
     coat(owner).inputs["Roughness"].driver_add("default_value").driver.expression = "1.5"
     (wrong,) = [f for f in found(owner) if f.code == "out_of_range"]
     assert (wrong.text(), wrong.mending) == ("Coat: Roughness is 1.5, by its driver or keyframes; allowed is 0 to 1", "")
+
+
+def test_a_brushed_metal_on_a_mesh_without_a_uv_map_is_named(owner):
+    """Cycles takes a ring around a pole for the tangent there."""
+    mesh = bpy.data.meshes.new("bare")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [], [(0, 1, 2)])
+    mesh.materials.append(owner)
+    item = bpy.data.objects.new("bare", mesh)
+    bpy.context.scene.collection.objects.link(item)
+    assert codes(owner) == []
+    owner.lamina.base.use_anisotropy = True
+    assert codes(owner) == [], "an anisotropy of 0 has no direction"
+    node_of(owner.lamina.base).inputs["Anisotropy"].default_value = 0.7
+    (finding,) = [f for f in found(owner) if f.code == "uv_map_missing"]
+    assert finding.text().startswith("bare has no UV map") and not finding.mending
+    tangent = node_with(owner, TANGENT)
+    tangent.direction_type = "RADIAL"
+    assert "uv_map_missing" not in codes(owner)
+    tangent.direction_type = "UV_MAP"
+    mesh.uv_layers.new(name="UVMap")
+    assert "uv_map_missing" not in codes(owner)
+    tangent.uv_map = "Other"
+    assert "uv_map_missing" in codes(owner)
 
 
 def test_an_image_whose_file_moved_keeps_its_link(owner, tmp_path):
@@ -378,6 +402,7 @@ def test_every_code_is_tested_and_every_button_works():
         "image_gone",
         "out_of_gamut",
         "usd_misled",
+        "uv_map_missing",
         "value_rests",
     }
     assert set(check.CODES) == tested
