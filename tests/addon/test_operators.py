@@ -434,6 +434,7 @@ def test_two_features_that_exclude_each_other_are_told_where_the_status_stands(b
     """By the name of the layer, and without a button that would try the same in vain."""
     bpy.ops.lamina.apply_preset(preset="satin_varnish")
     varnish = bare.active_material.lamina.layers[0]
+    node_of(varnish).inputs["Anisotropy"].default_value = 0.5
     varnish.use_scattering = True
     varnish.use_anisotropy = True
     node_of(varnish).inputs["Roughness"].default_value = 0.77
