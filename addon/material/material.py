@@ -292,11 +292,7 @@ def _structure(material) -> Stack:
 
 
 def _make_stock(surface: Surface, material, owners, lobe_set, key: str):
-    """The branch of stock nodes, of a lobe set for the present values; without one, of a live tier's. Returns its tables.
-
-    Of textures stock nodes follow a base's color alone, so what another bake over live values becomes is the tier analytic at the
-    sockets' own.
-    """
+    """The branch of stock nodes, of a lobe set for the present values; without one, of a live tier's. Returns its tables."""
     stack = stack_of(material)
     if lobe_set is None:
         tier = material.lamina.tier

@@ -67,16 +67,14 @@ def wanted_lobes(material: bpy.types.Material) -> Wanted:
 
 
 def wanted_stock(material: bpy.types.Material) -> Wanted | None:
-    """What the stock nodes beside a script stand for, of a tier that computes first: a bake that follows what they can.
+    """What the stock nodes beside a script stand for, of a tier that computes first: a bake that follows what they can, and holds what their sockets have of the rest.
 
-    None of other tiers, and where they hold values that are live and follow none of these; then they are the tier analytic's. Raises LaminaError as
-    `wanted_lobes`.
+    None of other tiers. Raises LaminaError as `wanted_lobes`.
     """
     if not methods.holds_values(material.lamina.tier):
         return None
     wanted = wanted_lobes(material)
-    followed = live_in_nodes(material, wanted.stack)
-    return replace(wanted, live=followed) if followed or not wanted.live else None
+    return replace(wanted, live=live_in_nodes(material, wanted.stack))
 
 
 def note_of(node: bpy.types.Node | None, name: str, material: bpy.types.Material) -> str:

@@ -7,13 +7,16 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from support.goniometer import SUN_THETA_DEG, TOLERANCE, highlight_window, parity
+from support.linked_values import link_values
 
 from lamina.addon.blender import environment, versions
 from lamina.addon.blender.versions import DIFFUSE_POWER, HAS_DIELECTRIC
 from lamina.addon.check.check import find
 from lamina.addon.material import layers, shader_node
 from lamina.addon.material import material as materials
+from lamina.addon.material.live_values import live_in_nodes
 from lamina.addon.material.shader_node import backend_of, shader_of, surface_of
+from lamina.addon.material.state import lags
 from lamina.addon.rendering import settings
 from lamina.addon.shader.nodes.node_groups import lobe_group
 from lamina.addon.shader.nodes.stock_nodes import stock_tables
@@ -281,6 +284,30 @@ def test_saved_and_opened_again(layered, no_osl, tmp_path):
     assert group_of(opened).name == name and materials.stack_of(opened) == STACK
     materials.refresh(opened)
     assert group_of(opened).name == name
+
+
+FILMED = {"kind": "dielectric", "roughness": 0.3, "film_thickness": 350.0, "film_ior": 1.9}
+
+
+@pytest.mark.parametrize(
+    "layers, links",
+    [
+        ([FILMED], {(0, "Film Thickness"): 300.0, (0, "Film IOR"): 1.7}),
+        ([{"kind": "dielectric", "roughness": 0.3}], {(0, "Roughness"): 0.2, (0, "Tint"): (0.9, 0.6, 0.3), (0, "IOR"): 1.6, (None, "Roughness"): 0.4}),
+    ],
+    ids=["thickness and index of a film", "four values"],
+)
+def test_where_stock_nodes_follow_no_texture_they_have_the_bake_at_the_means(blender, layers, links):
+    """They had a live quality: films on coats were 30 to 69 % off."""
+    base = {"kind": "conductor", "metal": "iron", "roughness": 0.3}
+    textured, plain = (blender.data.materials.new(name) for name in ("textured", "plain"))
+    materials.apply_stack(textured, Stack.from_dict({"layers": layers, "base": base}), "auto")
+    link_values(textured, links)
+    materials.refresh(textured, settle=True)
+    assert live_in_nodes(textured, materials.stack_of(textured)) == () and not lags(textured)
+    materials.apply_stack(plain, materials.stack_of(textured), "auto", settle=True)
+    shown, expected = (shader_node.node_with(owner, "nodes").node_tree for owner in (textured, plain))
+    assert shown == expected, "equal tables share a group"
 
 
 def test_undo(no_osl):
