@@ -38,6 +38,7 @@ class _State:
     bake: Bake | None = None
     debounced: dict[str, str] = field(default_factory=dict)
     failed: dict[str, tuple[str, Sentence]] = field(default_factory=dict)
+    refused: dict[str, str] = field(default_factory=dict)  # why values of materials could not be followed
     touched: set[str] = field(default_factory=set)  # materials that changed since the last tick
     unmeasured: set[str] = field(default_factory=set)  # and before that
 
@@ -91,8 +92,10 @@ def tick() -> float | None:
                     reading.measure_means(material)
                     if material == getattr(bpy.context.view_layer.objects.active, "active_material", None):
                         first_click.compile_next(material)
-                left |= _follow(material)
-                left |= conversions.follow(material)
+                has_more = _follow(material)
+                left |= has_more | conversions.follow(material)
+                if not has_more and _state.refused.pop(material.name_full, None) == material.lamina.problem:
+                    material.lamina.keep_problem(None)
             except LaminaError as error:
                 _fail(material, error)
     _redraw()
@@ -158,6 +161,7 @@ def _collect() -> None:
 
 
 def _fail(material, error: LaminaError) -> None:
+    _state.refused[material.name_full] = str(error)
     if material.lamina.problem != str(error):
         material.lamina.keep_problem(error)
         print(f"Lamina: {material.name}: {error}")

@@ -446,17 +446,19 @@ def test_two_features_that_exclude_each_other_are_told_where_the_status_stands(b
     assert told not in " ".join(drawn("label"))
 
 
-def test_a_value_that_is_mended_takes_what_it_hindered_along(layered):
-    """What the timer noted as the reason goes once the shader follows."""
+@pytest.mark.parametrize("is_former", [False, True])
+def test_a_value_that_is_mended_takes_what_it_hindered_along(layered, is_former):
+    """What the timer noted as the reason goes once the shader follows, or need not."""
     material = layered.active_material
     with properties.quietly():
         material.lamina.backend, material.lamina.tier = "nodes", "analytic"
     bpy.ops.lamina.regenerate()
     roughness = node_of(material.lamina.layers[0]).inputs["Roughness"]
+    former = roughness.default_value
     roughness.default_value = 1.5
     bakes.tick()
     assert material.lamina.problem
-    roughness.default_value = 0.5
+    roughness.default_value = former if is_former else 0.5
     bakes.tick()
     assert not material.lamina.problem
 
