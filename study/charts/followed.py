@@ -9,6 +9,7 @@ import numpy as np
 
 from ...reference_py.atomic import require_writable
 from ...reference_py.errors import LaminaError
+from ...reference_py.lobes.bare_base import is_bare_brushed
 from ...reference_py.lobes.cache import ALWAYS_LIVE
 from ...reference_py.lobes.closure import lobe_energy
 from ...reference_py.lobes.methods import make_lobe_set, require_bake_follows
@@ -96,6 +97,8 @@ def chart(folder: Path, report: Report) -> None:
 
 def chosen(stack: Stack, live: tuple[Place, ...]) -> str:
     """What the surface of one patch has in the quality `baked` over these live values."""
+    if is_bare_brushed(stack) and not live and not not_bakeable(stack):
+        return ANALYTIC
     if not_bakeable(stack):
         return PAPER if has_film(stack) else ANALYTIC
     try:
