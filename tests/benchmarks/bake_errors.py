@@ -32,7 +32,7 @@ LEAST = {"albedo": 2e-3, "shape worst": 5e-3, "shape median": 5e-3}
 _BAKE = """
 import json, sys
 from lamina.reference_py.lobes.baked import Baker, pack_lobes
-from lamina.reference_py.lobes.bare_base import is_bare_oren_nayar
+from lamina.reference_py.lobes.methods.baking import is_bare_oren_nayar
 from lamina.reference_py.lobes.truth import truth_of
 from lamina.study.suite import charted
 for name, stack in charted().items():
