@@ -244,7 +244,7 @@ def test_a_driver_that_gives_no_number_is_one_clear_line(blender):
         materials.refresh(owner, settle=True)
     assert node_with(owner, "nodes") == shader, "the shader is as before"
     found = [f for f in check.find(owner, bpy.context.scene, bpy.context.preferences) if f.code == "out_of_range"]
-    assert [f.text() for f in found] == ["Varnish: Roughness is nan; allowed is 0 to 1"]
+    assert [f.text() for f in found] == ["Varnish: Roughness is nan, by its driver or keyframes; allowed is 0 to 1"]
     assert before.layers[0]["roughness"] == 0.3
 
 

@@ -51,7 +51,8 @@ def test_ends_are_the_stacks_without_and_with_it(blender, tier, backend):
     assert np.abs(there - gone).max() > 0.05 * there.max()
     assert np.allclose(covered(1.0), there, rtol=1e-5, atol=1e-7)
     assert np.allclose(covered(0.0), gone, rtol=1e-5, atol=1e-7)
-    assert np.allclose(covered(0.5), 0.5 * (there + gone), rtol=1e-5, atol=1e-7)
+    # Cycles drops closures of weights below 1e-5, and so half of one that is just above
+    assert np.allclose(covered(0.5), 0.5 * (there + gone), rtol=1e-5, atol=1e-5 if tier == "baked" else 1e-7)
 
 
 def test_without_coverage_it_hides_all_below(blender):

@@ -89,9 +89,9 @@ def test_a_textured_thickness_is_right_with_osl_and_without(blender, tmp_path):
         bpy.data.objects["ball"].data.materials[0] = owner
         pictures = [picture(tmp_path, osl) for osl in (True, False)]
         bpy.data.objects["ball"].data.materials[0] = filmed(known)
-        expected = picture(tmp_path, True)
-        colors.append(expected / expected.sum())
-        for seen in pictures:
+        alone = [picture(tmp_path, osl) for osl in (True, False)]
+        colors.append(alone[0] / alone[0].sum())
+        for seen, expected in zip(pictures, alone):
             assert seen == pytest.approx(expected, rel=AGREE), thickness
     assert np.max(np.ptp(colors, axis=0)) > 0.05, "a film colors it"
 
