@@ -33,9 +33,9 @@ from ..material.shader_node import shader_of, surface_of
 from ..shader.inputs import BASE, layer_owner
 from ..shader.nodes.node_groups import is_untouched as group_is_untouched
 from ..shader.nodes.node_groups import tables_size
-from .brushing import without_uv_map
 from .check_mends import MENDS
 from .lost_images import file_of, lost_images
+from .tangents import without_uv_map
 
 # A note is of what does not show in this scene.
 ERROR, WARNING, NOTE = "ERROR", "INFO", "NOTE"
