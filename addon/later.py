@@ -39,6 +39,7 @@ MODULES = (
     "addon/material/principled_node",
     "addon/material/reading",
     "addon/material/record",
+    "addon/material/replaced",
     "addon/material/roles",
     "addon/material/shader_node",
     "addon/material/state",

@@ -9,9 +9,8 @@ from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.fit import fit_process, forward, metric
 from ...reference_py.material.stack import Stack
 from ..blender.translation import data_, rpt_
-from ..material import chosen
+from ..material import chosen, replaced
 from ..material import material as materials
-from ..material.replaced import lost_with_layers
 from .process import Process, worker
 
 TICK = 0.5
@@ -38,7 +37,7 @@ class Fit(Process):
         result = self.result | told
         stack = Stack.from_dict(self.result["stack"], Path(self.file).name)
         material = bpy.data.materials.new(Path(self.file).stem) if self.is_object else owner
-        lost = lost_with_layers(material)
+        lost = replaced.lost_with_layers(material)
         try:
             materials.apply_stack(material, stack, *chosen.for_new(material))
         except LaminaError:

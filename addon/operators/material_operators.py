@@ -15,10 +15,9 @@ from ...reference_py.material.stack import Stack
 from ..blender.translation import rpt_, tip_
 from ..jobs import bakes
 from ..library import user_presets
-from ..material import chosen, entry, live_values, osl_setting, reading
+from ..material import chosen, entry, live_values, osl_setting, reading, replaced
 from ..material import material as materials
 from ..material.holders import can_hold_material
-from ..material.replaced import lost_with_layers
 
 _JSON = "*.json"
 _UNNAMED = "Lamina"
@@ -43,7 +42,7 @@ def why_no_material(context: bpy.types.Context) -> str:
 
 def what_gives_way(material: bpy.types.Material) -> str:
     """What a stack takes the place of, in words: textures and animation of former layers, or more or less than the Principled node at the surface."""
-    if lost := lost_with_layers(material):
+    if lost := replaced.lost_with_layers(material):
         return lost.told(rpt_)
     if material.node_tree is None or material.lamina.is_layered:
         return ""

@@ -78,7 +78,7 @@ def test_the_committed_file_is_this_scene(blender, name):
 
     fresh = {(item.name, item.type) for item in built(name).objects}
     path = ROOT / "demo_blend" / f"{name}.blend"
-    assert path.stat().st_size < 1_000_000
+    assert path.stat().st_size < 1_400_000
     blender.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
     scene = blender.context.scene
     assert {(item.name, item.type) for item in scene.objects} == fresh
