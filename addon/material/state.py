@@ -11,8 +11,10 @@ from ...reference_py.lobes import methods
 from ...reference_py.lobes.cache import ALWAYS_LIVE, stack_key
 from ...reference_py.lobes.made import DEFAULT_TOLERANCE, Made
 from ...reference_py.lobes.methods import bake_process
+from ...reference_py.lobes.tabulate import without_metals
 from ...reference_py.material.place import Place
 from ...reference_py.material.stack import Stack
+from ..blender.versions import HAS_DIELECTRIC
 from ..shader.inputs import PRIMARIES
 from ..shader.nodes.node_groups import is_in_working_space as group_is_in_working_space
 from ..shader.working_space import REC709, is_current, working_space
@@ -46,7 +48,8 @@ class Wanted:
         return methods.is_cached(self.stack, self.method, live=self.live, tolerance=self.tolerance)
 
     def make(self, progress: Callable[[float], None] | None = None) -> Made:
-        return methods.make_lobe_set(self.stack, self.method, live=self.live, tolerance=self.tolerance, progress=progress)
+        made = methods.make_lobe_set(self.stack, self.method, live=self.live, tolerance=self.tolerance, progress=progress)
+        return made if HAS_DIELECTRIC else without_metals(made)
 
     def request(self) -> str:
         """What a process is asked for it."""

@@ -11,14 +11,14 @@ from functools import cache
 import numpy as np
 
 from ..optics.diffuse import oren_nayar, oren_nayar_albedo
-from ..optics.fresnel import fresnel_dielectric
+from ..optics.fresnel import fresnel_conductor, fresnel_dielectric
 from ..optics.gauss import gauss_legendre
 from ..optics.ggx import turn_of
 from ..optics.microfacet import GGX, anisotropic_distribution, distribution_of, is_specular, smith_lambda_stretched
 from ..optics.quadrature import GOLDEN
 from ..optics.thin_film import film_reflectance
 from .diffuse_ramp import ramp_f
-from .lobe import DielectricCurve, DiffuseLobe, FilmCurve, GlossyLobe, SchlickCurve
+from .lobe import ConductorCurve, DielectricCurve, DiffuseLobe, FilmCurve, GlossyLobe, SchlickCurve
 
 # Cycles drops a closure whose mean weight is below this.
 WEIGHT_CUTOFF = 1e-5
@@ -53,9 +53,11 @@ def is_specular_lobe(lobe: GlossyLobe) -> bool:
 
 
 def fresnel(lobe: GlossyLobe, cos_h: np.ndarray) -> np.ndarray:
-    """The lobe's Fresnel curve, (..., 1) or (..., 3), at the cosine of wi and the half vector."""
+    """The lobe's Fresnel curve, (..., 1) or (..., 3), or of as many channels as a metal has, at the cosine of wi and the half vector."""
     if isinstance(lobe.fresnel, DielectricCurve):
         return fresnel_dielectric(cos_h, lobe.fresnel.eta)[..., None]
+    if isinstance(lobe.fresnel, ConductorCurve):
+        return fresnel_conductor(cos_h[..., None], np.array(lobe.fresnel.eta), np.array(lobe.fresnel.k))
     if isinstance(lobe.fresnel, SchlickCurve):
         rise = np.power(np.clip(1.0 - cos_h, 0.0, 1.0), 5)[..., None]
         return lobe.fresnel.f0 + (lobe.fresnel.f90 - lobe.fresnel.f0) * rise
@@ -103,7 +105,7 @@ def _lambda(stretched2, cos, distribution):
 
 
 def unit_energy(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, rule: tuple[int, int] = ENERGY_RULE) -> np.ndarray:
-    """Directional albedo (n, 3) that a glossy lobe has with weight 1, for views (n,) at the azimuth phi from the tangent.
+    """Directional albedo (n, 3), or of as many channels as a metal has, that a glossy lobe has with weight 1, for views (n,) at the azimuth phi from the tangent.
 
     `rule` is how many rings of directions, and how many on each.
 
@@ -117,7 +119,8 @@ def unit_energy(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0, rul
     energy, cos_ih = _throughput(lobe, _shapes(lobe, cos_o), _views(lobe, cos_o, phi), points)
     if cos_ih is None:
         return (energy @ weights)[:, None] / np.sum(weights) * np.ones(3)
-    return ((energy * weights)[:, None] @ fresnel(lobe, cos_ih))[:, 0] / np.sum(weights) * np.ones(3)
+    reflected = ((energy * weights)[:, None] @ fresnel(lobe, cos_ih))[:, 0] / np.sum(weights)
+    return reflected * np.ones(3) if reflected.shape[-1] == 1 else reflected
 
 
 def fresnel_share(lobe: GlossyLobe, cos_theta_o: np.ndarray, phi: float = 0.0) -> np.ndarray:

@@ -16,7 +16,7 @@ from ..material.place import Place
 from ..material.stack import Stack
 from .axes import Axis, AzimuthAxis, Scale, brushing_of, has_waves, top_index
 from .diffuse_ramp import RAMP_COSINES
-from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
+from .lobe import ConductorCurve, DielectricCurve, DiffuseLobe, GlossyLobe
 from .own_normals import BELOW, DIFFUSE, TOP, normals_of_fits
 from .view_table import BASE_COLOR, MIN_COS_O, interpolate
 
@@ -61,7 +61,7 @@ class LiveLobe:
     energy: np.ndarray | LogEnergy | None
     distribution: str | None = None
     shape: np.ndarray | None = None
-    fresnel: DielectricCurve | None = None
+    fresnel: DielectricCurve | ConductorCurve | None = None
     unit: np.ndarray | None = None
     normal: Place | None = None
     """The own normal that it is about (`own_normals`), None for the surface's."""
@@ -102,12 +102,11 @@ class LiveRamp:
 class LiveBase:
     """What a diffuse base of any color adds (`BaseColorTable`) on the grid: the logarithms of `through` and of `back`.
 
-    `ramp` is where its light goes. What turns with a brushing has none, and is left to Lambert. `is_live` tells whether the color is a live value.
+    `is_live` tells whether the color is a live value.
     """
 
     log_through: LogEnergy
     log_back: LogEnergy
-    ramp: LiveRamp | None = None
     is_live: bool = True
 
 
@@ -127,8 +126,10 @@ class LiveLobes:
     base: LiveBase | None = None
     rotation: Place | None = None
     """The rotation of the brushing, where it is live."""
+    ramp: LiveRamp | None = None
+    """Where the light of the Lambert lobe goes. What turns with a brushing has none."""
     stock: "LiveLobes | None" = None
-    """What stock nodes have in its place, which know no ramps, where they are not to have the same with Lambert's lobe."""
+    """What stock nodes have in its place, which know no ramps, where they are not to have the same with Lambert's lobe; of a bare metal what Blenders have that do not know its curve."""
 
     name = "baked"
     is_live = False
@@ -168,7 +169,7 @@ class LiveLobes:
     def lobes(self, cos_theta_o: np.ndarray, phi: np.ndarray | float = 0.0) -> list[GlossyLobe | DiffuseLobe]:
         """The lobes for views of cosine cos_theta_o (...) and azimuth phi (...); weights are (..., 3)."""
         cos_theta_o = np.clip(np.asarray(cos_theta_o, float), MIN_COS_O, 1.0)
-        grid = self.grid if self.index is None else [_with_index(lobe, self.index.live[0].value(self.stack)) for lobe in self.grid]
+        grid = [replace(lobe, fresnel=curve_now(lobe.fresnel, self.stack, self.index)) for lobe in self.grid]
         brushing = self.brushing
         if brushing is None:
             ramp = self._ramp()
@@ -177,16 +178,21 @@ class LiveLobes:
         parts = at_azimuths(self._parts, cos_theta_o, turned)
         return [_lobe(lobe, *part, cos_theta_o, brushing) for lobe, part in zip(grid, parts)]
 
-    def through(self, cos_theta: np.ndarray) -> np.ndarray:
-        """What gets to a base of a live color and out again, (n, 3), for views of cosines (n,), where nothing is brushed."""
-        return self._energies()(self.base.log_through, cos_theta)
+    def lambert_light(self, cos_theta: np.ndarray) -> np.ndarray:
+        """What the Lambert lobe's light is in proportion to, (n, 3), for cosines (n,), where nothing is brushed: what gets to a base of a live color and out again, or all that is fitted."""
+        return self._energies()(self.log_sum if self.base is None else self.base.log_through, cos_theta)
+
+    @property
+    def knows_metal(self) -> bool:
+        """Whether a lobe has a metal's curve."""
+        return any(isinstance(lobe.fresnel, ConductorCurve) for lobe in self.grid)
 
     def _ramp(self) -> np.ndarray | None:
-        if self.base is None or self.base.ramp is None:
+        if self.ramp is None:
             return None
         places = [_by_channel(axis.knots, axis.coordinate(self.stack)) for axis in self.axes]
-        amounts = [blended(self.base.ramp.amounts[..., c], [(i[c], t[c]) for i, t in places]) for c in range(3)]
-        return self.base.ramp.at(np.stack(amounts, axis=-1))
+        amounts = [blended(self.ramp.amounts[..., c], [(i[c], t[c]) for i, t in places]) for c in range(3)]
+        return self.ramp.at(np.stack(amounts, axis=-1))
 
     def _coordinates(self, turned: float) -> list:
         """Where the axes are read, of views whose azimuth from the brushing has this cosine."""
@@ -264,8 +270,11 @@ def _by_channel(scale: Scale, coordinate) -> tuple[np.ndarray, ...]:
     return tuple(np.broadcast_to(part, 3) for part in scale.place(coordinate))
 
 
-def _with_index(lobe: LiveLobe, eta: float) -> LiveLobe:
-    return lobe if lobe.fresnel is None else replace(lobe, fresnel=DielectricCurve(eta))
+def curve_now(curve: DielectricCurve | ConductorCurve | None, stack: Stack, index: Axis | None) -> DielectricCurve | ConductorCurve | None:
+    """A lobe's curve at the live values of a stack; `index` is the axis of the top layer's, if there is one."""
+    if isinstance(curve, ConductorCurve):
+        return ConductorCurve.of(stack.base)
+    return curve if curve is None or index is None else DielectricCurve(index.live[0].value(stack))
 
 
 def _lobe(lobe: LiveLobe, weight, shape, cos_theta_o, brushing: float | None, ramp: np.ndarray | None = None):

@@ -14,8 +14,8 @@ from ..material.place import Place
 from ..material.stack import Stack
 from .axes import Axis, AzimuthAxis, IndexAxis, NumberAxis, Scale, brushing_of, has_waves, top_index
 from .closure import fresnel_share
-from .live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy, at_azimuths
-from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
+from .live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LogEnergy, at_azimuths, curve_now
+from .lobe import ConductorCurve, DielectricCurve, DiffuseLobe, GlossyLobe
 from .view_table import BASE_COLOR, KNOTS, MIN_COS_O, interpolate, knot_cosines
 
 # Up to this alpha a folded Fresnel curve moves less than 5 % of a lobe's light, by less than its width.
@@ -46,7 +46,7 @@ class LiveTable:
     distribution: str | None = None
     shape: np.ndarray | None = None
     unit: np.ndarray | None = None
-    fresnel: DielectricCurve | None = None
+    fresnel: DielectricCurve | ConductorCurve | None = None
     through: np.ndarray | None = None
     back: np.ndarray | None = None
     normal: Place | None = None
@@ -116,9 +116,7 @@ class LiveTables:
             return DiffuseLobe(weight, normal=table.normal)
         root_x, root_y, slope = np.moveaxis(shape, -1, 0)
         tilt = np.arctan(slope * np.sqrt(np.maximum(1.0 - np.square(cos_o), 0.0)))
-        fresnel = table.fresnel
-        if fresnel is not None and self.index is not None:
-            fresnel = DielectricCurve(self.index.live[0].value(self.stack))
+        fresnel = curve_now(table.fresnel, self.stack, self.index)
         frame = brushing if table.is_brushed else None
         return GlossyLobe(table.distribution, weight, root_x**2, root_y**2, tilt, fresnel, frame, table.normal)
 
@@ -173,7 +171,7 @@ def kept(table: LiveTable, is_color: bool) -> LiveTable:
 
 
 def live_tables(lobe_set: LiveLobes, keep_dielectrics: bool = False) -> LiveTables:
-    """A grid of lobes in tables; `keep_dielectrics` leaves the top lobe its Fresnel curve, which else is folded into its energy."""
+    """A grid of lobes in tables; `keep_dielectrics` leaves the top lobe its Fresnel curve, which else is folded into its energy. A metal keeps its own."""
     axes = tuple(sorted(lobe_set.axes, key=lambda axis: not axis.is_color))  # the same row for all channels, where there are two
     rows = _ROWS if lobe_set.brushing is None else _ROWS_OF_BRUSHED
     counts = [_ROWS_BESIDE_WAVES[axis.is_color] for axis in axes] if has_waves(axes) else rows[len(axes)]
@@ -200,7 +198,7 @@ def _upright(grid: "_Grid", lobe_set: LiveLobes, lobe: LiveLobe, total: np.ndarr
     shape[..., :2] = np.clip(shape[..., :2], MIN_ALPHA**0.5, 1.0)
     if lobe.fresnel is None:
         return LiveTable(energy, lobe.distribution, shape, grid.values(lobe.unit, "fine" if has_waves(grid.axes) else "knots"))
-    if keep_dielectrics and not lobe.is_brushed and np.max(shape[..., 0]) ** 2 > NARROWEST_CURVE:
+    if isinstance(lobe.fresnel, ConductorCurve) or (keep_dielectrics and not lobe.is_brushed and np.max(shape[..., 0]) ** 2 > NARROWEST_CURVE):
         return LiveTable(None, lobe.distribution, shape, fresnel=lobe.fresnel)
     return LiveTable(_folded(lobe_set.stack, grid.axes, grid.scales, lobe, shape[..., 0, :2]), lobe.distribution, shape)
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..material.place import Place
+from ..material.stack import Base
+from ..optics.bases import conductor_index
 from ..optics.diffuse import OREN_NAYAR_POWER, oren_nayar_shares
 from ..optics.interface import Interface, Microfacets
 from ..optics.thin_film import Film
@@ -24,6 +26,20 @@ class DielectricCurve:
     """The exact Fresnel curve of a dielectric of relative index eta."""
 
     eta: float
+
+
+@dataclass(frozen=True)
+class ConductorCurve:
+    """The exact Fresnel curve of a metal of complex index eta + i k, of each channel."""
+
+    eta: tuple[float, ...]
+    k: tuple[float, ...]
+
+    @classmethod
+    def of(cls, base: Base) -> "ConductorCurve":
+        """That of a bare conductor base."""
+        eta, k = conductor_index(base)
+        return cls(tuple(map(float, eta)), tuple(map(float, k)))
 
 
 @dataclass(frozen=True)
@@ -49,7 +65,7 @@ class GlossyLobe:
     alpha_x: np.ndarray
     alpha_y: np.ndarray
     tilt: np.ndarray = np.float64(0.0)
-    fresnel: SchlickCurve | DielectricCurve | FilmCurve | None = None
+    fresnel: SchlickCurve | DielectricCurve | ConductorCurve | FilmCurve | None = None
     frame: float | None = None
     normal: Place | None = None
 

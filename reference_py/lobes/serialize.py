@@ -8,7 +8,7 @@ from ..material.stack import Stack
 from .axes import AXES, Axis, Scale
 from .diffuse_ramp import RAMP_COSINES
 from .live_grid import LiveBase, LiveLobe, LiveLobes, LiveRamp, LogEnergy, unit_sizes
-from .lobe import DielectricCurve
+from .lobe import ConductorCurve, DielectricCurve
 from .view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, TableLobes
 
 
@@ -70,7 +70,8 @@ def pack_grid(lobe_set: LiveLobes) -> dict:
             "energy": _pack_log(lobe.energy) if isinstance(lobe.energy, LogEnergy) else None if lobe.energy is None else lobe.energy.tolist(),
             "distribution": lobe.distribution,
             "shape": None if lobe.shape is None else lobe.shape.tolist(),
-            "eta": None if lobe.fresnel is None else lobe.fresnel.eta,
+            "eta": lobe.fresnel.eta if isinstance(lobe.fresnel, DielectricCurve) else None,
+            "is_metal": isinstance(lobe.fresnel, ConductorCurve),
             "unit": None if lobe.unit is None else lobe.unit.tolist(),
             "is_brushed": lobe.is_brushed,
         }
@@ -80,11 +81,10 @@ def pack_grid(lobe_set: LiveLobes) -> dict:
         [type(axis).__name__, [place.pair() for place in axis.live], *([scale.low, scale.high, scale.count, scale.bend] for scale in axis.scales), axis.before]
         for axis in lobe_set.axes
     ]
-    ramp = lobe_set.base and lobe_set.base.ramp and {"modes": lobe_set.base.ramp.modes.tolist(), "amounts": lobe_set.base.ramp.amounts.tolist()}
+    ramp = lobe_set.ramp and {"modes": lobe_set.ramp.modes.tolist(), "amounts": lobe_set.ramp.amounts.tolist()}
     base = lobe_set.base and {
         "log_through": _pack_log(lobe_set.base.log_through),
         "log_back": _pack_log(lobe_set.base.log_back),
-        "ramp": ramp,
         "is_live": lobe_set.base.is_live,
     }
     coefficients = None if lobe_set.coefficients is None else lobe_set.coefficients.tolist()
@@ -94,6 +94,7 @@ def pack_grid(lobe_set: LiveLobes) -> dict:
         "log_sum": _pack_log(lobe_set.log_sum),
         "coefficients": coefficients,
         "base": base,
+        "ramp": ramp,
         "rotation": lobe_set.rotation and lobe_set.rotation.pair(),
         "stock": lobe_set.stock and pack_grid(lobe_set.stock),
     }
@@ -133,7 +134,7 @@ def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
             log_energy(lobe["energy"]) if isinstance(lobe["energy"], dict) else grid(lobe["energy"]),
             lobe["distribution"],
             grid(lobe["shape"]),
-            None if lobe["eta"] is None else DielectricCurve(float(lobe["eta"])),
+            ConductorCurve.of(stack.base) if lobe["is_metal"] else None if lobe["eta"] is None else DielectricCurve(float(lobe["eta"])),
             grid(lobe["unit"], 1, (*unit_sizes(axes), KNOTS)),
             is_brushed=bool(lobe["is_brushed"]),
         )
@@ -141,11 +142,11 @@ def unpack_grid(data: dict, stack: Stack) -> LiveLobes:
     ]
     base = data["base"]
     if base is not None:
-        ramp = _unpack_live_ramp(base["ramp"], axes)
-        base = LiveBase(log_energy(base["log_through"]), log_energy(base["log_back"]), ramp, bool(base["is_live"]))
+        base = LiveBase(log_energy(base["log_through"]), log_energy(base["log_back"]), bool(base["is_live"]))
+    ramp = _unpack_live_ramp(data["ramp"], axes)
     rotation = data["rotation"] and Place.of_pair(*data["rotation"])
     stock = data["stock"] and unpack_grid(data["stock"], stack)
-    return LiveLobes(stack, axes, tuple(lobes), log_energy(data["log_sum"]), coefficients, base, rotation, stock)
+    return LiveLobes(stack, axes, tuple(lobes), log_energy(data["log_sum"]), coefficients, base, rotation, ramp, stock)
 
 
 def _unpack_live_ramp(data: dict | None, axes: tuple[Axis, ...]) -> LiveRamp | None:

@@ -22,6 +22,7 @@ from .closure import fresnel_share
 from .live_grid import LiveLobes
 from .live_tables import NARROWEST_CURVE, LiveTables, live_tables
 from .lobe import DielectricCurve, DiffuseLobe, GlossyLobe
+from .made import Made
 from .own_normals import normal_place
 from .patch_lobes import PatchLobes
 from .view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTable, OrenNayarTable, RoughBase, TableLobes, knot_cosines
@@ -30,13 +31,15 @@ from .view_table import AZIMUTHS, KNOTS, BaseColorTable, DiffuseTable, GlossyTab
 def tabulate(lobe_set, keep_dielectrics: bool = False, power: int = OREN_NAYAR_POWER) -> TableLobes | LiveTables | PatchLobes:
     """A lobe set in tables, those of one over live values in tables over these too, or, of a PatchLobes, one of such; `keep_dielectrics` leaves lobes their dielectric curve that
     are grey, isotropic, of weight 2 at most and wider than NARROWEST_CURVE. `power` is that of Oren-Nayar lobes (`DiffuseLobe`).
+    Bare metals over live values keep their curve with it, and have what they have in the place of such lobes without.
 
     `lobe_set` has `lobes(cos_theta_o)`, the same list of kinds at every view, and those that make a bare rough base its `stack`. Lobes of no weight are left out, but one stays.
     """
     if isinstance(lobe_set, PatchLobes):
         return PatchLobes(lobe_set.stack, tuple((patch, tabulate(part.lobe_set, keep_dielectrics, power)) for patch, part in lobe_set.parts))
     if isinstance(lobe_set, LiveLobes):
-        return live_tables(lobe_set.stock or lobe_set, keep_dielectrics)
+        keeps = keep_dielectrics and lobe_set.knows_metal
+        return live_tables(lobe_set if keeps else lobe_set.stock or lobe_set, keep_dielectrics)
     lobe_set = stock_lobes(lobe_set)
     stack = getattr(lobe_set, "stack", None)
     if stack is not None and is_bare_oren_nayar(stack):
@@ -50,12 +53,22 @@ def _rough_base(stack: Stack, power: int) -> RoughBase:
     return RoughBase(np.array(stack.base["color"]), float(stack.base["sigma_deg"]), power, normal_place(stack, None))
 
 
+def without_metals(made: Made) -> Made:
+    """What shows where a metal's Fresnel curve is not known."""
+    lobe_set = made.lobe_set
+    if isinstance(lobe_set, PatchLobes):
+        return replace(made, lobe_set=replace(lobe_set, parts=tuple((patch, without_metals(part)) for patch, part in lobe_set.parts)))
+    if not isinstance(lobe_set, LiveLobes) or not lobe_set.knows_metal:
+        return made
+    return replace(made, lobe_set=lobe_set.stock, choice=made.choice and replace(made.choice, chosen=made.choice.stock))
+
+
 def stock_lobes(lobe_set):
     """The lobe set that stock nodes have in the place of one: of ramps of diffuse light (`diffuse_ramp`) they know Lambert's alone."""
     if not isinstance(lobe_set, TableLobes):
         return lobe_set
     tables = (lobe_set.stock or lobe_set).tables
-    return TableLobes(tuple([replace(table, ramp=None) if isinstance(table, DiffuseTable | BaseColorTable) else table for table in tables]))
+    return TableLobes(tuple([table if getattr(table, "ramp", None) is None else replace(table, ramp=None) for table in tables]))
 
 
 def is_grey_dielectric(table) -> bool:

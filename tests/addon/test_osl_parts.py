@@ -72,7 +72,13 @@ def baked_live(over_color: bool = False):
     energies = {"mirrors": LogEnergy((np.stack([energy, energy]),)), "fitted": LogEnergy((np.stack([energy, 0.5 * energy]),))}
     if over_color:
         energies |= {"through": energies["mirrors"], "back": energies["fitted"]}
-    return Made("baked", ONE, with_ramp(grid_of(ONE, (axis,), {(0,): tables(0.09), (1,): tables(0.36)}, energies, None)))
+    lobes = grid_of(ONE, (axis,), {(0,): tables(0.09), (1,): tables(0.36)}, energies, None)
+    return Made("baked", ONE, with_ramp(lobes) if over_color else lobes)
+
+
+def baked_metal():
+    stack = Stack.from_dict({"base": {"kind": "conductor", "reflectance": [0.9, 0.5, 0.2], "edge_color": [0.8, 0.8, 0.8], "roughness": 0.4}})
+    return make_lobe_set(stack, "baked", live=(Place(None, "reflectance"),))
 
 
 def all_made():
@@ -83,6 +89,7 @@ def all_made():
     yield brushed()
     yield baked_live()
     yield baked_live(over_color=True)
+    yield baked_metal()
 
 
 @pytest.fixture(scope="module")

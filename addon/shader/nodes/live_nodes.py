@@ -26,8 +26,10 @@ from ....reference_py.lobes.axes import (
 )
 from ....reference_py.lobes.live_grid import MIN_ALPHA
 from ....reference_py.lobes.live_tables import LiveTable, LiveTables, kept
+from ....reference_py.lobes.lobe import ConductorCurve
 from ....reference_py.lobes.view_table import KNOTS
 from ....reference_py.material.place import Place
+from ....reference_py.material.schema import CONDUCTOR
 from ....reference_py.optics.interface import TINT_FLOOR, optical_depth
 from ....reference_py.optics.scattering import FIT
 from ..inputs import place_input
@@ -40,6 +42,7 @@ from .view_nodes import View, in_space
 _SHARED = 3
 # Numbers that differ by less are one.
 _SAME = 1e-12
+_MOST_REFLECTANCE = CONDUCTOR.parameter("reflectance").maximum
 
 
 class LiveNodes:
@@ -83,6 +86,24 @@ class LiveNodes:
         """The index of the top layer, where that is live."""
         axis = self._tables.index
         return self._input(axis.live[0]) if axis is not None else None
+
+    def metal(self, curve: ConductorCurve) -> tuple:
+        """Index and extinction of a metal: sockets, or numbers where neither of its colors is live (`artist_index`)."""
+        live = {place for axis in self._tables.axes for place in axis.live}
+        colors = Place(None, "reflectance"), Place(None, "edge_color")
+        if live.isdisjoint(colors):
+            return curve.eta, curve.k
+        build = self._build
+        r, g = (self._view.bounded(self._input(place)) if place in live else place.value(self._tables.stack) for place in colors)
+        if Place(None, "reflectance") in live:
+            r = build.vector("MINIMUM", r, _MOST_REFLECTANCE)
+        root, left = build.vector("POWER", r, 0.5), build.vector("SUBTRACT", (1.0,) * 3, r)
+        least = build.vector("DIVIDE", left, build.vector("ADD", r, 1.0))
+        most = build.vector("DIVIDE", build.vector("ADD", root, 1.0), build.vector("SUBTRACT", (1.0,) * 3, root))
+        eta = build.vector("MULTIPLY_ADD", build.vector("SUBTRACT", least, most), g, most)
+        above, below = build.vector("ADD", eta, 1.0), build.vector("SUBTRACT", eta, (1.0,) * 3)
+        squared = build.vector("SUBTRACT", build.vector("MULTIPLY", build.vector("MULTIPLY", above, above), r), build.vector("MULTIPLY", below, below))
+        return eta, build.vector("POWER", build.vector("MAXIMUM", build.vector("DIVIDE", squared, left), 0.0), 0.5)
 
     @property
     def brushing(self) -> float | bpy.types.NodeSocket | None:

@@ -14,9 +14,10 @@ import numpy as np
 
 from ....reference_py.lobes.eevee import eevee_tables
 from ....reference_py.lobes.live_tables import LiveTables
+from ....reference_py.lobes.lobe import ConductorCurve
 from ....reference_py.lobes.patch_lobes import PatchLobes
 from ....reference_py.lobes.pools import MAX_NODE_CLOSURES
-from ....reference_py.lobes.tabulate import is_grey_dielectric, tabulate
+from ....reference_py.lobes.tabulate import is_grey_dielectric, tabulate, without_metals
 from ....reference_py.lobes.view_table import (
     BASE_COLOR,
     BASE_SLOPES,
@@ -73,6 +74,8 @@ _NEARLY_ISOTROPIC = 1e-3
 
 def stock_tables(made) -> Tables:
     """A lobe set in tables of the lobes that this Blender's nodes have."""
+    if working_space() != REC709:  # a Metallic node's index is that of the working space's channels
+        made = without_metals(made)
     return tabulate(made.lobe_set, HAS_DIELECTRIC, DIFFUSE_POWER)
 
 
@@ -271,9 +274,11 @@ class _LivePart:
             return build.shader("ShaderNodeBsdfDiffuse", Color=self.weight(number), Roughness=0.0, **view.own_normal)
         root_x, root_y, slope = self._nodes[number].shape(number)
         shape = np.concatenate([np.square(table.shape[..., :2]), table.shape[..., 2:]], axis=-1).reshape(-1, 3)
+        if isinstance(table.fresnel, ConductorCurve):
+            return _metallic_node(build, view, table.distribution, *self._nodes[number].metal(table.fresnel), root_x, shape)
         if table.fresnel is not None:
             index = self._nodes[number].index or table.fresnel.eta
-            return _dielectric_node(build, view, table.distribution, build.combined([index] * 3), root_x, shape)
+            return _metallic_node(build, view, table.distribution, build.combined([index] * 3), (0.0,) * 3, root_x, shape)
         roughness = root_x if root_x is root_y else build.math("SQRT", build.math("MULTIPLY", root_x, root_y))
 
         def anisotropy():
@@ -353,12 +358,12 @@ def _dielectric(build: Builder, view: View, table: GlossyTable) -> bpy.types.Nod
 
 def _bare_dielectric(build: Builder, view: View, table: GlossyTable) -> bpy.types.NodeSocket:
     alpha, _, _ = _columns(build, view, table.shape)
-    return _dielectric_node(build, view, table.distribution, (table.fresnel.eta,) * 3, build.math("SQRT", alpha), table.shape)
+    return _metallic_node(build, view, table.distribution, (table.fresnel.eta,) * 3, (0.0,) * 3, build.math("SQRT", alpha), table.shape)
 
 
-def _dielectric_node(build: Builder, view: View, distribution: str, index, roughness, shape: np.ndarray) -> bpy.types.NodeSocket:
+def _metallic_node(build: Builder, view: View, distribution: str, index, extinction, roughness, shape: np.ndarray) -> bpy.types.NodeSocket:
     """A Metallic node of these operands; `shape` (n, 3) is all that its alphas can be."""
-    sockets = {"IOR": index, "Extinction": (0.0,) * 3, "Roughness": roughness, "Anisotropy": 0.0} | view.own_normal
+    sockets = {"IOR": index, "Extinction": extinction, "Roughness": roughness, "Anisotropy": 0.0} | view.own_normal
     if SPECULAR_ALPHA < np.min(shape[:, 0]) < _NARROW_DIELECTRIC_ALPHA:
         # as a constant, Cycles would take so little for none; no place is as small
         sockets |= {"Anisotropy": build.math("MINIMUM", view.place, _SLIGHT_ANISOTROPY), "Tangent": view.tangent}

@@ -23,15 +23,16 @@ from ....reference_py.lobes.axes import (
 )
 from ....reference_py.lobes.diffuse_ramp import RAMP_COSINES
 from ....reference_py.lobes.live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LiveRamp, LogEnergy
-from ....reference_py.lobes.lobe import DielectricCurve
+from ....reference_py.lobes.lobe import ConductorCurve, DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS
 from ....reference_py.material.place import Place
-from ....reference_py.material.schema import COLOR, SCHEMA
-from ....reference_py.material.stack import Stack
 from ....reference_py.optics.scattering import FIT
 from ..inputs import base_color_input, place_input
 from .block import PRIMARY_ARGUMENTS, Block, Closure, numbers
 from .view_frame import FRAME_FUNCTIONS, Frame
+
+# Roots of alpha that differ by less are one, but for how they were rounded.
+_SAME = 1e-4
 
 NOTE = "Tables hold the values that the stack had, but for those with a socket."
 
@@ -55,6 +56,7 @@ class _Writer:
         self.functions: list[str] = []
         self.closures: list[Closure] = []
         self._prefix, self._axes, self._index, self._coefficients = prefix, lobe_set.axes, "", lobe_set.coefficients
+        self._stack, self._owners = lobe_set.stack, owners
         self.frames = [Frame.of(lobe.normal, owners) for lobe in lobe_set.grid]
         self._about = Frame()
         """Whose normal the view is seen from in what is being written."""
@@ -65,7 +67,7 @@ class _Writer:
             rotation = lobe_set.rotation
             turns = f"{lobe_set.brushing / (2.0 * np.pi):.9g}" if rotation is None else place_input(lobe_set.stack, rotation, owners).osl_name
             self._say(f"vector {self._brushed} = rotate_tangent(Tangent, N, {turns});")
-        self._coordinates = [self._coordinate(i, axis, lobe_set.stack, owners) for i, axis in enumerate(lobe_set.axes)]
+        self._coordinates = [self._coordinate(i, axis) for i, axis in enumerate(lobe_set.axes)]
         self._lobes(lobe_set, base_color_input(owners[-1]).osl_name)
 
     def _name(self, word: str) -> str:
@@ -78,24 +80,20 @@ class _Writer:
         self.arrays.append(f"{kind} {self._name(name)}[{len(entries)}] = {{{','.join(entries)}}}")
         return self._name(name)
 
-    def _coordinate(self, i: int, axis: Axis, stack: Stack, owners: list[str]) -> tuple[str, str]:
+    def _given(self, place: Place) -> str:
+        """An expression for a value: its socket where it is live, else a constant."""
+        if any(place in axis.live for axis in self._axes):
+            return place_input(self._stack, place, self._owners).osl_name
+        constant = place.value(self._stack)
+        return f"{constant:.9g}" if np.ndim(constant) == 0 else f"color({numbers(constant)})"
+
+    def _coordinate(self, i: int, axis: Axis) -> tuple[str, str]:
         """Expressions for an axis' coordinate, and for the one that shapes are read at."""
         if isinstance(axis, AzimuthAxis):
             name = self._name("turned")
             self._say(f"float {name} = min(abs(dot(side, {self._brushed})) / max(length(side), 1e-6), 1.0);")
             return (name,) * 2
-        owner = owners[-1] if axis.layer is None else owners[axis.layer]
-
-        def value(name: str) -> str:
-            place = Place(axis.layer, name)
-            kinds = SCHEMA.bases if axis.layer is None else SCHEMA.layers
-            parameter = kinds[place.element(stack).kind].parameter(name)
-            if place in axis.live:
-                return owner + parameter.osl_name
-            constant = place.value(stack)
-            return f"color({numbers(constant)})" if parameter.type == COLOR else f"{constant:.9g}"
-
-        first = value(axis.live[0].name)
+        first = self._given(axis.live[0])
         if isinstance(axis, NumberAxis):
             return (first,) * 2
         name = self._name(f"coordinate{i}")
@@ -105,12 +103,13 @@ class _Writer:
                 self._index = first
             return (name,) * 2
         if isinstance(axis, ThicknessAxis):
-            self._say(f"float {name} = max({first}, 0.0);", f"{name} /= {name} + {axis.half(stack):.9g};")
+            self._say(f"float {name} = max({first}, 0.0);", f"{name} /= {name} + {axis.half(self._stack):.9g};")
             return (name,) * 2
         if isinstance(axis, DepthAxis):
             self.functions.append("medium.h")
             counts = self._name(f"counts{i}")
-            self._say(f"color {name} = optical_depth({value('tint')}, {value('thickness')});", f"{name} /= {name} + {HALF_DEPTH:g};")
+            tint, thickness = (self._given(Place(axis.layer, part)) for part in ("tint", "thickness"))
+            self._say(f"color {name} = optical_depth({tint}, {thickness});", f"{name} /= {name} + {HALF_DEPTH:g};")
             self._say(f"color {counts} = (1.0 - {name}) * (1.0 - {name}) + {LEAST_COUNT:g};")
             return name, f"mean_of({counts} * {name}) / mean_of({counts})"
         if isinstance(axis, ReflectanceAxis):
@@ -256,9 +255,9 @@ class _Writer:
                 through, back = self._energy("LogThrough", lobe_set.base.log_through), self._energy("LogBack", lobe_set.base.log_back)
                 color = base_color if lobe_set.base.is_live else f"color({numbers(np.clip(lobe_set.stack.base['color'], 0.0, 1.0))})"
                 weight = f"({weight} + {through} * {color} / (color(1.0) - {back} * {color}))"
-                if lobe_set.base.ramp is not None:
-                    self.closures.append(self._diffuse_ramp(weight, lobe_set.base.ramp))
-                    continue
+            if lobe.is_diffuse and lobe_set.ramp is not None:
+                self.closures.append(self._diffuse_ramp(weight, lobe_set.ramp))
+                continue
             self.closures.append(Closure(weight, *self._closure(i, lobe)))
 
     def _diffuse_ramp(self, weight: str, ramp: LiveRamp) -> Closure:
@@ -296,17 +295,40 @@ class _Writer:
         if lobe.is_brushed:
             upright = f"{self._about.normal}, {self._brushed}"
         elif isinstance(lobe.fresnel, DielectricCurve):
-            alpha = self._alpha(f"alpha_{i}", self._value(f"Root{i}", lobe.shape[..., :1]))
+            alpha = self._alpha(f"alpha_{i}", self._root(f"Root{i}", lobe.shape[..., 0]))
             eta = self._index or f"{lobe.fresnel.eta:.9g}"
             return f'interface_bsdf({upright}, {alpha}, break_isotropy({alpha}), {eta}, "{lobe.distribution}")', True, ()
-        alphas = [self._alpha(f"alpha_{axis}{i}", self._value(f"Root{axis.upper()}{i}", lobe.shape[..., c : c + 1])) for c, axis in enumerate("xy")]
+        elif isinstance(lobe.fresnel, ConductorCurve):
+            alpha, index = self._alpha(f"alpha_{i}", self._root(f"Root{i}", lobe.shape[..., 0])), self._metal(lobe.fresnel)
+            return f'metal_bsdf({upright}, {alpha}, break_isotropy({alpha}), {index}, "{lobe.distribution}", {PRIMARY_ARGUMENTS})', True, ()
+        alphas = [self._alpha(f"alpha_{axis}{i}", self._root(f"Root{axis.upper()}{i}", lobe.shape[..., c])) for c, axis in enumerate("xy")]
         if lobe.is_brushed and lobe.fresnel is not None:
             eta = self._index or f"{lobe.fresnel.eta:.9g}"
             return f'interface_bsdf({upright}, {", ".join(alphas)}, {eta}, "{lobe.distribution}")', True, ()
         if lobe.is_brushed:
             return f'microfacet("{lobe.distribution}", {upright}, {", ".join(alphas)}, 1.0, 0)', True, ()
+        if np.array_equal(lobe.shape[..., 0], lobe.shape[..., 1]) and not np.any(lobe.shape[..., 2]):
+            return f'microfacet("{lobe.distribution}", {upright}, {alphas[0]}, break_isotropy({alphas[0]}), 1.0, 0)', True, (*alphas, "0.0")
         slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
         return f'microfacet("{lobe.distribution}", {self._about.tilted(slope)}, {", ".join(alphas)}, 1.0, 0)', True, (*alphas, slope)
+
+    def _root(self, name: str, values: np.ndarray) -> str:
+        """An expression for the root (..., KNOTS) of an alpha, which may be a live roughness itself."""
+        for number, axis in enumerate(self._axes):
+            knots = axis.knots.knots.reshape([-1 if n == number else 1 for n in range(values.ndim)])
+            if isinstance(axis, NumberAxis) and np.allclose(values, knots, rtol=0.0, atol=_SAME):
+                return self._coordinates[number][1]
+        return self._value(name, values[..., None])
+
+    def _metal(self, curve: ConductorCurve) -> str:
+        """Arguments for a metal's index."""
+        self.functions += ["metal.h", "artist_index.h"]
+        colors = Place(None, "reflectance"), Place(None, "edge_color")
+        if not any(place in axis.live for axis in self._axes for place in colors):
+            return f"color({numbers(curve.eta)}), color({numbers(curve.k)})"
+        eta, k = self._name("eta"), self._name("k")
+        self._say(f"color {eta}, {k};", f"artist_index({', '.join(map(self._given, colors))}, {eta}, {k});")
+        return f"{eta}, {k}"
 
     def _alpha(self, word: str, root: str) -> str:
         """The variable that a root's square becomes."""

@@ -15,6 +15,7 @@ from ..serialize import pack_grid, pack_tables, unpack_grid, unpack_tables
 from ..truth import truth_of
 from ..view_table import BASE_COLOR, DiffuseTable, TableLobes, interpolate
 from .bake import Baker
+from .bare_metal import bake_metal, is_bare_metal
 from .black_and_white import BlackAndWhite, base_of, followed, over
 from .brushed_bake import brushed, is_brushed
 from .brushed_grid import bake_brushed
@@ -33,7 +34,11 @@ def baked(stack: Stack, live: tuple[Place, ...], glossy: int, progress: Callable
         return best_of(Baker(stack, truth_of(stack), progress), glossy)
     if live == (BASE_COLOR,):
         return _over_base_color(stack, glossy, progress)
-    return _over_live_values(stack, live, glossy, progress or (lambda share: None))
+    report = progress or (lambda share: None)
+    if is_bare_metal(stack, live):
+        exact = bake_metal(stack, live, lambda share: report(0.4 * share))
+        return replace(exact, stock=bake_live(stack, live, glossy, Baker, lambda share: report(0.4 + 0.6 * share)))
+    return _over_live_values(stack, live, glossy, report)
 
 
 def _over_live_values(stack: Stack, live: tuple[Place, ...], glossy: int, report: Callable[[float], None]) -> LiveLobes:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the light of a base goes through its layers: of tables, and of a live color at every node of a grid, as few ramps together."""
+"""Where the light of a base goes through its layers: of tables, and of the Lambert lobe at every node of a grid, as few ramps together."""
 
 from dataclasses import replace
 from functools import reduce
@@ -20,15 +20,13 @@ def reciprocal(table: DiffuseTable) -> DiffuseTable:
 
 
 def with_ramp(lobes: LiveLobes) -> LiveLobes:
-    """The lobes with their base's ramp; the same where the base's color is not live."""
-    if lobes.base is None:
-        return lobes
+    """The lobes with the ramp of their Lambert lobe, whose light goes as it comes."""
     knots = [axis.knots.knots for axis in lobes.axes]
     size = tuple(map(len, knots))
 
     def through(node: tuple[int, ...]) -> np.ndarray:
         here = reduce(lambda stack, part: part[0].at(stack, float(part[1][part[2]])), zip(lobes.axes, knots, node), lobes.stack)
-        return replace(lobes, stack=here).through(RAMP_COSINES)
+        return replace(lobes, stack=here).lambert_light(RAMP_COSINES)
 
     light = np.stack([through(node) for node in np.ndindex(size)])
     beside_lambert = np.stack([ramp_of(values) for values in light]) - RAMP_COSINES[:, None]
@@ -37,4 +35,4 @@ def with_ramp(lobes: LiveLobes) -> LiveLobes:
     rows = np.swapaxes(beside_lambert * seen[:, None], 1, 2).reshape(-1, len(RAMP_COSINES))
     modes = np.linalg.svd(rows, full_matrices=False)[2][:_MODES]
     amounts = (modes @ beside_lambert).reshape(*size, len(modes), 3).round(DIGITS)
-    return replace(lobes, base=replace(lobes.base, ramp=LiveRamp(modes, amounts)))
+    return replace(lobes, ramp=LiveRamp(modes, amounts))

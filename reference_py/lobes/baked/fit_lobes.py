@@ -26,6 +26,8 @@ _LOWEST_REFLECTION = np.radians(88.0)
 _FLOOR_OF_F, _FLOOR_OF_ALBEDO = 0.02, 0.001
 _HIGH = np.array([np.log(_LARGEST_ALPHA)] * 2 + [_MAX_TILT])
 _LONGEST_STEP = 0.7
+# A lobe of an alpha below this share of the view's cosine has an energy of nearly 1, of which the points see at least so much where they are close to it.
+_NARROW, _SEEN = 0.2, 0.7
 _FIRST_DAMPING, _LEAST_DAMPING = 1e-2, 1e-6
 
 
@@ -190,7 +192,15 @@ class ViewFits:
         energy, wanted = (np.sum(self.share * f, axis=2) for f in (found.weight @ columns, self.goal))
         scale = np.where(energy > 1e-6, np.maximum(wanted, 0.0) / np.maximum(energy, 1e-6), 1.0)
         weight = found.weight * scale[..., None]
-        return Mixtures(found.shape, weight, self.errors(columns, weight)[0])
+        return Mixtures(found.shape, weight, self.errors(columns, weight)[0] + self._unseen(found.shape, weight, columns))
+
+    def _unseen(self, shape, weight, columns) -> np.ndarray:
+        """What lobes send between the points of the truth, (V,), over the albedo, worst channel: of energy 1 is a lobe that is narrow beside the view's height."""
+        energy = np.einsum("vcq,vkq->vck", self.share, columns)
+        cos_o = np.sqrt(np.maximum(1.0 - np.square(self.sin_o), 0.0))
+        is_narrow = np.exp(np.max(shape[..., :2], axis=2)) < _NARROW * cos_o[:, None]
+        missed = np.maximum(_SEEN * energy[..., -1:] - energy[..., :-1], 0.0)
+        return np.max(np.sum(np.where(is_narrow[:, None], weight[..., :-1] * missed, 0.0), axis=2), axis=1)
 
     def _mixtures(self, shape, columns, weight) -> tuple[Mixtures, np.ndarray]:
         """The mixtures, and what is left of the goal at each point (V, C, Q), without sign."""

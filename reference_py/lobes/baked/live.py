@@ -273,4 +273,5 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     nodes = in_one_order(nodes)
     report(0.8)
     computed = [computed_of(axis, axes) for axis in axes]
-    return with_ramp(grid_of(stack, axes, nodes, *energies_of(axes, computed, at, bool(found[center].plan), over_color)))
+    lobes = grid_of(stack, axes, nodes, *energies_of(axes, computed, at, bool(found[center].plan), over_color))
+    return with_ramp(lobes) if over_color else lobes

@@ -24,6 +24,7 @@ from ..brushing import isotropic
 from ..cache import stack_key
 from ..closure import lobe_energy
 from ..error_estimate import SOFT_LIGHT_DEG, ErrorEstimator, Errors, ball_cosines
+from ..live_grid import LiveLobes
 from ..made import Candidate, Choice, LobeSet, Made, Options
 from ..tabulate import stock_lobes
 from ..truth import truth_of
@@ -79,6 +80,9 @@ def choose(stack: Stack, truth, options: Options, cosines: np.ndarray | None = N
         _try_bakes(baker, glossy, tolerance, lambda count: baker.least_soft_light(count, cosines, light_deg), judge)
     (stock, lobe_set), reason = _best(tried, tolerance)
     chosen = stock
+    if isinstance(lobe_set, LiveLobes) and lobe_set.stock is not None and lobe_set.knows_metal:
+        stock = _candidate(chosen.label, lobe_set.stock, estimator.errors(lobe_set.stock), live=True)
+        reason += f"; where its Fresnel curve is not known, as in EEVEE, the error is {100.0 * stock.visible:.3g} %"
     if not live and stock.label not in _LIVE:
         _try_ramps(RampBaker(baker), glossy, tolerance, judge)
         # what is cheaper is not to be further off in shape
