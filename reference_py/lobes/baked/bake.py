@@ -39,6 +39,9 @@ _WORTH_ITS_PLACE = 2.2
 # Of the energy that is left for the fitted lobes, what they have in every channel before all is scaled.
 _LEAST_SHARE = 1e-3
 
+# The least energy of the fitted lobes where they are to be scaled to another.
+_LEAST_SAMPLED = 1e-5
+
 
 @dataclass(frozen=True)
 class Bake:
@@ -60,20 +63,18 @@ class Baker:
     """Bakes one stack with ever more lobes; what fewer lobes found is where more begin.
 
     `truth` is a model with f, albedo and specular_albedo, of three channels or, with weights of as many, more. `progress` is called with the share done; an exception that
-    it raises cancels. Where lobes are to be scaled to other energies (`is_scaled`), the albedo is that of the samples, which takes no time.
+    it raises cancels. Where lobes are to be scaled to other energies, `samples` of its f (`samples_of`) do, and the albedo is theirs, which takes no time.
     """
 
-    def __init__(self, stack: Stack, truth, progress: Callable[[float], None] | None = None, is_scaled: bool = False):
+    def __init__(self, stack: Stack, truth, progress: Callable[[float], None] | None = None, samples: Views | None = None):
         self._report = progress or (lambda share: None)
-        cosines, rough, media = knot_cosines(), rough_surfaces(stack), _media(stack)
-        surfaces = rough or media
-        widths = [alpha for _, alpha in surfaces]
+        cosines, surfaces = knot_cosines(), _surfaces(stack)
         # nothing under smooth surfaces is narrower than what media scatter: such a lobe would stand between two points of the truth
-        least_alpha = _OF_MEDIUM * min(widths) if media and not rough else LEAST_ALPHA
+        least_alpha = LEAST_ALPHA if rough_surfaces(stack) or not surfaces else _OF_MEDIUM * min(alpha for _, alpha in surfaces)
         self.truth, self._specular = truth, truth.specular_albedo(cosines)
-        views = truth_at(truth, np.concatenate([cosines, middle_cosines()]), widths, _POINTS)
+        views = samples_of(stack, truth) if samples is None else samples
         seen = views.of(slice(KNOTS))
-        self._albedo = np.sum(seen.share[..., None] * seen.f, axis=1) + self._specular if is_scaled else truth.albedo(seen.wo)
+        self._albedo = truth.albedo(seen.wo) if samples is None else np.sum(seen.share[..., None] * seen.f, axis=1) + self._specular
         self.stack, self._seen = stack, seen
         # channels that are alike are fitted once
         views, self._channels = _distinct(views)
@@ -83,7 +84,8 @@ class Baker:
         def plan(lobe: GlossyLobe | None, base: DiffuseTable | None = None) -> Plan:
             return Plan(lobe, surfaces, views.of(slice(KNOTS)), views.of(slice(KNOTS, None)), least_alpha, base and self._in_distinct_channels(base))
 
-        self._rest = [left_over(self._albedo, self._specular, lobe) for lobe in known]
+        # samples may have less than the top reflects, and lobes that have nothing together have no shares
+        self._rest = [np.maximum(left_over(self._albedo, self._specular, lobe), 0.0 if samples is None else _LEAST_SAMPLED) for lobe in known]
         self._plans, self.plan = [plan(lobe) for lobe in known], plan
         self._top_apart, self._coarse = has_own_normals(stack), views.of(COARSE).thinned(STRIDE)
         self.most_glossy = MAX_GLOSSY if surfaces else 1
@@ -207,6 +209,16 @@ def _distinct(views: Views) -> tuple[Views, list[int]]:
     for channel in np.moveaxis(views.f, -1, 0):
         places.append(kept.setdefault(channel.tobytes(), (len(kept), channel))[0])
     return replace(views, f=np.stack([channel for _, channel in kept.values()], axis=-1)), places
+
+
+def samples_of(stack: Stack, truth) -> Views:
+    """What a `Baker` asks of the truth: f at the knots, and half-way between them."""
+    return truth_at(truth, np.concatenate([knot_cosines(), middle_cosines()]), [alpha for _, alpha in _surfaces(stack)], _POINTS)
+
+
+def _surfaces(stack: Stack) -> list[tuple[str, float]]:
+    """(distribution, alpha) of the rough surfaces, or, without any, of what media scatter."""
+    return rough_surfaces(stack) or _media(stack)
 
 
 def _media(stack: Stack) -> list[tuple[str, float]]:

@@ -37,7 +37,7 @@ def baked(stack: Stack, live: tuple[Place, ...], glossy: int, progress: Callable
     report = progress or (lambda share: None)
     if is_bare_metal(stack, live):
         exact = bake_metal(stack, live, lambda share: report(0.4 * share))
-        return replace(exact, stock=bake_live(stack, live, glossy, Baker, lambda share: report(0.4 + 0.6 * share)))
+        return replace(exact, stock=bake_live(stack, live, glossy, lambda share: report(0.4 + 0.6 * share)))
     return _over_live_values(stack, live, glossy, report)
 
 
@@ -49,9 +49,9 @@ def _over_live_values(stack: Stack, live: tuple[Place, ...], glossy: int, report
     has_ramp = isinstance(optical.base, DiffuseBase) and not scatters and (not optical.base.sigma_deg or not rough_surfaces(stack))
     takes_long = len(axes) > (1 if has_waves(axes) else _MOST_AXES_TWICE)
     if BASE_COLOR in live or not stack.layers or not has_ramp or takes_long:
-        return bake_live(stack, live, glossy, Baker, report)
-    ramped = bake_live(stack, (*live, BASE_COLOR), glossy, Baker, lambda share: report(0.5 * share))
-    stock = bake_live(stack, live, glossy, Baker, lambda share: report(0.5 + 0.5 * share))
+        return bake_live(stack, live, glossy, report)
+    ramped = bake_live(stack, (*live, BASE_COLOR), glossy, lambda share: report(0.5 * share))
+    stock = bake_live(stack, live, glossy, lambda share: report(0.5 + 0.5 * share))
     assert ramped.base is not None, "its color is followed"
     return replace(ramped, base=replace(ramped.base, is_live=False), stock=stock)
 

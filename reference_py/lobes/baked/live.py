@@ -2,7 +2,7 @@
 """Bakes that follow live values: up to three axes, at whose knots the truth is fitted, each fit from its neighbour's, or the
 color of a diffuse base, which needs no knots, or both."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import reduce
 
@@ -33,13 +33,14 @@ from ..brushing import has_brushing
 from ..live_grid import LiveLobes
 from ..truth import truth_of
 from ..view_table import BASE_COLOR, DiffuseTable, GlossyTable, TableLobes
+from .bake import Baker, samples_of
 from .base_ramp import with_ramp
 from .black_and_white import over
 from .brushed_bake import is_brushed
 from .grid_energies import energies_of
 from .lobe_order import in_one_order
 from .make_grid import grid_of
-from .side_by_side import truth_of_all
+from .side_by_side import groups, truth_of_all
 
 MOST_AXES, _MOST_WITH_WAVES = 3, 2
 # By how many axes there are: knots of shapes, as a shader's text is limited; and knots of energies, on the way between those that are computed, along one axis and of all together.
@@ -211,10 +212,10 @@ def _better_from(start: tuple[int, ...], bakers: dict, found: dict, glossy: int)
                 fresh.append(other)
 
 
-def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Callable, report: Callable[[float], None]) -> LiveLobes:
+def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, report: Callable[[float], None]) -> LiveLobes:
     """The grid of a stack over live values of which at least one needs knots.
 
-    `make_baker` is `Baker`; `report` gets the share done and may raise to cancel.
+    `report` gets the share done and may raise to cancel.
     """
     axes = axes_of(stack, without_knots(stack, live))
     assert axes is not None, "see follows"
@@ -238,10 +239,19 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
     def coordinates(node: tuple[int, ...]) -> list[float]:
         return [float(values[i]) for values, i in zip(knots, node)]
 
-    def truth_at(node: tuple[int, ...]):
+    def bakers_in_order() -> Iterator[tuple[tuple[int, ...], Baker]]:
+        """Nodes that differ in what each channel has alone one after the other, as they are asked at once."""
         if waves is None:
-            return truth_of(at(coordinates(node)))
-        return truth_of_all([at([wave if axis.has_waves else value for axis, value in zip(axes, coordinates(node))]) for wave in waves.tolist()])
+            stacks = [at(coordinates(node)) for node in order]
+            for members, truth in groups(stacks):
+                samples = samples_of(stacks[members[0]], truth)
+                for i, f in zip(members, np.split(samples.f, len(members), axis=-1)):
+                    yield order[i], Baker(stacks[i], truth_of(stacks[i]), samples=replace(samples, f=f))
+            return
+        for node in order:
+            along = [at([wave if axis.has_waves else value for axis, value in zip(axes, coordinates(node))]) for wave in waves.tolist()]
+            here, truth = at(coordinates(node)), truth_of_all(along)
+            yield node, Baker(here, truth, samples=samples_of(here, truth))
 
     def wider(node: tuple[int, ...], near: tuple[int, ...]) -> tuple[float, ...]:
         """How many times as wide lobes begin as at a node nearby: where a surface is alone all get wider as it does. Along waves both are tried,
@@ -252,12 +262,11 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, make_baker: Ca
             return (1.0, ratio)
         return (1.0,) if stack.layers else (ratio,)
 
-    for done, node in enumerate(order):
-        baker = make_baker(at(coordinates(node)), truth_at(node), is_scaled=waves is not None)
+    for done, (node, baker) in enumerate(bakers_in_order()):
         if not found:
             found[node] = baker.path(glossy)
         else:
-            near = min(found, key=lambda other: _apart(node, other))
+            near = min(found, key=lambda other: (_apart(node, other), order.index(other)))
             found[node] = baker.continued(found[near], wider(node, near))
         if has_media:
             bakers[node] = baker

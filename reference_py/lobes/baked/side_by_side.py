@@ -4,8 +4,9 @@
 Indices and roughnesses are the same in all channels; depths, colors, films and what media scatter are not.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -25,18 +26,24 @@ _LAYER_COLORS = ("tint", "extinction", "scatter_albedo", *_FILM)
 
 def in_groups(stacks: Sequence[Stack], of: Callable) -> list:
     """`of(truth, count)` gives a result for each of `count` stacks that a truth, of 3 channels for each, knows at once; all results in the order of the stacks."""
-    resolved = [_resolved(stack) for stack in stacks]
-    groups: dict[tuple, list[int]] = {}
-    for i, stack in enumerate(resolved):
-        groups.setdefault(_shared(stack), []).append(i)
     results: list = [None] * len(stacks)
-    for members in groups.values():
+    for members, truth in groups(stacks):
+        for i, result in zip(members, of(truth, len(members))):
+            results[i] = result
+    return results
+
+
+def groups(stacks: Sequence[Stack]) -> Iterator[tuple[list[int], Any]]:
+    """Numbers of stacks that differ in what each channel has alone, and a truth of 3 channels for each of these; first that of the first stack."""
+    resolved = [_resolved(stack) for stack in stacks]
+    alike: dict[tuple, list[int]] = {}
+    for i, stack in enumerate(resolved):
+        alike.setdefault(_shared(stack), []).append(i)
+    for members in alike.values():
         at_once = _FILMS_AT_ONCE if any(_film(element) for _, element in places(resolved[members[0]])) else _AT_ONCE
         for start in range(0, len(members), at_once):
             some = members[start : start + at_once]
-            for i, result in zip(some, of(truth_of(_joined([resolved[i] for i in some])), len(some))):
-                results[i] = result
-    return results
+            yield some, truth_of(_joined([resolved[i] for i in some]))
 
 
 def truth_of_all(stacks: Sequence[Stack]):
