@@ -68,9 +68,8 @@ def _over_base_color(stack: Stack, glossy: int, progress) -> TableLobes:
     black, truth = over(stack, 0.0), BlackAndWhite(stack)
     baker, base = Baker(black, truth, progress), base_of(truth.black, stack)
     stock = followed(baker.lobe_set(baker.path(glossy), keep=(DiffuseTable,)), base)
-    optical = OpticalStack.of(stack)
-    # what a rough base and a medium reflect knows still where it came from
-    if baker.is_smooth or optical.base.sigma_deg or any(surface.scattering is not None for surface in optical.interfaces):
+    # what a medium reflects knows still where it came from; so does a rough base's light, but fits that it shares with the layers show it worse
+    if baker.is_smooth or any(surface.scattering is not None for surface in OpticalStack.of(stack).interfaces):
         return stock
     of_layers = Baker(black, truth.black, progress)
     *tables, lambert = of_layers.lobe_set(of_layers.path(glossy), keep=(DiffuseTable,)).tables
