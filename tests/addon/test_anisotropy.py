@@ -138,6 +138,8 @@ def test_a_bake_has_the_energy_of_the_rotation(blender, turns, backend):
         ([], {**STEEL, "metal": "copper", **BRUSHED}, {(None, "Roughness"): 0.37, (None, "Rotation"): 0.29}),
         ([{**COAT, **BRUSHED, "tint": [0.9, 0.7, 0.4]}], STEEL, {(0, "Roughness"): 0.43, (0, "Thickness"): 1.3, (0, "Rotation"): 0.83}),
         ([{**COAT, **BRUSHED}], GREY, {(None, "Color"): (0.2, 0.6, 0.7)}),
+        ([{**COAT, **BRUSHED}], GREY, {(0, "Anisotropy"): 0.63}),
+        ([], {**STEEL, "metal": "copper", **BRUSHED}, {(None, "Anisotropy"): 0.27, (None, "Roughness"): 0.37, (None, "Rotation"): 0.29}),
     ],
 )
 def test_a_bake_over_live_values_equals_its_lobe_set(blender, layers, base, links):

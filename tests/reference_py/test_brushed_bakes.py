@@ -69,7 +69,7 @@ def test_what_is_kept_is_what_was_made():
 
 @pytest.mark.parametrize("layers, base, live", [
     ([COAT | BRUSHED], COPPER | BRUSHED | {"rotation": 0.35}, ()),
-    ([GLASS], COPPER | BRUSHED, (Place(None, "anisotropy"),)),
+    ([GLASS | {"tint": [0.9, 0.5, 0.3]}], COPPER | BRUSHED, (Place(None, "anisotropy"), Place(0, "ior"), Place(0, "tint"))),
     ([GLASS | {"tint": [0.9, 0.5, 0.3]}], COPPER | BRUSHED, (Place(None, "roughness"), Place(0, "ior"), Place(0, "tint"))),
     ([COAT | BRUSHED], COPPER | BRUSHED, (Place(0, "rotation"),)),
     ([COAT | BRUSHED | {"normal": [0, 0, 0]}], CLAY, ()),
@@ -87,9 +87,8 @@ def test_a_bare_metal_has_a_live_lobe_until_values_of_it_are_live(tier):
     metal, live = brushed([], COPPER | BRUSHED), (Place(None, "roughness"), Place(None, "rotation"))
     made = make_lobe_set(metal, tier)
     assert made.lobe_set.is_live and made.lobe_set.name == "analytic"
-    assert followed_by_nodes(metal, tier, live) == live and followed_by_nodes(metal, tier, (Place(None, "anisotropy"),)) == ()
-    assert set(make_lobe_set(metal, tier, live=live).lobe_set.followed) == set(live)
-    assert make_lobe_set(metal, tier, live=(Place(None, "anisotropy"),)).lobe_set.is_live
+    for some in (live, (Place(None, "anisotropy"),)):
+        assert followed_by_nodes(metal, tier, some) == some and set(make_lobe_set(metal, tier, live=some).lobe_set.followed) == set(some)
 
 
 LIVE = {
@@ -99,6 +98,10 @@ LIVE = {
     "a bare metal's color and smudges": (
         [], STEEL | BRUSHED, [{(None, "reflectance"): c, (None, "roughness"): r} for c, r in (((0.9, 0.6, 0.2), 0.2), ((0.05, 0.4, 0.75), 0.6))], 0.03,
     ),
+    "brushing of a bare metal that varies": ([], COPPER | BRUSHED, [{(None, "anisotropy"): a} for a in (0.0, 0.12, 0.85)], 0.005),
+    "brushing under glass that varies": ([GLASS], COPPER | BRUSHED, [{(None, "anisotropy"): a} for a in (0.0, 0.4, 0.85)], 0.01),
+    "brushing of a coat that varies": ([COAT | BRUSHED], CLAY, [{(0, "anisotropy"): a} for a in (0.12, 0.6, 0.85)], 0.01),
+    "brushing and smudges": ([GLASS], COPPER | BRUSHED, [{(None, "anisotropy"): a, (None, "roughness"): r} for a, r in ((0.3, 0.5), (0.8, 0.3))], 0.02),
     "smudges on a metal under glass": ([GLASS], COPPER | BRUSHED, [{(None, "roughness"): r} for r in (0.13, 0.37, 0.72)], 0.01),
     "smudges on a varnish over metal": ([COAT], COPPER | BRUSHED, [{(0, "roughness"): r} for r in (0.13, 0.37, 0.72)], 0.01),
     "smudges on a brushed coat over metal": ([COAT | BRUSHED], COPPER, [{(0, "roughness"): r} for r in (0.13, 0.37, 0.72)], 0.01),
@@ -145,8 +148,8 @@ def test_auto_follows_live_values():
     made = make_lobe_set(brushed(*STACKS["metal under glass"]), "auto", live=live)
     assert made.lobe_set.followed == live and [candidate.label for candidate in made.choice.tried] == ["baked over the roughness of the base, brushed"]
     assert made.choice.chosen.albedo < 0.015
-    stretched = make_lobe_set(brushed(*STACKS["metal under glass"]), "auto", live=(Place(None, "anisotropy"),))
-    assert stretched.lobe_set.is_live and "a bake cannot follow the anisotropy of the base" in stretched.reason
+    stretched = make_lobe_set(brushed(*STACKS["both, half a turn apart"]), "auto", live=(Place(None, "rotation"),))
+    assert stretched.lobe_set.is_live and "a bake cannot follow the rotation of the base" in stretched.reason
 
 
 def test_auto_tries_the_bake_and_says_how_good_it_is():

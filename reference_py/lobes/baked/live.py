@@ -137,6 +137,9 @@ def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
         knots = Scale(low - before * step, high, fitted + before)
         fine, cross = (replace(scale, low=_NARROWEST) for scale in (axis.fine, axis.cross))
         return NumberAxis(live, knots, fine, cross, before)
+    if name == "anisotropy" and live[0].element(stack).has(ANISOTROPY):
+        axis = _axis_between(NumberAxis, live, (0.0, 1.0), count)
+        return replace(axis, knots=replace(axis.knots, count=_KNOTS_OF_BRUSHED[count]))
     if name == "sigma_deg":
         return _axis_between(NumberAxis, live, (0.0, 90.0), count)
     if name == "reflectance":
