@@ -374,7 +374,7 @@ NUMBERS: Mapping[str, Callable[[], str]] = MappingProxyType({
     "medium energy of both": lambda: percent(cell("live_values", "albedo_worst", stack="milk over paint"), 1),
     "film bakes": lambda: plain(max(stands_in("film", "baked")), 1) + " %",
     "textured films": lambda: span(stands_in("textured", "weidlich_wilkie"), 0) + " %",
-    "brushed live": lambda: span(stands_in("coat", "analytic"), 0) + " %",
+    "brushed live": lambda: plain(max(stands_in("coat", "analytic")), 1) + " %",
     "brushed bakes": lambda: plain(max(stands_in("brushed", "baked")), 1) + " %",
     "not baked of one": lambda: not_baked("1"),
     "not baked of two": lambda: not_baked("2"),
