@@ -9,3 +9,9 @@ float break_isotropy(float alpha)
 {
     return alpha < NEAR_SPECULAR_ALPHA ? alpha * 1.000001 : alpha;
 }
+
+// The second alpha of a lobe that may be isotropic at some views alone.
+float break_isotropy(float alpha_x, float alpha_y)
+{
+    return alpha_x == alpha_y ? break_isotropy(alpha_y) : alpha_y;
+}

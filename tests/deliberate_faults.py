@@ -59,7 +59,7 @@ FAULTS = (
           ("tests/reference_py/test_bare_metal.py::test_every_metal_of_a_texture_is_closer_than_its_own_fits",)),
     Fault("what a metal reflects more often goes as Lambert's light", "reference_py/lobes/baked/bare_metal.py", "return with_ramp(grid_of(", "return (grid_of(",
           ("tests/reference_py/test_bare_metal.py::test_every_metal_of_a_texture_is_closer_than_its_own_fits",)),
-    Fault("fits do not see what they send between the points", "reference_py/lobes/baked/fit_lobes.py", " + self._unseen(found.shape, weight, columns)", "",
+    Fault("fits do not see what they send between the points", "reference_py/lobes/baked/fit_lobes.py", " + self.unseen(found.shape, weight, columns)", "",
           ("tests/reference_py/test_bare_metal.py::test_a_polished_metal_has_one_highlight",)),
     Fault("stock nodes have the bake of OSL without its ramp", "reference_py/lobes/tabulate.py",
           "tables = (lobe_set.stock or lobe_set).tables", "tables = lobe_set.tables",

@@ -310,7 +310,11 @@ class _Writer:
         if np.array_equal(lobe.shape[..., 0], lobe.shape[..., 1]) and not np.any(lobe.shape[..., 2]):
             return f'microfacet("{lobe.distribution}", {upright}, {alphas[0]}, break_isotropy({alphas[0]}), 1.0, 0)', True, (*alphas, "0.0")
         slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
-        return f'microfacet("{lobe.distribution}", {self._about.tilted(slope)}, {", ".join(alphas)}, 1.0, 0)', True, (*alphas, slope)
+        return (
+            f'microfacet("{lobe.distribution}", {self._about.tilted(slope)}, {alphas[0]}, break_isotropy({", ".join(alphas)}), 1.0, 0)',
+            True,
+            (*alphas, slope),
+        )
 
     def _root(self, name: str, values: np.ndarray) -> str:
         """An expression for the root (..., KNOTS) of an alpha, which may be a live roughness itself."""

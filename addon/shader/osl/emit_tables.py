@@ -65,7 +65,7 @@ def _closure(arrays: list[str], said: dict[str, str], body: list[str], name: str
     elif _is_round(table.shape):
         frame, alpha_y = upright, f"break_isotropy({alpha_x})"
     else:
-        frame = about.tilted(slope)
+        frame, alpha_y = about.tilted(slope), f"break_isotropy({alpha_x}, {alpha_y})"
     return Closure(weight, f'microfacet("{table.distribution}", {frame}, {alpha_x}, {alpha_y}, 1.0, 0)', shape=(alpha_x, alpha_y, slope))
 
 

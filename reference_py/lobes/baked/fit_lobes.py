@@ -159,6 +159,14 @@ class ViewFits:
         residual = self._residual(columns, weight)
         return np.max(np.sum(self.share * np.abs(residual), axis=2), axis=1), np.max(np.abs(np.sum(self.share * residual, axis=2)), axis=1)
 
+    def unseen(self, shape, weight, columns) -> np.ndarray:
+        """What lobes send between the points of the truth, (V,), over the albedo, worst channel: of energy 1 is a lobe that is narrow beside the view's height."""
+        energy = np.einsum("vcq,vkq->vck", self.share, columns)
+        cos_o = np.sqrt(np.maximum(1.0 - np.square(self.sin_o), 0.0))
+        is_narrow = np.exp(np.max(shape[..., :2], axis=2)) < _NARROW * cos_o[:, None]
+        missed = np.maximum(_SEEN * energy[..., -1:] - energy[..., :-1], 0.0)
+        return np.max(np.sum(np.where(is_narrow[:, None], weight[..., :-1] * missed, 0.0), axis=2), axis=1)
+
     def gaps(self, distributions: tuple[str, ...], mixtures: Mixtures) -> np.ndarray:
         """What each point sends too little, over the truth's albedo, (V, C, Q)."""
         return self.share * self._residual(self.columns(distributions, mixtures.shape), mixtures.weight)
@@ -192,15 +200,7 @@ class ViewFits:
         energy, wanted = (np.sum(self.share * f, axis=2) for f in (found.weight @ columns, self.goal))
         scale = np.where(energy > 1e-6, np.maximum(wanted, 0.0) / np.maximum(energy, 1e-6), 1.0)
         weight = found.weight * scale[..., None]
-        return Mixtures(found.shape, weight, self.errors(columns, weight)[0] + self._unseen(found.shape, weight, columns))
-
-    def _unseen(self, shape, weight, columns) -> np.ndarray:
-        """What lobes send between the points of the truth, (V,), over the albedo, worst channel: of energy 1 is a lobe that is narrow beside the view's height."""
-        energy = np.einsum("vcq,vkq->vck", self.share, columns)
-        cos_o = np.sqrt(np.maximum(1.0 - np.square(self.sin_o), 0.0))
-        is_narrow = np.exp(np.max(shape[..., :2], axis=2)) < _NARROW * cos_o[:, None]
-        missed = np.maximum(_SEEN * energy[..., -1:] - energy[..., :-1], 0.0)
-        return np.max(np.sum(np.where(is_narrow[:, None], weight[..., :-1] * missed, 0.0), axis=2), axis=1)
+        return Mixtures(found.shape, weight, self.errors(columns, weight)[0] + self.unseen(found.shape, weight, columns))
 
     def _mixtures(self, shape, columns, weight) -> tuple[Mixtures, np.ndarray]:
         """The mixtures, and what is left of the goal at each point (V, C, Q), without sign."""

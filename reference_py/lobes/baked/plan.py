@@ -294,8 +294,9 @@ def _half_way(middles: ViewFits, distributions: tuple[str, ...], left: Mixtures,
     """Errors (V,) of what a table makes of neighbouring mixtures between them, where a wrong energy counts more than a wrong shape."""
     widths = np.log(0.5 * (np.exp(left.shape[..., :2]) + np.exp(right.shape[..., :2])))
     shape = np.concatenate([widths, 0.5 * (left.shape[..., 2:] + right.shape[..., 2:])], axis=2)
-    distance, energy = middles.errors(middles.columns(distributions, shape, np.float32), 0.5 * (left.weight + right.weight))
-    return _felt(distance) + _ENERGY_COUNTS * energy * (1.0 + energy / _ENERGY_HURTS)
+    columns, weight = middles.columns(distributions, shape, np.float32), 0.5 * (left.weight + right.weight)
+    distance, energy = middles.errors(columns, weight)
+    return _felt(distance + middles.unseen(shape, weight, columns)) + _ENERGY_COUNTS * energy * (1.0 + energy / _ENERGY_HURTS)
 
 
 def _felt(error: np.ndarray) -> np.ndarray:
