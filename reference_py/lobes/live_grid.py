@@ -24,8 +24,8 @@ from .view_table import BASE_COLOR, MIN_COS_O, interpolate
 MIN_ENERGY = 1e-7
 # Beside what a top reflects less is not seen: an energy with so much more has a logarithm that is nearly even.
 FLOOR = 0.005
-# Places of the tables' numbers: a shader's text has thousands.
-DIGITS = 4
+# Places of the tables' numbers, and of the coefficients: a shader's text has thousands.
+DIGITS, COEFFICIENT_DIGITS = 4, 3
 # A narrower alpha is a mirror to Cycles.
 MIN_ALPHA = 1e-4
 

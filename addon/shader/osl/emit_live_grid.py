@@ -22,7 +22,7 @@ from ....reference_py.lobes.axes import (
     top_index,
 )
 from ....reference_py.lobes.diffuse_ramp import RAMP_COSINES
-from ....reference_py.lobes.live_grid import MIN_ALPHA, LiveLobe, LiveLobes, LiveRamp, LogEnergy
+from ....reference_py.lobes.live_grid import COEFFICIENT_DIGITS, MIN_ALPHA, LiveLobe, LiveLobes, LiveRamp, LogEnergy
 from ....reference_py.lobes.lobe import ConductorCurve, DielectricCurve
 from ....reference_py.lobes.view_table import KNOTS
 from ....reference_py.material.place import Place
@@ -211,13 +211,15 @@ class _Writer:
         name = self._name("coefficients")
         if name in self._said:
             return name, 0 if is_shared else count
-        rows = np.moveaxis(self._coefficients.reshape(nodes, count, 3), 1, 0).reshape(-1, 3)
+        # whole numbers are the shortest text
+        unit = 10.0**-COEFFICIENT_DIGITS
+        rows = np.rint(np.moveaxis(self._coefficients.reshape(nodes, count, 3), 1, 0).reshape(-1, 3) / unit) + 0.0
         table = self._array("color", "Coefficients", [f"color({','.join(map(_entry, row))})" for row in rows])
         for i in range(len(sizes)):
             self._knots(i, "cross", is_shared)
 
         def at(channel: str) -> str:
-            return self._at_nodes(table, "cross", f"i * {nodes} + ", channel)
+            return f"{unit:g} * {self._at_nodes(table, 'cross', f'i * {nodes} + ', channel)}"
 
         loop = f"for (int i = 0; i < {count}; ++i)"
         if is_shared:
@@ -238,6 +240,10 @@ class _Writer:
         return f"grid({table}, {place}, {', '.join([*map(str, steps[:-1]), *(f'{along}{channel}' for _, along in parts)])})"
 
     def _lobes(self, lobe_set: LiveLobes, base_color: str) -> None:
+        fitted = [i for i, lobe in enumerate(lobe_set.grid) if isinstance(lobe.energy, np.ndarray)]
+        # shares are 1 together: the last lobe has what the others leave, where all see one view
+        last = fitted[-1] if len(fitted) > 1 and len({self.frames[i] for i in fitted}) == 1 else None
+        shares: list[str] = []
         for i, lobe in enumerate(lobe_set.grid):
             self._about = self.frames[i]
             total = self._name(f"fitted{self._about.suffix}")
@@ -248,7 +254,12 @@ class _Writer:
             elif isinstance(lobe.energy, LogEnergy):
                 weight = self._energy(f"Mirror{i}", lobe.energy)
             else:
-                weight = f"{total} * {self._value(f'Share{i}', lobe.energy)}"
+                if i == last:
+                    weight = f"{total} * max(color(1.0) - {' - '.join(shares)}, color(0.0))"
+                else:
+                    shares.append(self._name(f"share{i}"))
+                    self._say(f"color {shares[-1]} = {self._value(f'Share{i}', lobe.energy)};")
+                    weight = f"{total} * {shares[-1]}"
                 if np.any(lobe.unit != 1.0):
                     weight += f" / {self._value(f'Unit{i}', lobe.unit, 'fine' if has_waves(self._axes) else 'knots')}"
             if lobe.is_diffuse and lobe_set.base is not None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...material.stack import Stack
 from ..axes import Axis, Scale, has_waves
-from ..live_grid import DIGITS, FLOOR, LogEnergy
+from ..live_grid import COEFFICIENT_DIGITS, DIGITS, FLOOR, LogEnergy
 from ..view_table import KNOTS
 from .black_and_white import light_of
 from .knot_energies import shares, top_lobe
@@ -18,8 +18,6 @@ from .side_by_side import in_groups
 _CLOSE, _CLOSE_WAVES, _MOST_MODES = 0.002, 0.0004, 15
 # Views beyond this knot are within ten degrees of the horizon, where energies are followed less closely.
 _SEEN, _UNSEEN_WEIGHT = 9, 0.3
-# Places of a coefficient, of which there are thousands.
-_DIGITS = 3
 NAMES = ("mirrors", "fitted", "through", "back")
 
 
@@ -87,7 +85,7 @@ def _modes(left: np.ndarray, close: float) -> tuple[np.ndarray, np.ndarray]:
     vectors = vectors[:, order[:count]]
     scale = np.max(np.abs(vectors), axis=0)
     modes = (vectors / scale).T.reshape(count, *left.shape[-3:]) / seen
-    return (rows @ vectors * scale).reshape(*size, count).round(_DIGITS), np.moveaxis(modes, 1, 0).round(DIGITS)
+    return (rows @ vectors * scale).reshape(*size, count).round(COEFFICIENT_DIGITS), np.moveaxis(modes, 1, 0).round(DIGITS)
 
 
 def _between(values: np.ndarray, number: int, known: Scale, wanted: Scale) -> np.ndarray:

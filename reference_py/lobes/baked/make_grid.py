@@ -55,8 +55,13 @@ def grid_of(
             units = _all_units(axes, lambda node, number=number: nodes[node].tables[number], shape, unit, known)
             energy = gathered(number, lambda table: table.weight) * unit
             lobes.append(LiveLobe(energy, first.distribution, shape, unit=units, is_brushed=first.frame is not None))
-    total = np.maximum(sum(lobe.energy for lobe in lobes if lobe.unit is not None), MIN_ENERGY)
-    lobes = [replace(lobe, energy=before(lobe.energy / total, 0)) if lobe.unit is not None else lobe for lobe in lobes]
+    fitted = [number for number, lobe in enumerate(lobes) if lobe.unit is not None]
+    total = np.maximum(sum(lobes[number].energy for number in fitted), MIN_ENERGY)
+    shares = [before(lobes[number].energy / total, 0) for number in fitted]
+    # the last has what the others leave, as in shaders
+    shares[-1:] = [np.maximum(1.0 - sum(shares[:-1], np.zeros_like(share)), 0.0).round(DIGITS) for share in shares[-1:]]
+    for number, share in zip(fitted, shares):
+        lobes[number] = replace(lobes[number], energy=share)
     base = LiveBase(energies["through"], energies["back"]) if "through" in energies else None
     return LiveLobes(stack, axes, tuple(lobes), energies["fitted"], coefficients, base)
 
