@@ -91,9 +91,9 @@ def drawn(rng, stack: Stack, live) -> Stack:
         ([MILK], METAL, [(0, "density")], 0.004, 1.1),
         ([MILK], METAL, [(0, "scatter_color")], 0.004, 1.2),
         ([MILK], WOOD, [(0, "density"), (0, "scatter_color")], 0.0085, 1.3),
-        ([VARNISH], WOOD, [(0, "roughness"), (0, "tint"), (0, "ior")], 0.012, 1.5),
-        ([VARNISH], WOOD, [(0, "roughness"), (0, "tint"), (0, "ior"), (None, "color")], 0.011, 4.2),
-        ([GLAZE], METAL, [(None, "roughness"), (None, "reflectance"), (0, "thickness")], 0.02, 1.9),
+        ([VARNISH], WOOD, [(0, "roughness"), (0, "tint"), (0, "ior")], 0.012, 1.35),
+        ([VARNISH], WOOD, [(0, "roughness"), (0, "tint"), (0, "ior"), (None, "color")], 0.008, 1.55),
+        ([GLAZE], METAL, [(None, "roughness"), (None, "reflectance"), (0, "thickness")], 0.013, 1.2),
     ],
 )
 def test_values_are_as_right_as_constants(layers, base, live, albedo, shape):

@@ -44,7 +44,11 @@ from .side_by_side import groups, truth_of_all
 
 MOST_AXES, _MOST_WITH_WAVES = 3, 2
 # By how many axes there are: knots of shapes, as a shader's text is limited; and knots of energies, on the way between those that are computed, along one axis and of all together.
-_KNOTS, _KNOTS_OF_ROUGHNESS = {1: 8, 2: 5, 3: 3}, {1: 8, 2: 5, 3: 5}
+_KNOTS, _KNOTS_OF_ROUGHNESS = {1: 8, 2: 5, 3: 4}, {1: 8, 2: 5, 3: 5}
+# Of a base's roughness beside other live values: under layers shapes are fitted from lower down, where they change fastest. Light from below a narrow top has too little for that.
+_KNOTS_UNDER_LAYERS, _LOWEST_UNDER_LAYERS, _BEND_UNDER_LAYERS = 6, 0.1, 0.7
+# Bends of scales of few knots: bright metals and indices near 1 change shapes fastest.
+_BENDS_OF_FEW = {"reflectance": 1.8, "ior": 0.5}
 # Of brushed surfaces, whose lobes need no fits and get flat towards grazing in their own way at each azimuth.
 _KNOTS_OF_BRUSHED = {2: 13, 3: 8}
 _FINE, _CROSS = 33, {1: 2, 2: 25, 3: 13}
@@ -130,12 +134,9 @@ def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
     if name in ("tint", "thickness"):
         return _axis_between(DepthAxis, live, (0.0, _DEEPEST / (_DEEPEST + HALF_DEPTH)), count, _BEND)
     if name == "roughness":
-        axis, (low, high) = _axis_between(NumberAxis, live, _ROUGHNESSES, count, _BEND), _ROUGHNESSES
-        fitted = (_KNOTS_OF_BRUSHED if has_brushing(stack) else _KNOTS_OF_ROUGHNESS)[count]
-        step = (high - low) / (fitted - 1)
-        before = int(np.ceil(low / step))
-        knots = Scale(low - before * step, high, fitted + before)
+        axis = _axis_between(NumberAxis, live, _ROUGHNESSES, count, _BEND)
         fine, cross = (replace(scale, low=_NARROWEST) for scale in (axis.fine, axis.cross))
+        knots, before = _roughnesses(stack, live[0], count)
         return NumberAxis(live, knots, fine, cross, before)
     if name == "anisotropy" and live[0].element(stack).has(ANISOTROPY):
         axis = _axis_between(NumberAxis, live, (0.0, 1.0), count)
@@ -155,8 +156,23 @@ def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
     return _axis_between(IndexAxis, live, tuple((n - 1.0) / (n + 1.0) for n in _INDICES), count, _BEND) if name == "ior" else None
 
 
+def _roughnesses(stack: Stack, live: Place, count: int) -> tuple[Scale, int]:
+    """Knots of shapes of a roughness, one axis of so many, and how many of them are not fitted: they reach down to the narrowest."""
+    (low, high), bend = _ROUGHNESSES, 1.0
+    fitted = (_KNOTS_OF_BRUSHED if has_brushing(stack) else _KNOTS_OF_ROUGHNESS)[count]
+    if live.layer is None and stack.layers and count > 1 and not has_brushing(stack):
+        fitted, low, bend = _KNOTS_UNDER_LAYERS, _LOWEST_UNDER_LAYERS, _BEND_UNDER_LAYERS
+    before, first = 0, low
+    while first > _NARROWEST:
+        before += 1
+        way = (before / (fitted + before - 1)) ** (1.0 / bend)
+        first = (low - way * high) / (1.0 - way)
+    return Scale(first, high, fitted + before, bend), before
+
+
 def _axis_between(kind: type[Axis], live: tuple[Place, ...], ends: tuple[float, float], count: int, bend: float = 1.0) -> Axis:
-    return kind(live, Scale(*ends, _KNOTS[count]), Scale(*ends, _FINE, bend), Scale(*ends, _CROSS[count], bend))
+    few = _BENDS_OF_FEW.get(live[0].name, 1.0) if count == MOST_AXES else 1.0
+    return kind(live, Scale(*ends, _KNOTS[count], few), Scale(*ends, _FINE, bend), Scale(*ends, _CROSS[count], bend))
 
 
 def _beside_film(axis: Axis) -> Axis:
