@@ -186,7 +186,7 @@ class Baker:
             # where a lobe has next to nothing its shape is anything, on the way to which it would send light astray
             seen = np.flatnonzero(np.any(weight > _NEGLIGIBLE * self._albedo, axis=1))
             if len(seen):
-                shape = shape[seen[np.argmin(np.abs(np.arange(KNOTS)[:, None] - seen), axis=1)]]
+                shape = np.stack([np.interp(np.arange(KNOTS), seen, column[seen]) for column in shape.T], axis=-1)
             table = GlossyTable(distribution, weight, np.concatenate([np.exp(shape[:, :2]), shape[:, 2:]], axis=1))
             fitted.append((table, unit_energy(table.lobe(cosines), cosines)[:, :1]))
         fitted.append((DiffuseTable(weights[:, :, -1]), ones[:, :1]))
