@@ -98,10 +98,13 @@ def _live_table(table: LiveTable) -> LiveTable:
 
 
 def _tilted(slope: np.ndarray) -> np.ndarray:
-    """Cosines (..., KNOTS) of the view from a node's normal, which is the surface's and `slope` (..., KNOTS) along the plane of incidence."""
+    """Cosines (..., KNOTS) of the view from a node's normal, which is the surface's and `slope` (..., KNOTS) along the plane of incidence.
+
+    Where a lobe has next to nothing its slope is its neighbours', by which a grazing view may be behind it.
+    """
     cosines = knot_cosines()
     sines = np.sqrt(1.0 - np.square(cosines))
-    return (cosines + slope * np.square(sines)) / np.hypot(1.0, slope * sines)
+    return np.maximum(cosines + slope * np.square(sines), 0.0) / np.hypot(1.0, slope * sines)
 
 
 def _table(table):
