@@ -194,6 +194,15 @@ class ReflectanceAxis(Axis):
         return self.live[0].with_value(stack, (value,) * 3)
 
 
+class CoatedReflectanceAxis(ReflectanceAxis):
+    """The same below layers, beside whose light dark channels have next to nothing of the metal's: shapes are read where the bright ones are."""
+
+    def shared(self, coordinate: np.ndarray) -> float:
+        """The mean over channels, each counted by the root of the ratio that its coordinate has the logarithm of."""
+        counts = np.exp(0.5 * coordinate)
+        return float(np.sum(counts * coordinate) / np.sum(counts))
+
+
 class EdgeAxis(Axis):
     """A metal's edge color; near 1 its index is small, and reflections change fast."""
 
@@ -254,5 +263,5 @@ def brushing_of(axes: tuple[Axis, ...], stack: Stack) -> float | None:
     return directions(stack).pop() if any(isinstance(axis, AzimuthAxis) for axis in axes) else None
 
 
-_KINDS = (NumberAxis, FilmAxis, IndexAxis, ThicknessAxis, DepthAxis, ReflectanceAxis, EdgeAxis, ScatterColorAxis, AzimuthAxis)
+_KINDS = (NumberAxis, FilmAxis, IndexAxis, ThicknessAxis, DepthAxis, ReflectanceAxis, CoatedReflectanceAxis, EdgeAxis, ScatterColorAxis, AzimuthAxis)
 AXES = {axis.__name__: axis for axis in _KINDS}

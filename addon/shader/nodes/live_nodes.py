@@ -16,6 +16,7 @@ from ....reference_py.lobes.axes import (
     REFLECTANCE_OFFSET,
     Axis,
     AzimuthAxis,
+    CoatedReflectanceAxis,
     DepthAxis,
     EdgeAxis,
     IndexAxis,
@@ -229,7 +230,12 @@ class LiveNodes:
         color = self._view.bounded(first)
         if isinstance(axis, ReflectanceAxis):
             over = build.vector("ADD", color, REFLECTANCE_OFFSET), build.vector("SUBTRACT", (1.0 + BRIGHT_OFFSET,) * 3, color)
-            channels = [build.math("LOGARITHM", ratio, math.e) for ratio in self._separate(build.vector("DIVIDE", *over))]
+            ratios = self._separate(build.vector("DIVIDE", *over))
+            channels = [build.math("LOGARITHM", ratio, math.e) for ratio in ratios]
+            if isinstance(axis, CoatedReflectanceAxis):
+                counts = build.combined([build.math("SQRT", ratio) for ratio in ratios])
+                total, seen = (build.vector("DOT_PRODUCT", counts, of) for of in ((1.0,) * 3, build.combined(channels)))
+                return [*channels, build.math("DIVIDE", seen, total)]
         elif isinstance(axis, EdgeAxis):
             short = self._separate(build.vector("SUBTRACT", (1.0,) * 3, color))
             channels = [build.math("SUBTRACT", 1.0, build.math("SQRT", c)) for c in short]

@@ -11,6 +11,7 @@ from ....reference_py.lobes.axes import (
     REFLECTANCE_OFFSET,
     Axis,
     AzimuthAxis,
+    CoatedReflectanceAxis,
     DepthAxis,
     EdgeAxis,
     IndexAxis,
@@ -115,6 +116,10 @@ class _Writer:
         if isinstance(axis, ReflectanceAxis):
             self._say(f"color {name} = clamp({first}, color(0.0), color(1.0));")
             self._say(f"{name} = log(({name} + {REFLECTANCE_OFFSET:g}) / ({1.0 + BRIGHT_OFFSET:g} - {name}));")
+            if isinstance(axis, CoatedReflectanceAxis):
+                counts = self._name(f"counts{i}")
+                self._say(f"color {counts} = exp(0.5 * {name});")
+                return name, f"mean_of({counts} * {name}) / mean_of({counts})"
         elif isinstance(axis, EdgeAxis):
             self._say(f"color {name} = 1.0 - sqrt(1.0 - clamp({first}, color(0.0), color(1.0)));")
         elif isinstance(axis, ScatterColorAxis):

@@ -9,7 +9,7 @@ from functools import reduce
 import numpy as np
 
 from ...material.place import Place, places
-from ...material.schema import ANISOTROPY, DIELECTRIC, SCATTERING
+from ...material.schema import ANISOTROPY, DIELECTRIC, SCATTERING, THIN_FILM
 from ...material.stack import Stack
 from ...optics.bases import DiffuseBase
 from ...optics.optical_stack import OpticalStack
@@ -17,6 +17,7 @@ from ..axes import (
     HALF_DEPTH,
     Axis,
     AzimuthAxis,
+    CoatedReflectanceAxis,
     DepthAxis,
     EdgeAxis,
     FilmAxis,
@@ -45,8 +46,9 @@ from .side_by_side import groups, truth_of_all
 MOST_AXES, _MOST_WITH_WAVES = 3, 2
 # By how many axes there are: knots of shapes, as a shader's text is limited; and knots of energies, on the way between those that are computed, along one axis and of all together.
 _KNOTS, _KNOTS_OF_ROUGHNESS = {1: 8, 2: 5, 3: 4}, {1: 8, 2: 5, 3: 5}
-# Of a base's roughness beside other live values: under layers shapes are fitted from lower down, where they change fastest. Light from below a narrow top has too little for that.
-_KNOTS_UNDER_LAYERS, _LOWEST_UNDER_LAYERS, _BEND_UNDER_LAYERS = 6, 0.1, 0.7
+# Of a roughness beside other live values how many knots, the first of those that are fitted, and their bend, where shapes change fastest when it is low: of a base
+# under layers, and of a surface with a film, of whose own light nothing is known. Below another narrow top there is too little else to fit.
+_UNDER_LAYERS, _FILMED = (6, 0.1, 0.7), (6, 0.06, 1.0)
 # Bends of scales of few knots: bright metals and indices near 1 change shapes fastest.
 _BENDS_OF_FEW = {"reflectance": 1.8, "ior": 0.5}
 # Of brushed surfaces, whose lobes need no fits and get flat towards grazing in their own way at each azimuth.
@@ -144,7 +146,8 @@ def _axis(stack: Stack, live: tuple[Place, ...], count: int) -> Axis | None:
     if name == "sigma_deg":
         return _axis_between(NumberAxis, live, (0.0, 90.0), count)
     if name == "reflectance":
-        return _axis_between(ReflectanceAxis, live, tuple(map(float, of_reflectance(np.array(_REFLECTANCES)))), count, _BEND)
+        kind = CoatedReflectanceAxis if stack.layers else ReflectanceAxis
+        return _axis_between(kind, live, tuple(map(float, of_reflectance(np.array(_REFLECTANCES)))), count, _BEND)
     if name in ("film_thickness", "film_ior"):
         film = live[0].element(stack)
         thickest = 0.0, _THICKEST_PATH / film["film_ior"]
@@ -160,8 +163,11 @@ def _roughnesses(stack: Stack, live: Place, count: int) -> tuple[Scale, int]:
     """Knots of shapes of a roughness, one axis of so many, and how many of them are not fitted: they reach down to the narrowest."""
     (low, high), bend = _ROUGHNESSES, 1.0
     fitted = (_KNOTS_OF_BRUSHED if has_brushing(stack) else _KNOTS_OF_ROUGHNESS)[count]
-    if live.layer is None and stack.layers and count > 1 and not has_brushing(stack):
-        fitted, low, bend = _KNOTS_UNDER_LAYERS, _LOWEST_UNDER_LAYERS, _BEND_UNDER_LAYERS
+    if count > 1 and not has_brushing(stack):
+        if live.layer is None and stack.layers:
+            fitted, low, bend = _UNDER_LAYERS
+        elif live.element(stack).has(THIN_FILM):
+            fitted, low, bend = _FILMED
     before, first = 0, low
     while first > _NARROWEST:
         before += 1
