@@ -23,7 +23,7 @@ _FILM, _BRUSHED = {"film_thickness": 300.0, "film_ior": 1.8}, {"anisotropy": 0.5
         ([VARNISH | _BRUSHED], METAL, [], BAKED),
         ([VARNISH | _BRUSHED], METAL, [(0, "roughness"), (0, "tint")], BAKED),
         ([VARNISH | _BRUSHED], METAL, [(0, "roughness"), (0, "tint"), (None, "roughness")], ANALYTIC),
-        ([VARNISH | _BRUSHED], METAL, [(0, "anisotropy")], ANALYTIC),
+        ([VARNISH | _BRUSHED], METAL, [(0, "anisotropy"), (None, "roughness")], BAKED),
         ([], METAL | _BRUSHED, [], ANALYTIC),
         ([VARNISH | _FILM], METAL, [(0, "roughness")], BAKED),
         ([GLAZE | _FILM], METAL, [(0, "film_thickness")], BAKED),
