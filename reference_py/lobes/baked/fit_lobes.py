@@ -27,7 +27,7 @@ _FLOOR_OF_F, _FLOOR_OF_ALBEDO = 0.02, 0.001
 _HIGH = np.array([np.log(_LARGEST_ALPHA)] * 2 + [_MAX_TILT])
 _LONGEST_STEP = 0.7
 # A lobe of an alpha below this share of the view's cosine has an energy of nearly 1, of which the points see at least so much where they are close to it.
-_NARROW, _SEEN = 0.2, 0.7
+_NARROW, _SEEN = 0.05, 0.7
 _FIRST_DAMPING, _LEAST_DAMPING = 1e-2, 1e-6
 
 
@@ -161,11 +161,15 @@ class ViewFits:
 
     def unseen(self, shape, weight, columns) -> np.ndarray:
         """What lobes send between the points of the truth, (V,), over the albedo, worst channel: of energy 1 is a lobe that is narrow beside the view's height."""
-        energy = np.einsum("vcq,vkq->vck", self.share, columns)
         cos_o = np.sqrt(np.maximum(1.0 - np.square(self.sin_o), 0.0))
         is_narrow = np.exp(np.max(shape[..., :2], axis=2)) < _NARROW * cos_o[:, None]
-        missed = np.maximum(_SEEN * energy[..., -1:] - energy[..., :-1], 0.0)
-        return np.max(np.sum(np.where(is_narrow[:, None], weight[..., :-1] * missed, 0.0), axis=2), axis=1)
+        some = np.flatnonzero(np.any(is_narrow, axis=1))
+        result = np.zeros(len(shape))
+        if len(some):
+            energy = np.einsum("vcq,vkq->vck", self.share[some], columns[some])
+            missed = np.maximum(_SEEN * energy[..., -1:] - energy[..., :-1], 0.0)
+            result[some] = np.max(np.sum(np.where(is_narrow[some, None], weight[some, :, :-1] * missed, 0.0), axis=2), axis=1)
+        return result
 
     def gaps(self, distributions: tuple[str, ...], mixtures: Mixtures) -> np.ndarray:
         """What each point sends too little, over the truth's albedo, (V, C, Q)."""
