@@ -25,7 +25,7 @@ from .live import axes_of, computed_of
 from .make_grid import grid_of
 from .side_by_side import in_groups
 
-# Directions of an energy, as rings and places on each: with eight times as many it moves by 2e-4.
+# Directions of an energy, as rings and places on each: six times as many move it by 8e-4 of the light at most.
 _RULE = (64, 16)
 # Points of each strategy at a view.
 _POINTS = 96

@@ -32,7 +32,7 @@ class RampBaker:
     def counts(self, most: int) -> range:
         """The numbers of glossy lobes, up to `most`, of which there are bakes; none where the Baker's own have the ramp, or nothing is known of the top."""
         least = len(self._tables)
-        return range(least, min(most, most if self._is_diffuse else least) + 1) if self._is_able else range(0)
+        return range(least, (most if self._is_diffuse else min(most, least)) + 1) if self._is_able else range(0)
 
     def lobe_set(self, glossy: int) -> TableLobes:
         """The bake of so many glossy lobes, one of `counts`. Without fits all that is left is taken for the base's light."""
