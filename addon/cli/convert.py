@@ -80,8 +80,8 @@ def _import(options) -> None:
 
 def _with_means(material: AnyMaterial) -> tuple[AnyMaterial, list[str]]:
     """A material with the means of its images as values, as a stack file has no textures, and what no image gave."""
-    files = {given: image for given, image in material.images.items() if Path(image.file).is_file() and not image.is_normal}
-    notes = [f"lost: {given} image {image.file}: there is no such file" for given, image in material.images.items() if not Path(image.file).is_file()]
+    files = {given: image for given, image in material.images.items() if image.files and not image.is_normal}
+    notes = [f"lost: {given} image {image.file}: there is no such file" for given, image in material.images.items() if not image.files]
     if not files:
         return material, notes
     means = {}

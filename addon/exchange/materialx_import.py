@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials of MaterialX files as Lamina materials, with their images as textures."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +11,7 @@ import bpy
 from ...reference_py.errors import LaminaError, Sentence
 from ...reference_py.exchange.conversion import Converted
 from ...reference_py.exchange.materialx import AnyMaterial, load_mtlx
-from ...reference_py.exchange.materialx_graph import Image
+from ...reference_py.exchange.materialx_image import TILES, Image
 from ...reference_py.exchange.report import KEPT, LOST, Report, noted
 from ...reference_py.material.place import Place
 from ...reference_py.material.stack import Stack
@@ -68,7 +69,7 @@ def import_materials(path: str, chosen: Callable[[bpy.types.Material], tuple[str
 
 def apply_material(target: bpy.types.Material, source: AnyMaterial, tier: str, backend: str) -> Imported:
     """Give a material the stack and the images of one of a file. Raises LaminaError, and leaves it as it was."""
-    there = [given for given, image in source.images.items() if Path(image.file).is_file()]
+    there = [given for given, image in source.images.items() if image.files]
     gone = [(given, image.file) for given, image in source.images.items() if given not in there]
     notes = [noted(LOST, Sentence("{given} image {file}: there is no such file", given=given, file=file)) for given, file in gone]
     converted = source.to_stack(frozenset(source.images) - frozenset(there))
@@ -136,25 +137,40 @@ def _texture(tree: bpy.types.NodeTree, image: Image, place, row: int, notes: lis
     node = tree.nodes.new("ShaderNodeTexImage")
     node.location = (place[0] - 5 * _APART, place[1] - row * _APART)
     node.image = _block(image, notes)
-    if image.tiling != (1.0, 1.0):
+    if (image.tiling, image.turn, image.shift) != ((1.0, 1.0), 0.0, (0.0, 0.0)):
         coordinates, mapping = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeMapping")
         coordinates.location, mapping.location = (node.location.x - 2 * _APART, node.location.y), (node.location.x - _APART, node.location.y)
         mapping.inputs["Scale"].default_value = (*image.tiling, 1.0)
+        mapping.inputs["Rotation"].default_value = (0.0, 0.0, image.turn)
+        mapping.inputs["Location"].default_value = (*image.shift, 0.0)
         tree.links.new(coordinates.outputs["UV"], mapping.inputs["Vector"])
         tree.links.new(mapping.outputs["Vector"], node.inputs["Vector"])
     if image.is_normal:
         bump = tree.nodes.new("ShaderNodeNormalMap")
         bump.location = (node.location.x + _APART, node.location.y)
+        bump.inputs["Strength"].default_value = image.strength
         tree.links.new(node.outputs["Color"], bump.inputs["Color"])
         return bump.outputs["Normal"]
+    output = node.outputs["Color"]
     if image.channel == 3:
-        return node.outputs["Alpha"]
-    if image.channel is not None:
+        output = node.outputs["Alpha"]
+    elif image.channel is not None:
         split = tree.nodes.new("ShaderNodeSeparateColor")
         split.location = (node.location.x + _APART, node.location.y)
         tree.links.new(node.outputs["Color"], split.inputs["Color"])
-        return split.outputs[_CHANNELS[image.channel]]
-    return node.outputs["Color"]
+        output = split.outputs[_CHANNELS[image.channel]]
+    return output if image.is_plain else _scaled(tree, output, image)
+
+
+def _scaled(tree: bpy.types.NodeTree, output: bpy.types.NodeSocket, image: Image) -> bpy.types.NodeSocket:
+    """What a graph makes of an image's values: a factor and an offset."""
+    is_value = image.width == 1 and len(image.scale) == len(image.offset) == 1
+    node = tree.nodes.new("ShaderNodeMath" if is_value else "ShaderNodeVectorMath")
+    node.operation, node.location = "MULTIPLY_ADD", (output.node.location.x + _APART, output.node.location.y)
+    for socket, numbers in zip(node.inputs[1:3], (image.scale, image.offset)):
+        socket.default_value = numbers[0] if is_value else tuple(numbers * 3)[:3]
+    tree.links.new(output, node.inputs[0])
+    return node.outputs[0]
 
 
 def _block(image: Image, notes: list[Sentence]) -> bpy.types.Image:
@@ -167,9 +183,30 @@ def _block(image: Image, notes: list[Sentence]) -> bpy.types.Image:
     for block in bpy.data.images:
         if block.library is None and bpy.path.abspath(block.filepath) == image.file and block.colorspace_settings.name == wanted:
             return block
-    block = bpy.data.images.load(image.file)
+    block = bpy.data.images.load(image.files[0])
+    if image.files[0] != image.file:
+        _tile(block, image)
     block.colorspace_settings.name = wanted
     return block
+
+
+def _tile(block: bpy.types.Image, image: Image) -> None:
+    """Make all tiles of an image of the first one."""
+    block.source, block.filepath = "TILED", image.file
+    name = Path(image.file).name
+    block.name = name
+    before = len(image.file[: min(i for mark in TILES if (i := image.file.find(mark)) >= 0)])
+    numbers = [int(file[before : before + 4]) if TILES[0] in name else _number(file[before:]) for file in image.files]
+    first = block.tiles[0]
+    first.number = numbers[0]
+    for number in numbers[1:]:
+        block.tiles.new(number)
+
+
+def _number(text: str) -> int:
+    """Of a tile u1_v1."""
+    u, v = re.match(r"u(\d+)_v(\d+)", text).groups()
+    return 1000 + int(u) + 10 * (int(v) - 1)
 
 
 def lost_textures(material: bpy.types.Material) -> list[Sentence]:

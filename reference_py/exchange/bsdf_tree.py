@@ -15,7 +15,8 @@ from ..errors import LaminaError, Sentence
 from ..material.schema import DIELECTRIC as SCHEMA_DIELECTRIC
 from ..optics.microfacet import GGX
 from .materialx_document import Document
-from .materialx_graph import Graph, Image, Unread, input_of
+from .materialx_graph import Graph, Unread, input_of
+from .materialx_image import Image
 from .report import APPROXIMATED, LOST, Loss, shown
 
 SURFACE = "surface"
@@ -245,6 +246,7 @@ class TreeReader:
                 self._lose(f"{name} {parameter}", given.get("value", Sentence("linked")), Sentence("a stack has no place for it"))
             elif any(given.get(key) for key in ("value", "nodename", "nodegraph", "interfacename", "output")):
                 found = self._roughness(given) if parameter == "roughness" and kind in (DIELECTRIC, CONDUCTOR, SCHLICK) else self.graph.value(given)
+                self.losses += [Loss(f"{name} {parameter}", Sentence("linked"), APPROXIMATED, note) for note in self.graph.notes]
                 if isinstance(found, Image):
                     images[parameter] = self._placed(found)
                 elif isinstance(found, Unread):

@@ -22,7 +22,8 @@ from .bsdf_tree import SURFACE, Leaf, Mixed, Tree, TreeReader, every_part, image
 from .conversion import Converted, matched
 from .matching import FINE, Albedos, color_map, mean, recolored, truth
 from .materialx_document import Document
-from .materialx_graph import Image, input_of
+from .materialx_graph import input_of
+from .materialx_image import Image
 from .report import APPROXIMATED, LOST, Loss, Report, image_loss
 from .slots import MOST_REFLECTANCE
 

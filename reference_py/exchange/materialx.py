@@ -19,7 +19,8 @@ from .conversion import Converted
 from .layer_graph import LayeredMaterial, read_layered
 from .layer_graph_writing import add_surface
 from .materialx_document import Document
-from .materialx_graph import Graph, Image, Unread, input_of
+from .materialx_graph import Graph, Unread, as_normal, input_of
+from .materialx_image import Image
 from .mixed_surfaces import MixedSurfaces
 from .openpbr import PLACES, from_surface
 from .report import APPROXIMATED, LOST, Loss, Report, image_loss, shown
@@ -69,6 +70,7 @@ class Material:
         values = {}
         for given, mean in means.items():
             if (default := self.surface.defaults.get(given)) is not None:
+                mean = np.clip(mean, 0.0, 1.0) if _SHARES.search(given) else mean
                 values[given] = tuple(float(c) for c in np.broadcast_to(mean, 3)) if isinstance(default, tuple) else float(mean[0])
         return replace(self, values=self.values | values, means=frozenset(means))
 
@@ -273,8 +275,17 @@ def _material(document: Document, name: str, node: ElementTree.Element, folder: 
         if not any(given.get(key) for key in ("value", "nodename", "nodegraph", "interfacename", "output")):
             continue
         found = graph.value(given)
+        losses += [Loss(parameter, Sentence("linked"), APPROXIMATED, note) for note in graph.notes]
         if isinstance(found, Image):
-            images[parameter] = found if folder is None else replace(found, file=str(folder / found.file))
+            found = as_normal(found) if parameter in NORMALS and not found.is_normal else found
+            found = found if folder is None else replace(found, file=str(folder / found.file))
+            if folder is None or found.files or found.default is None or default is None:
+                images[parameter] = found
+                continue
+            value = _limited(surface, parameter, found.at(np.array(found.default)), document.where, losses)
+            values[parameter] = value
+            why = Sentence("there is no such file; the file's own default, {value}, stands in", value=shown(value))
+            losses.append(Loss(parameter, Sentence("image {file}", file=found.file), LOST, why))
         elif isinstance(found, Unread):
             stands_in = Sentence("left out") if default is None else Sentence("its default, {value}, stands in", value=shown(default))
             losses.append(Loss(parameter, Sentence("linked"), LOST, Sentence("{why}; {stands_in}", why=found.why, stands_in=stands_in)))

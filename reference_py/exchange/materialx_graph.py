@@ -5,16 +5,17 @@ Colors come out as linear Rec.709, by the color space of the nearest element tha
 negative. Nodes that are followed: `FUNCTIONS`, and those that pass one input on.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from ..errors import LaminaError, Sentence
-from ..optics.colour import artist_index, is_known, to_linear_rec709
+from ..optics.colour import is_known, to_linear_rec709
 from .materialx_document import Document
+from .materialx_functions import FUNCTIONS, ONE, OUTPUTS, ZERO, placed
+from .materialx_image import Image, lying, made_of
 
 _COUNTS = {"float": 1, "integer": 1, "boolean": 1, "vector2": 2, "vector3": 3, "vector4": 4, "color3": 3, "color4": 4}
 _LINKS = ("nodename", "nodegraph", "interfacename")
@@ -22,19 +23,9 @@ _IMAGES = ("image", "tiledimage", "hextiledimage", "gltf_image", "gltf_colorimag
 _NORMALS = {"normalmap": "in", "gltf_normalmap": "file", "hextilednormalmap": "file"}
 _PASSED = {"constant": "value", "dot": "in", "convert": "in", "gltf_texture_factor": "in"}
 _MOST_STEPS = 200
-_ZERO, _ONE = np.zeros(1), np.ones(1)
-
-
-@dataclass(frozen=True)
-class Image:
-    """An image of a file. `space` is its color space's name, empty for data; `tiling` how often it repeats along u and v."""
-
-    file: str
-    space: str
-    is_normal: bool = False
-    tiling: tuple[float, float] = (1.0, 1.0)
-    channel: int | None = None
-    """The one that is taken, 0 to 3; None for all."""
+# Nodes that give uv, of which Blender takes those that are active.
+_COORDINATES = ("texcoord", "geompropvalue", "UsdPrimvarReader")
+_CHANNELS = {f"{before}{letter}": index for before in ("", "out") for letters in ("rgba", "xyzw") for index, letter in enumerate(letters)}
 
 
 @dataclass(frozen=True)
@@ -44,71 +35,6 @@ class Unread:
     why: Sentence
 
 
-def _mix(inputs) -> np.ndarray:
-    bg, fg, share = inputs("bg", _ZERO), inputs("fg", _ZERO), inputs("mix", _ZERO)
-    return bg + share * (fg - bg)
-
-
-def _divided(inputs) -> np.ndarray:
-    below = inputs("in2", _ONE)
-    return inputs("in1", _ZERO) / np.where(below == 0.0, 1.0, below)
-
-
-def _extract(inputs) -> np.ndarray:
-    values, index = inputs("in", _ZERO), int(inputs("index", _ZERO)[0])
-    return values[min(max(index, 0), len(values) - 1)][None]
-
-
-def _widths(roughness: np.ndarray, inputs) -> np.ndarray:
-    """alpha along and across, their product roughness^4."""
-    alpha, aspect = roughness[0] ** 2, (1.0 - min(max(float(inputs("anisotropy", _ZERO)[0]), 0.0), 0.98)) ** 0.5
-    return np.array([min(alpha / aspect, 1.0), alpha * aspect])
-
-
-def _open_widths(inputs) -> np.ndarray:
-    """alpha along and across, the mean of their squares roughness^4."""
-    ratio = 1.0 - inputs("anisotropy", _ZERO)[0]
-    along = inputs("roughness", _ZERO)[0] ** 2 * (2.0 / (1.0 + ratio**2)) ** 0.5
-    return np.array([along, ratio * along])
-
-
-def _dual(inputs) -> np.ndarray:
-    both = inputs("roughness", np.zeros(2))[:2]
-    return np.square(np.where(both < 0.0, both[0], both))
-
-
-def _artistic(inputs) -> np.ndarray:
-    """Index and extinction, one after the other."""
-    reflectance = np.clip(inputs("reflectivity", np.array([0.944, 0.776, 0.373])), 0.0, 0.999)
-    return np.concatenate(artist_index(reflectance, np.clip(inputs("edge_color", np.array([0.998, 0.981, 0.751])), 0.0, 1.0)))
-
-
-def _if(holds: Callable) -> Callable:
-    """The first of two where two values are so, else the second."""
-    return lambda i: i("in1", _ZERO) if holds(i("value1", _ONE)[0], i("value2", _ZERO)[0]) else i("in2", _ZERO)
-
-
-FUNCTIONS: dict[str, Callable] = {
-    "add": lambda i: i("in1", _ZERO) + i("in2", _ZERO), "subtract": lambda i: i("in1", _ZERO) - i("in2", _ZERO),
-    "multiply": lambda i: i("in1", _ZERO) * i("in2", _ONE), "divide": _divided, "mix": _mix,
-    "power": lambda i: np.maximum(i("in1", _ZERO), 0.0) ** i("in2", _ONE),
-    "min": lambda i: np.minimum(i("in1", _ZERO), i("in2", _ZERO)), "max": lambda i: np.maximum(i("in1", _ZERO), i("in2", _ZERO)),
-    "clamp": lambda i: np.clip(i("in", _ZERO), i("low", _ZERO), i("high", _ONE)), "invert": lambda i: i("amount", _ONE) - i("in", _ZERO),
-    "sqrt": lambda i: np.sqrt(np.maximum(i("in", _ZERO), 0.0)), "absval": lambda i: np.abs(i("in", _ZERO)), "extract": _extract,
-    "combine2": lambda i: np.concatenate([i(f"in{n}", _ZERO)[:1] for n in (1, 2)]),
-    "combine3": lambda i: np.concatenate([i(f"in{n}", _ZERO)[:1] for n in (1, 2, 3)]),
-    "ifgreater": _if(lambda a, b: a > b), "ifgreatereq": _if(lambda a, b: a >= b), "ifequal": _if(lambda a, b: a == b),
-    "sign": lambda i: np.sign(i("in", _ZERO)), "floor": lambda i: np.floor(i("in", _ZERO)), "ceil": lambda i: np.ceil(i("in", _ZERO)),
-    "roughness_anisotropy": lambda i: _widths(i("roughness", _ZERO), i), "glossiness_anisotropy": lambda i: _widths(1.0 - i("glossiness", _ONE), i),
-    "open_pbr_anisotropy": _open_widths, "roughness_dual": _dual, "artistic_ior": _artistic,
-    "luminance": lambda i: np.full(3, np.array([0.2126, 0.7152, 0.0722]) @ i("in", np.zeros(3))[:3]),
-}  # fmt: skip
-
-
-# Outputs of nodes that have several, whose numbers come one after the other.
-_OUTPUTS = {"artistic_ior": ("ior", "extinction")}
-
-
 class _Neither(Exception):
     def __init__(self, why: Sentence):
         super().__init__(why)
@@ -116,16 +42,21 @@ class _Neither(Exception):
 
 
 class Graph:
-    """Follows inputs of one file. `unknown` are the names of color spaces that were met and not known: read as linear Rec.709."""
+    """Follows inputs of one file. `unknown` are the names of color spaces that were met and not known: read as linear Rec.709.
+
+    `notes` are what the last value that was asked for is not quite.
+    """
 
     def __init__(self, document: Document):
         self._document = document
         self.unknown: set[str] = set()
+        self.notes: list[Sentence] = []
         self._steps = 0
+        self._uv: np.ndarray | None = None
 
     def value(self, element: Element) -> np.ndarray | Image | Unread:
         """Of an input; also of an output, or a node with a value of its own."""
-        self._steps = 0
+        self._steps, self.notes = 0, []
         try:
             return self._followed(element)
         except _Neither as neither:
@@ -169,7 +100,8 @@ class Graph:
             if found is None:
                 name = next(element.get(k) for k in (*_LINKS, "output") if element.get(k))[:60]
                 raise _Neither(Sentence("is linked to {name}, which is not in the file", name=name))
-            return self._of_node(*found)
+            result = self._of_node(*found)
+            return self._swizzled(result, element.get("channels", ""), element.get("type", "")) if element.get("channels") else result
         return self.own_value(element)
 
     def own_value(self, element: Element) -> np.ndarray:
@@ -200,42 +132,95 @@ class Graph:
 
     def _of_node(self, node: Element, output: str) -> np.ndarray | Image:
         kind = node.tag
+        if kind in _COORDINATES and self._uv is not None and node.get("type", "") in ("vector2", "float2"):
+            return self._uv
+        if kind == "geompropvalue" and (default := input_of(node, "default")) is not None:
+            self.notes.append(Sentence("is computed by {kind}; the value that the file has for where there is none stands in", kind=kind))
+            return self._followed(default)
         if kind in _IMAGES:
             return self._image(node, output)
         if kind in _NORMALS:
-            given = input_of(node, _NORMALS[kind])
-            image = self._image(node, "") if _NORMALS[kind] == "file" else self._followed(given) if given is not None else None
-            if isinstance(image, Image):
-                return Image(image.file, "", True, image.tiling)
-            raise _Neither(Sentence("is a {kind} without an image", kind=kind))
+            return self._normal(node)
         if kind in _PASSED:
             given = input_of(node, _PASSED[kind])
             if given is None:
                 raise _Neither(Sentence("is a {kind} without a value", kind=kind))
             result = self._followed(given)
+            if kind == "gltf_texture_factor":
+                return self._computed(node, "multiply", {"in1": "in", "in2": "factor"})
             return result if isinstance(result, Image) else _as_type(result, node.get("type", ""))
         if kind.startswith("separate"):
-            return self._channel(input_of(node, "in"), {"outr": 0, "outx": 0, "outg": 1, "outy": 1, "outb": 2, "outz": 2, "outa": 3, "outw": 3}.get(output, 0))
-        if kind == "extract" and isinstance(given := self._optional(node, "in"), Image):
-            index = self._optional(node, "index")
-            return self._channel(input_of(node, "in"), int(index[0]) if isinstance(index, np.ndarray) else 0)
+            return self._channel(input_of(node, "in"), _CHANNELS.get(output, 0))
+        if kind == "swizzle":
+            given, wanted = input_of(node, "in"), input_of(node, "channels")
+            if given is None or wanted is None:
+                raise _Neither(Sentence("is a channel of nothing"))
+            return self._swizzled(self._followed(given), wanted.get("value", ""), node.get("type", ""))
         if kind not in FUNCTIONS:
             raise _Neither(Sentence("is computed by {kind}", kind=kind))
-
-        def inputs(name: str, default: np.ndarray) -> np.ndarray:
-            given = input_of(node, name)
-            if given is None:
-                return default
-            found = self._followed(given)
-            if isinstance(found, Image):
-                raise _Neither(Sentence("is computed from the image {file}", file=found.file))
-            return found
-
-        result = np.atleast_1d(FUNCTIONS[kind](inputs))
-        if kind in _OUTPUTS:
-            names = _OUTPUTS[kind]
+        result = self._computed(node, kind)
+        if kind in OUTPUTS and not isinstance(result, Image):
+            names = OUTPUTS[kind]
             return np.split(result, len(names))[names.index(output) if output in names else 0]
-        return _as_type(result, node.get("type", ""))
+        return result
+
+    def _computed(self, node: Element, kind: str, names: dict[str, str] | None = None) -> np.ndarray | Image:
+        """Of a function of its inputs, `names` by which it knows them: numbers, or an image where they are affine in it."""
+        followed: dict[str, np.ndarray | Image] = {}
+        images: dict[Image, Image] = {}
+
+        def at(values: np.ndarray) -> np.ndarray:
+            def inputs(name: str, default: np.ndarray) -> np.ndarray:
+                if name not in followed:
+                    given = input_of(node, (names or {}).get(name, name))
+                    followed[name] = default if given is None else self._followed(given)
+                found = followed[name]
+                if not isinstance(found, Image):
+                    return found
+                images.setdefault(found.plain, found.plain)
+                return found.at(values)
+
+            result = np.atleast_1d(FUNCTIONS[kind](inputs))
+            return result if kind in OUTPUTS else _as_type(result, node.get("type", ""))
+
+        probe = np.full(3, 0.5)
+        try:
+            result = at(probe)
+            if not images:
+                return result
+            if len(images) == 1 and not next(iter(images)).is_normal:
+                image = next(iter(images))
+                made = made_of(image, at)
+                if made is not None:
+                    return made
+        except ValueError:  # numbers of channels that do not fit
+            pass
+        if not images:
+            raise _Neither(Sentence("is computed by {kind}", kind=kind))
+        raise _Neither(Sentence("is computed from the image {file}", file=next(iter(images)).file))
+
+    def _normal(self, node: Element) -> Image:
+        kind = node.tag
+        given = input_of(node, _NORMALS[kind])
+        image = self._image(node, "") if _NORMALS[kind] == "file" else self._followed(given) if given is not None else None
+        if not isinstance(image, Image):
+            raise _Neither(Sentence("is a {kind} without an image", kind=kind))
+        scale = self._optional(node, "scale" if kind == "normalmap" else "normal_scale" if kind == "hextilednormalmap" else "")
+        strength = float(scale[0]) if isinstance(scale, np.ndarray) else 1.0
+        return as_normal(image, strength)
+
+    def _swizzled(self, found: np.ndarray | Image, channels: str, kind: str) -> np.ndarray | Image:
+        """Channels by their letters, 0 and 1; of an image one, or all as they are."""
+        if isinstance(found, Image):
+            if channels in ("rgb", "xyz", "rgba", "xyzw") and found.channel is None:
+                return found
+            if len(set(channels)) == 1 and channels[0] in _CHANNELS:
+                return found.of_channel(_CHANNELS[channels[0]])
+            raise _Neither(Sentence("is computed from the image {file}", file=found.file))
+        known = {**{name: found[min(index, len(found) - 1)] for name, index in _CHANNELS.items()}, "0": 0.0, "1": 1.0}
+        if not channels or any(letter not in known for letter in channels):
+            raise _Neither(Sentence("is a channel of nothing"))
+        return _as_type(np.array([known[letter] for letter in channels]), kind)
 
     def _optional(self, node: Element, name: str):
         given = input_of(node, name)
@@ -245,24 +230,71 @@ class Graph:
         if given is None:
             raise _Neither(Sentence("is a channel of nothing"))
         found = self._followed(given)
-        if isinstance(found, Image):
-            return Image(found.file, found.space, False, found.tiling, index)
-        return found[min(index, len(found) - 1)][None]
+        return found.of_channel(index) if isinstance(found, Image) else found[min(index, len(found) - 1)][None]
 
     def _image(self, node: Element, output: str) -> Image:
         file = input_of(node, "file")
+        if file is not None and not file.get("value") and file.get("interfacename"):
+            scope = self._document.parent(node)
+            file = next((i for i in scope if i.tag == "input" and i.get("name") == file.get("interfacename")), None)
         if file is None or not file.get("value"):
-            if file is not None and file.get("interfacename"):
-                scope = self._document.parent(node)
-                file = next((i for i in scope if i.tag == "input" and i.get("name") == file.get("interfacename")), None)
-            if file is None or not file.get("value"):
-                raise _Neither(Sentence("is an image without a file"))
-        is_color = node.get("type", "").startswith("color") or node.tag == "UsdUVTexture" and output in ("", "rgb", "rgba")
-        tiling = self._optional(node, "uvtiling")
-        pair = tuple(float(t) for t in tiling) if isinstance(tiling, np.ndarray) and len(tiling) == 2 else (1.0, 1.0)
-        channel = {"r": 0, "g": 1, "b": 2, "a": 3}.get(output) if node.tag == "UsdUVTexture" else None
+            raise _Neither(Sentence("is an image without a file"))
+        kind, is_usd, is_gltf = node.get("type", ""), node.tag == "UsdUVTexture", node.tag == "gltf_colorimage"
+        is_color = kind.startswith("color") or (is_usd and output in ("", "rgb", "rgba")) or is_gltf
+        channel = _CHANNELS.get(output) if is_usd else 3 if is_gltf and output == "outa" else None
         space = self._document.nearest(file, "colorspace") if is_color else file.get("colorspace", "")
-        return Image(self._document.prefixed(node, "fileprefix") + file.get("value"), space, False, pair, channel)
+        name = file.get("value", "").replace("\\", "/")
+        if not name.startswith("/") and name[1:2] != ":":
+            name = self._document.prefixed(node, "fileprefix") + name
+        count = 4 if is_usd or is_gltf else min(_COUNTS.get(kind, 3), 4)
+        tiling, turn, shift = self._placement(node)
+        image = Image(name, space, False, tiling, None, turn, shift, count=count)
+        default = self._optional(node, "fallback" if is_usd else "default")
+        if isinstance(default, np.ndarray):
+            image = replace(image, default=tuple(map(float, default)))
+        if node.tag in ("gltf_image", "gltf_colorimage", "UsdUVTexture"):
+            more = self._optional(node, "scale" if is_usd else "color" if is_gltf else "factor"), self._optional(node, "bias") if is_usd else None
+            scale, offset = (value if isinstance(value, np.ndarray) else default for value, default in zip(more, (ONE, ZERO)))
+            image = replace(image, scale=tuple(map(float, scale)), offset=tuple(map(float, offset)))
+        return image if channel is None else image.of_channel(channel)
+
+    def _placement(self, node: Element) -> tuple[tuple[float, float], float, tuple[float, float]]:
+        """Tiling, turn and shift of an image's node; where its coordinates are others, `notes` say so."""
+        given = next((i for name in ("texcoord", "st") if (i := input_of(node, name)) is not None), None)
+
+        def numbers(name: str, default: tuple[float, float]) -> np.ndarray:
+            found = self._optional(node, name)
+            return np.broadcast_to(found, 2) if isinstance(found, np.ndarray) else np.array(default)
+
+        def at(uv: np.ndarray) -> np.ndarray:
+            self._uv = uv
+            found = uv if given is None else self._followed(given)
+            if isinstance(found, Image):
+                raise _Neither(Sentence("is computed from the image {file}", file=found.file))
+            if node.tag in ("tiledimage", "hextiledimage", "hextilednormalmap"):
+                found = found * numbers("uvtiling" if node.tag == "tiledimage" else "tiling", (1, 1)) - numbers("uvoffset", (0, 0))
+                return found / numbers("realworldimagesize", (1, 1)) * numbers("realworldtilesize", (1, 1))
+            if node.tag.startswith("gltf_"):
+                size, shift = numbers("scale", (1, 1)), numbers("offset", (0, 0))
+                back = 1.0 / np.where(size == 0.0, 1.0, size)
+                return placed(found, numbers("pivot", (0, 1)), back, -float(numbers("rotate", (0, 0))[0]), shift * (-1.0, 1.0), False)
+            return found
+
+        former, self._uv = self._uv, None
+        try:
+            why, found = Sentence("is bent"), lying(at)
+        except _Neither as neither:
+            why, found = neither.why, None
+        finally:
+            self._uv = former
+        if found is None:
+            self.notes.append(Sentence("the place of its image {why}: it lies on the plain UVs", why=why))
+        return found or ((1.0, 1.0), 0.0, (0.0, 0.0))
+
+
+def as_normal(image: Image, strength: float = 1.0) -> Image:
+    """An image that holds normals in tangent space."""
+    return replace(image, space="", is_normal=True, channel=None, scale=(1.0,), offset=(0.0,), strength=strength)
 
 
 def input_of(node: Element, name: str) -> Element | None:

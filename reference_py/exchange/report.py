@@ -7,7 +7,7 @@ import numpy as np
 
 from ..errors import Sentence
 from ..material.schema import Parameter
-from .materialx_graph import Image
+from .materialx_image import Image
 
 KEPT, APPROXIMATED, LOST = Sentence("kept"), Sentence("approximated"), Sentence("lost")
 FATES = (KEPT, APPROXIMATED, LOST)

@@ -281,6 +281,49 @@ def test_a_file_becomes_materials_with_its_images(plane, tmp_path):
     assert counts() == before
 
 
+GRADED = """<texcoord name="t" type="vector2"/><place2d name="p" type="vector2"><input name="texcoord" type="vector2" nodename="t"/>
+<input name="scale" type="vector2" value="0.5,0.25"/><input name="rotate" type="float" value="90"/></place2d>
+<image name="i" type="color3"><input name="file" type="filename" value="wood.&lt;UDIM&gt;.png" colorspace="srgb_texture"/>
+<input name="texcoord" type="vector2" nodename="p"/></image>
+<multiply name="m" type="color3"><input name="in1" type="color3" nodename="i"/><input name="in2" type="color3" value="0.5,1,0.25"/></multiply>
+<image name="r" type="float"><input name="file" type="filename" value="rough.png"/></image>
+<remap name="rr" type="float"><input name="in" type="float" nodename="r"/><input name="outlow" type="float" value="0.2"/></remap>
+<open_pbr_surface name="s" type="surfaceshader"><input name="base_color" type="color3" nodename="m"/>
+<input name="specular_roughness" type="float" nodename="rr"/></open_pbr_surface>"""
+
+
+def flat_image(path, color):
+    image = bpy.data.images.new(path.stem, 4, 4)
+    image.pixels[:] = [*color, 1.0] * 16
+    image.filepath_raw, image.file_format = str(path), "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+
+
+def test_graded_tiled_images_come_as_nodes_and_as_their_mean(plane, tmp_path, capsys):
+    """Tiles of .4 and 1 in sRGB: .1329 and 1, mean .5664, times .5, 1 and .25; a roughness .2 from .2 on is .36."""
+    flat_image(tmp_path / "wood.1001.png", (0.4, 0.4, 0.4))
+    flat_image(tmp_path / "wood.1002.png", (1.0, 1.0, 1.0))
+    flat_image(tmp_path / "rough.png", (0.2, 0.2, 0.2))
+    file, out = tmp_path / "graded.mtlx", tmp_path / "out.json"
+    file.write_text(f'<materialx version="1.39" colorspace="lin_rec709">{GRADED}</materialx>')
+    assert bpy.ops.lamina.import_materials("EXEC_DEFAULT", filepath=str(file)) == {"FINISHED"}
+    lamina = plane.active_material.lamina
+    before_color = [plane.active_material.node_tree.nodes[name] for name in feeding(node_of(lamina.base).inputs["Color"])]
+    texture, mapping = (next(n for n in before_color if n.bl_idname == kind) for kind in ("ShaderNodeTexImage", "ShaderNodeMapping"))
+    graded = texture.outputs["Color"].links[0].to_node
+    assert texture.image.source == "TILED" and [tile.number for tile in texture.image.tiles] == [1001, 1002]
+    np.testing.assert_allclose(mapping.inputs["Rotation"].default_value, (0.0, 0.0, -np.pi / 2), atol=1e-6)
+    assert tuple(mapping.inputs["Scale"].default_value) == (2.0, 4.0, 1.0)
+    assert tuple(graded.inputs[1].default_value) == (0.5, 1.0, 0.25) and tuple(graded.inputs[2].default_value) == (0.0, 0.0, 0.0)
+    rough = node_of(lamina.layers[0]).inputs["Roughness"].links[0].from_node
+    np.testing.assert_allclose([socket.default_value for socket in rough.inputs[1:3]], (0.8, 0.2), atol=1e-6)
+    assert run(["convert", str(file), "-o", str(out)]) == 0
+    told = capsys.readouterr().out
+    assert "its mean, 0.2832 0.5664 0.1416, stands in" in told
+    assert Stack.load(out).layers[0]["roughness"] == pytest.approx(0.36, abs=1e-3)
+
+
 LAYERS = """<image name="i" type="color3"><input name="file" type="filename" value="wood.png" colorspace="srgb_texture"/></image>
 <image name="r" type="float"><input name="file" type="filename" value="wood.png"/></image>
 <roughness_anisotropy name="ra" type="vector2"><input name="roughness" type="float" nodename="r"/></roughness_anisotropy>

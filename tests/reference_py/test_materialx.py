@@ -9,7 +9,7 @@ from lamina.reference_py.errors import LaminaError
 from lamina.reference_py.exchange.appearance import appearance, dielectric_albedo
 from lamina.reference_py.exchange.matching import mean
 from lamina.reference_py.exchange.materialx import from_mtlx, load_mtlx, to_mtlx
-from lamina.reference_py.exchange.materialx_graph import Image
+from lamina.reference_py.exchange.materialx_image import Image
 from lamina.reference_py.exchange.openpbr import from_openpbr, to_surface
 from lamina.reference_py.exchange.principled import from_principled
 from lamina.reference_py.exchange.report import APPROXIMATED, KEPT, LOST

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Images in graphs of MaterialX: factors and offsets, where they lie, and what stands in for them. Right values by hand."""
+
+import numpy as np
+import pytest
+
+from lamina.reference_py.exchange.materialx import from_mtlx, load_mtlx
+from lamina.reference_py.exchange.materialx_functions import FUNCTIONS
+from lamina.reference_py.exchange.report import APPROXIMATED, LOST
+
+SRGB = 'colorspace="srgb_texture"'
+
+
+def value(name, text, kind="color3", more=""):
+    return f'<input name="{name}" type="{kind}" value="{text}" {more}/>'
+
+
+def link(name, node, kind="color3", more=""):
+    return f'<input name="{name}" type="{kind}" nodename="{node}" {more}/>'
+
+
+def image(name, kind="color3", more="", file="wood.png", node="image"):
+    return f'<{node} name="{name}" type="{kind}">{value("file", file, "filename", SRGB if kind.startswith("color") else "")}{more}</{node}>'
+
+
+def node(tag, name, inputs, kind="color3"):
+    return f'<{tag} name="{name}" type="{kind}">{inputs}</{tag}>'
+
+
+def text(nodes, inputs, surface="open_pbr_surface"):
+    return f'<materialx version="1.39" colorspace="lin_rec709">{nodes}<{surface} name="s" type="surfaceshader">{inputs}</{surface}></materialx>'
+
+
+def read(nodes, inputs, surface="open_pbr_surface"):
+    (material,) = from_mtlx(text(nodes, inputs, surface))
+    return material
+
+
+ARITHMETIC = {
+    "multiply": (link("in1", "a") + value("in2", "0.5,0.25,1"), (0.5, 0.25, 1.0), (0.0,)),
+    "mix": (link("bg", "a") + value("fg", "1,1,1") + value("mix", "0.25", "float"), (0.75,), (0.25,)),
+    "invert": (link("in", "a"), (-1.0,), (1.0,)),
+    "remap": (link("in", "a") + value("outlow", "0.2", "float") + value("outhigh", "0.6", "float"), (0.4,), (0.2,)),
+    "range": (link("in", "a") + value("inhigh", "0.5", "float"), (2.0,), (0.0,)),
+    "contrast": (link("in", "a") + value("amount", "0.5", "float"), (0.5,), (0.25,)),
+    "colorcorrect": (link("in", "a") + value("gain", "0.5", "float") + value("exposure", "-1", "float"), (0.25,), (0.0,)),
+    "clamp": (link("in", "a"), (1.0,), (0.0,)),
+}
+
+
+@pytest.mark.parametrize("tag", ARITHMETIC)
+def test_arithmetic_of_an_image_is_a_factor_and_an_offset(tag):
+    inputs, scale, offset = ARITHMETIC[tag]
+    material = read(image("a") + node(tag, "m", inputs), link("base_color", "m"))
+    found = material.images["base_color"]
+    assert not material.losses and found.space == "srgb_texture"
+    np.testing.assert_allclose(np.broadcast_to(found.scale, 3), np.broadcast_to(scale, 3), atol=1e-8)
+    np.testing.assert_allclose(np.broadcast_to(found.offset, 3), np.broadcast_to(offset, 3), atol=1e-8)
+
+
+def test_what_is_no_factor_is_lost_and_a_factor_of_nothing_is_a_number():
+    for tag, inputs in {"power": link("in1", "a") + value("in2", "2", "float"), "clamp": link("in", "a") + value("low", "0.2", "float")}.items():
+        (loss,) = read(image("a") + node(tag, "m", inputs), link("base_color", "m")).losses
+        assert loss.fate == LOST and "is computed from the image wood.png" in str(loss)
+    dark = read(image("a") + node("multiply", "m", link("in1", "a") + value("in2", "0", "float")), link("base_color", "m"))
+    assert not dark.images and dark.values["base_color"] == (0.0, 0.0, 0.0)
+
+
+def test_a_chain_of_arithmetic_takes_a_channel():
+    """Green of an image, halved, from 1 down: 1 - g / 2."""
+    nodes = image("a", "vector3") + node("separate3", "p", link("in", "a", "vector3"), "multioutput")
+    nodes += node("multiply", "h", link("in1", "p", "float", 'output="outg"') + value("in2", "0.5", "float"), "float")
+    found = read(nodes + node("invert", "i", link("in", "h", "float"), "float"), link("specular_roughness", "i", "float")).images["specular_roughness"]
+    assert (found.channel, found.scale, found.offset) == (1, (-0.5,), (1.0,))
+    np.testing.assert_allclose(found.at(np.array([0.4])), 0.8)
+
+
+def test_nodes_of_gltf_and_usd_have_factors_of_their_own():
+    gltf = image("g", "multioutput", value("color", "0.5,0.25,1,0.75", "color4"), node="gltf_colorimage")
+    gltf = gltf.replace('type="filename" value', f'type="filename" {SRGB} value')
+    found = read(gltf, link("base_color", "g", more='output="outcolor"') + link("alpha", "g", "float", 'output="outa"'), "gltf_pbr").images
+    np.testing.assert_allclose(found["base_color"].at(np.array([0.2, 0.4, 0.6])), (0.1, 0.1, 0.6))
+    assert found["base_color"].space == "srgb_texture" and (found["alpha"].channel, found["alpha"].scale) == (3, (0.75,))
+    factor = image("g", "vector3", value("factor", "1,0.5,0.25", "vector3"), node="gltf_image") + node(
+        "separate3", "p", link("in", "g", "vector3"), "multioutput"
+    )
+    inputs = link("roughness", "p", "float", 'output="outy"') + link("metallic", "p", "float", 'output="outz"')
+    found = read(factor, inputs, "gltf_pbr").images
+    assert [(found[i].channel, found[i].scale) for i in ("roughness", "metallic")] == [(1, (0.5,)), (2, (0.25,))]
+    usd = image("u", "multioutput", value("scale", "0.5,0.5,0.5,1", "vector4") + value("bias", "0.1,0.1,0.1,0", "vector4"), node="UsdUVTexture")
+    found = read(usd, link("diffuseColor", "u", more='output="rgb"'), "UsdPreviewSurface").images["diffuseColor"]
+    np.testing.assert_allclose(found.at(np.array([0.2, 0.4, 0.6])), (0.2, 0.3, 0.4))
+    normals = usd.replace("0.5,0.5,0.5,1", "2,2,2,1").replace("0.1,0.1,0.1,0", "-1,-1,-1,0")
+    found = read(normals, link("normal", "u", "vector3", 'output="rgb"'), "UsdPreviewSurface").images["normal"]
+    assert found.is_normal and found.is_plain and found.space == ""
+
+
+def place(found, uv):
+    """Where an image lies, as Blender's Mapping node has it: scaled, turned counterclockwise, shifted."""
+    x, y = np.array(uv) * found.tiling
+    c, s = np.cos(found.turn), np.sin(found.turn)
+    return np.array([c * x - s * y, s * x + c * y]) + found.shift
+
+
+UV = '<texcoord name="t" type="vector2"/>'
+PLACES = {
+    "multiply": (link("in1", "t", "vector2") + value("in2", "4", "float"), (0.8, 1.2)),
+    # (.2, .3) / (.5, .25) = (.4, 1.2), a quarter turn clockwise is (1.2, -.4), less (.1, .2)
+    "place2d": (
+        link("texcoord", "t", "vector2") + value("scale", "0.5,0.25", "vector2") + value("rotate", "90", "float") + value("offset", "0.1,0.2", "vector2"),
+        (1.1, -0.6),
+    ),
+    # (.2, .3) (2, 1) = (.4, .3), a quarter turn counterclockwise is (-.3, .4), plus (.5, 0)
+    "UsdTransform2d": (
+        link("in", "t", "vector2") + value("scale", "2,1", "vector2") + value("rotation", "90", "float") + value("translation", "0.5,0", "vector2"),
+        (0.2, 0.4),
+    ),
+}
+
+
+@pytest.mark.parametrize("tag", PLACES)
+def test_where_an_image_lies_is_followed(tag):
+    inputs, wanted = PLACES[tag]
+    material = read(UV + node(tag, "p", inputs, "vector2") + image("a", more=link("texcoord", "p", "vector2")), link("base_color", "a"))
+    assert not material.losses
+    np.testing.assert_allclose(place(material.images["base_color"], (0.2, 0.3)), wanted, atol=1e-8)
+
+
+def test_nodes_that_lay_images_themselves():
+    tiled = image("a", more=value("uvtiling", "2,3", "vector2") + value("uvoffset", "0.5,0.25", "vector2"), node="tiledimage")
+    np.testing.assert_allclose(place(read(tiled, link("base_color", "a")).images["base_color"], (0.2, 0.3)), (-0.1, 0.65), atol=1e-8)
+    # glTF counts v from above: half the size about the upper left corner, (0, 1), is .1, .65
+    gltf = image("a", more=value("scale", "0.5,0.5", "vector2"), node="gltf_image")
+    np.testing.assert_allclose(place(read(gltf, link("base_color", "a"), "gltf_pbr").images["base_color"], (0.2, 0.3)), (0.1, 0.65), atol=1e-8)
+    bent = UV + node("fractal3d", "f", "", "vector2") + image("a", more=link("texcoord", "f", "vector2"))
+    material = read(bent, link("base_color", "a"))
+    (loss,) = material.losses
+    assert loss.fate == APPROXIMATED and "the place of its image is computed by fractal3d: it lies on the plain UVs" in str(loss)
+    assert material.images["base_color"].tiling == (1.0, 1.0)
+
+
+def test_a_normals_strength_stays():
+    nodes = image("n", "vector3") + node("normalmap", "m", link("in", "n", "vector3") + value("scale", "0.4", "float"), "vector3")
+    found = read(nodes, value("coat_weight", "1", "float") + link("geometry_coat_normal", "m", "vector3")).images["geometry_coat_normal"]
+    assert found.is_normal and found.strength == 0.4
+
+
+CONSTANTS = {
+    "swizzle": (value("in", "0.1,0.2,0.3") + value("channels", "bgr", "string"), (0.3, 0.2, 0.1)),
+    "contrast": (value("in", "0.6,0.4,0.5") + value("amount", "0.5", "float"), (0.55, 0.45, 0.5)),
+    "switch": (value("in1", "1,0,0") + value("in2", "0,0.5,0") + value("which", "1", "float"), (0.0, 0.5, 0.0)),
+    "hsvtorgb": (value("in", "0.3333333333,1,0.5"), (0.0, 0.5, 0.0)),
+    "saturate": (value("in", "0.5,0.2,0.1") + value("amount", "0", "float"), (0.2762997,) * 3),  # by ACEScg's luminance, its default
+    "geompropvalue": (value("geomprop", "displayColor", "string") + value("default", "0.2,0.3,0.4"), (0.2, 0.3, 0.4)),
+}
+
+
+@pytest.mark.parametrize("tag", CONSTANTS)
+def test_constants_go_through_more_nodes(tag):
+    inputs, wanted = CONSTANTS[tag]
+    material = read(node(tag, "c", inputs), link("base_color", "c"))
+    np.testing.assert_allclose(material.values["base_color"], wanted, atol=1e-6)
+    assert len(material.losses) == (tag == "geompropvalue"), "what a mesh would say is told"
+
+
+def test_an_input_takes_channels_as_files_of_138_do():
+    nodes = node("constant", "c", value("value", "0.1,0.2,0.3"))
+    assert read(nodes, link("coat_weight", "c", "float", 'channels="b"')).values["coat_weight"] == pytest.approx(0.3)
+
+
+def test_no_function_refuses_what_it_has_by_default():
+    for tag, function in FUNCTIONS.items():
+        assert np.all(np.isfinite(function(lambda name, default: default))), tag
+
+
+def test_files_that_are_there_are_found_by_tiles_prefixes_and_windows_paths(tmp_path):
+    (tmp_path / "tex").mkdir()
+    for name in ("wood.1001.png", "wood.1012.png", "plain.png"):
+        (tmp_path / "tex" / name).write_bytes(b"")
+    file = tmp_path / "a.mtlx"
+    file.write_text(text(image("a", file="tex\\wood.&lt;UDIM&gt;.png") + image("b", "float", file=str(tmp_path / "tex/plain.png")),
+                         link("base_color", "a") + link("specular_roughness", "b", "float")).replace("<materialx", '<materialx fileprefix=""'))  # fmt: skip
+    (material,) = load_mtlx(file)
+    assert material.images["base_color"].files == [str(tmp_path / "tex" / f"wood.{n}.png") for n in (1001, 1012)]
+    assert material.images["specular_roughness"].files == [str(tmp_path / "tex/plain.png")]
+    file.write_text(text(image("a", file="gone.png", more=value("default", "0.3,0.2,0.1")) + node("multiply", "m", link("in1", "a") + value("in2", "0.5", "float")),
+                         link("base_color", "m")))  # fmt: skip
+    (material,) = load_mtlx(file)
+    assert material.values["base_color"] == pytest.approx((0.15, 0.1, 0.05)) and not material.images
+    assert "there is no such file; the file's own default, 0.15 0.1 0.05, stands in" in str(material.losses[0])
