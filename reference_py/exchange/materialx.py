@@ -39,6 +39,9 @@ NORMALS = {
     "normal": "geometry_normal", "geometry_normal": "geometry_normal", "coat_normal": "geometry_coat_normal",
     "clearcoat_normal": "geometry_coat_normal", "geometry_coat_normal": "geometry_coat_normal",
 }  # fmt: skip
+# Units of a film's thickness in nm, and the inputs that have one.
+_UNITS = {"nanometer": 1.0, "micron": 1e3, "millimeter": 1e6, "centimeter": 1e7, "meter": 1e9}
+_THICKNESSES = ("thin_film_thickness", "iridescence_thickness")
 # Above 1 an index is no share; a hundred is beyond every medium.
 _MOST_IOR, _MOST = 100.0, 1e9
 _SHARES = re.compile(
@@ -161,13 +164,11 @@ def load_mtlx(path: str | os.PathLike) -> list[AnyMaterial]:
 
     Raises LaminaError in one line for what is no MaterialX file, has no surface that is known, or a value that is none.
     """
-    found, others = [], []
-    for file in _with_included(Path(path)):
-        document = Document(read_text(file, "MaterialX file"), str(file))
-        known, unknown = _materials(document, file.parent)
-        found += known
-        others += unknown
-    return _required(found, others, str(path))
+    main, *included = _with_included(Path(path))
+    document = Document(read_text(main, "MaterialX file"), str(main))
+    for file in included:
+        document.include(read_text(file, "MaterialX file"), str(file), Path(os.path.relpath(file.parent, main.parent)).as_posix())
+    return _required(*_materials(document, main.parent), str(path))
 
 
 def from_mtlx(text: str, where: str = "MaterialX") -> list[AnyMaterial]:
@@ -181,11 +182,24 @@ def _materials(document: Document, folder: Path | None = None) -> tuple[list[Any
     others = []
     for name, node in _surfaces(document):
         read = _read(document, name, node, folder)
+        if isinstance(read, (Material, LayeredMaterial)) and _is_displaced(document, name):
+            lost = Loss("displacementshader", Sentence("linked"), LOST, Sentence("a stack has no place for it"))
+            read = replace(read, losses=(*read.losses, lost))
         if read is None:
             others.append(node.tag)
         else:
             found.append(read)
     return found, others
+
+
+def _is_displaced(document: Document, name: str) -> bool:
+    graph = Graph(document)
+    return any(
+        given.get("name") == "displacementshader" and graph.node(given) is not None
+        for material in document.iter(_MATERIAL)
+        if material.get("name") == name
+        for given in material.iter("input")
+    )
 
 
 def _read(document: Document, name: str, node: ElementTree.Element, folder: Path | None, depth: int = 0) -> AnyMaterial | None:
@@ -195,7 +209,9 @@ def _read(document: Document, name: str, node: ElementTree.Element, folder: Path
     if node.tag == SURFACE:
         return read_layered(document, name, node, folder)
     if node.tag != "mix" or node.get("type") != "surfaceshader":
-        return None
+        with document.inside(node) as graph:
+            inner = None if graph is None else Graph(document).output(graph, "")
+            return None if inner is None or depth > _MOST_MIXES else _read(document, name, inner[0], folder, depth + 1)
     if depth > _MOST_MIXES:
         raise LaminaError("{where}: {name} mixes mixes more than {most} deep, or in a circle", where=document.where, name=name, most=_MOST_MIXES)
     graph, losses = Graph(document), []
@@ -252,12 +268,14 @@ def _surfaces(document: Document) -> list[tuple[str, ElementTree.Element]]:
     """Every material's name and surface; where there is no material, every surface."""
     graph = Graph(document)
     found = []
-    for material in document.root.iter(_MATERIAL):
+    for material in document.iter(_MATERIAL):
         for given in material.iter("input"):
             if given.get("name") == "surfaceshader" and (linked := graph.node(given)):
                 found.append((material.get("name", ""), linked[0]))
     if not found:
-        found = [(n.get("name", ""), n) for n in document.root.iter() if n.get("type") == "surfaceshader" and n.tag not in ("input", "output")]
+        defining = {n for graph in document.iter("nodegraph") if document.is_definition(graph) for n in graph.iter()}
+        surfaces = (n for n in document.iter() if n.get("type") == "surfaceshader" and n.tag not in ("input", "output", "nodedef"))
+        found = [(n.get("name", ""), n) for n in surfaces if n not in defining]
     return found
 
 
@@ -290,12 +308,17 @@ def _material(document: Document, name: str, node: ElementTree.Element, folder: 
             stands_in = Sentence("left out") if default is None else Sentence("its default, {value}, stands in", value=shown(default))
             losses.append(Loss(parameter, Sentence("linked"), LOST, Sentence("{why}; {stands_in}", why=found.why, stands_in=stands_in)))
         elif default is not None:
-            values[parameter] = _limited(surface, parameter, found, document.where, losses)
+            values[parameter] = _limited(surface, parameter, found * _of_unit(surface, parameter, given), document.where, losses)
     losses += [
         Loss("color space", space[:40], APPROXIMATED, Sentence("unknown: read as linear Rec.709; known are {known}", known=", ".join(known_spaces())))
         for space in sorted(graph.unknown)
     ]
     return Material(name, surface, surface.defaults | values, images, tuple(losses))
+
+
+def _of_unit(surface: Surface, parameter: str, given: ElementTree.Element) -> float:
+    """The factor from the unit of a film's thickness to the surface's own, of those that say one."""
+    return _UNITS.get(given.get("unit", ""), surface.film_unit) / surface.film_unit if parameter in _THICKNESSES else 1.0
 
 
 def _limited(surface: Surface, parameter: str, found: np.ndarray, where: str, losses: list[Loss]):

@@ -68,20 +68,21 @@ class Graph:
         scope = document.parent(element) if element.tag == "output" else document.parent(document.parent(element))
         if name := element.get("nodegraph"):
             graph = document.named(name, scope)
-            return None if graph is None else self._output(graph, element.get("output", ""))
+            return None if graph is None else self.output(graph, element.get("output", ""))
         if name := element.get("nodename"):
             node = document.named(name, scope)
             if node is not None and node.tag == "nodegraph":
-                return self._output(node, element.get("output", ""))
+                return self.output(node, element.get("output", ""))
             return None if node is None else (node, element.get("output", ""))
-        if name := element.get("interfacename"):
-            given = next((i for i in scope if i.tag == "input" and i.get("name") == name), None)
+        if element.get("interfacename"):
+            given = document.interface(element)
             return None if given is None else self.node(given)
         if name := element.get("output"):
-            return self._output(document.root, name)
+            return self.output(document.root, name)
         return None
 
-    def _output(self, graph: Element, name: str) -> tuple[Element, str] | None:
+    def output(self, graph: Element, name: str) -> tuple[Element, str] | None:
+        """The node that an output of a graph is linked to, the first one without a name, and the name of the node's output."""
         outputs = [child for child in graph if child.tag == "output"]
         output = next((o for o in outputs if o.get("name") == name), outputs[0] if outputs and not name else None)
         return None if output is None else self.node(output)
@@ -91,8 +92,7 @@ class Graph:
         if self._steps > _MOST_STEPS:
             raise _Neither(Sentence("its graph is too large, or runs in a circle"))
         if element.get("interfacename"):
-            scope = self._document.parent(self._document.parent(element))
-            given = next((i for i in scope if i.tag == "input" and i.get("name") == element.get("interfacename")), None)
+            given = self._document.interface(element)
             if given is not None:
                 return self._followed(given)
         if any(element.get(key) for key in (*_LINKS, "output")):
@@ -157,6 +157,10 @@ class Graph:
                 raise _Neither(Sentence("is a channel of nothing"))
             return self._swizzled(self._followed(given), wanted.get("value", ""), node.get("type", ""))
         if kind not in FUNCTIONS:
+            with self._document.inside(node) as graph:
+                found = None if graph is None else self.output(graph, output)
+                if found is not None:
+                    return self._of_node(*found)
             raise _Neither(Sentence("is computed by {kind}", kind=kind))
         result = self._computed(node, kind)
         if kind in OUTPUTS and not isinstance(result, Image):
@@ -234,9 +238,8 @@ class Graph:
 
     def _image(self, node: Element, output: str) -> Image:
         file = input_of(node, "file")
-        if file is not None and not file.get("value") and file.get("interfacename"):
-            scope = self._document.parent(node)
-            file = next((i for i in scope if i.tag == "input" and i.get("name") == file.get("interfacename")), None)
+        while file is not None and file.get("interfacename"):
+            file = self._document.interface(file)
         if file is None or not file.get("value"):
             raise _Neither(Sentence("is an image without a file"))
         kind, is_usd, is_gltf = node.get("type", ""), node.tag == "UsdUVTexture", node.tag == "gltf_colorimage"

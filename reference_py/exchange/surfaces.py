@@ -71,6 +71,8 @@ class Surface:
     to_open: Callable[[dict], dict]
     unlimited: frozenset = field(default_factory=frozenset)
     """Inputs from 0 up that no 1 limits."""
+    film_unit: float = 1.0
+    """nm of a film's thickness of 1."""
 
     def own(self, name: str) -> str:
         """Its own name of a value of OpenPBR's."""
@@ -180,7 +182,7 @@ SURFACES = {
     for surface in (
         Surface(
             "open_pbr_surface", "OpenPBR", OPENPBR, Rules(under_coat=True, physical_coat=True, thin_subsurface=0.5), {}, dict,
-            frozenset({"specular_weight", "emission_luminance"}),
+            frozenset({"specular_weight", "emission_luminance"}), 1e3,
         ),
         Surface(
             "standard_surface", "standard_surface", STANDARD, Rules(scales_lobe=True, gives_edge=True, fuzz=BELOW_SPECULAR),

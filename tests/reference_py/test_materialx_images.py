@@ -188,3 +188,60 @@ def test_files_that_are_there_are_found_by_tiles_prefixes_and_windows_paths(tmp_
     (material,) = load_mtlx(file)
     assert material.values["base_color"] == pytest.approx((0.15, 0.1, 0.05)) and not material.images
     assert "there is no such file; the file's own default, 0.15 0.1 0.05, stands in" in str(material.losses[0])
+
+
+OWN = """<nodedef name="ND_dim" node="dim"><input name="c" type="color3" value="0.1,0.1,0.1"/><input name="by" type="float" value="0.5"/>
+<output name="out" type="color3"/></nodedef><nodegraph name="NG_dim" nodedef="ND_dim">
+<multiply name="m" type="color3"><input name="in1" type="color3" interfacename="c"/><input name="in2" type="float" interfacename="by"/></multiply>
+<output name="out" type="color3" nodename="m"/></nodegraph>
+<nodedef name="ND_paint" node="paint"><input name="c" type="color3" value="0.1,0.1,0.1"/><output name="out" type="surfaceshader"/></nodedef>
+<nodegraph name="NG_paint"><standard_surface name="q" type="surfaceshader"><input name="base_color" type="color3" interfacename="c"/></standard_surface>
+<output name="out" type="surfaceshader" nodename="q"/></nodegraph><implementation name="I" nodedef="ND_paint" nodegraph="NG_paint"/>"""
+
+
+def test_a_files_own_nodes_are_followed_one_in_another():
+    nested = OWN + node("dim", "a", value("c", "0.8,0.4,0.2")) + node("dim", "b", link("c", "a") + value("by", "0.25", "float"))
+    assert read(nested, link("base_color", "b")).values["base_color"] == pytest.approx((0.1, 0.05, 0.025))
+    assert read(OWN + node("dim", "a", ""), link("base_color", "a")).values["base_color"] == pytest.approx((0.05,) * 3), "defaults of the definition"
+    first, second = (node("paint", name, value("c", color), "surfaceshader") for name, color in (("x", "0.8,0.4,0.2"), ("y", "0.1,0.2,0.3")))
+    materials = from_mtlx(f'<materialx version="1.39" colorspace="lin_rec709">{OWN}{first}{second}{material("x")}{material("y")}</materialx>')
+    assert [m.values["base_color"] for m in materials] == [pytest.approx((0.8, 0.4, 0.2)), pytest.approx((0.1, 0.2, 0.3))]
+
+
+def material(surface, more=""):
+    return f'<surfacematerial name="M_{surface}" type="material">{link("surfaceshader", surface, "surfaceshader")}{more}</surfacematerial>'
+
+
+def test_graphs_and_surfaces_of_included_files_are_found(tmp_path):
+    """The look has the material, another file in a folder the graph with its image, in a color space of its own."""
+    (tmp_path / "lib").mkdir()
+    graph = '<materialx version="1.39" colorspace="srgb_texture" fileprefix="tex/"><nodegraph name="g">'
+    graph += node("constant", "c", value("value", "0.5,0.5,0.5")) + image("i")
+    graph += '<output name="c" type="color3" nodename="c"/><output name="i" type="color3" nodename="i"/></nodegraph></materialx>'
+    (tmp_path / "lib" / "graph.mtlx").write_text(graph)
+    linked = '<input name="base_color" type="color3" nodegraph="g" output="{}"/>'
+    look = '<materialx version="1.39" colorspace="lin_rec709" xmlns:xi="http://www.w3.org/2001/XInclude"><xi:include href="lib/graph.mtlx"/>'
+    for output in ("c", "i"):
+        inputs = linked.format(output) + value("coat_color", "0.5,0.5,0.5")
+        (tmp_path / "look.mtlx").write_text(look + node("open_pbr_surface", "s", inputs, "surfaceshader") + material("s") + "</materialx>")
+        (found,) = load_mtlx(tmp_path / "look.mtlx")
+        assert found.name == "M_s" and found.values["coat_color"] == (0.5,) * 3
+        if output == "c":
+            assert found.values["base_color"] == pytest.approx((0.21404,) * 3, abs=1e-5)
+        else:
+            assert found.images["base_color"].file == str(tmp_path / "lib" / "tex" / "wood.png")
+    (tmp_path / "lib" / "surface.mtlx").write_text(text("", value("base_color", "0.3,0.2,0.1")))
+    (tmp_path / "look.mtlx").write_text(look.replace("graph", "surface") + material("s") + "</materialx>")
+    (found,) = load_mtlx(tmp_path / "look.mtlx")
+    assert (found.name, found.values["base_color"]) == ("M_s", (0.3, 0.2, 0.1))
+
+
+def test_a_films_unit_counts_and_a_displacement_is_told():
+    for surface, name, own in (("open_pbr_surface", "thin_film_thickness", 0.4), ("standard_surface", "thin_film_thickness", 400.0)):
+        for text_, unit in (("400", "nanometer"), ("0.4", "micron"), ("0.0004", "millimeter")):
+            assert read("", value(name, text_, "float", f'unit="{unit}"'), surface).values[name] == pytest.approx(own)
+        assert read("", value(name, "0.5", "float"), surface).values[name] == 0.5
+    moved = node("displacement", "d", value("displacement", "0.1", "float"), "displacementshader")
+    moved = f"{material('s', link('displacementshader', 'd', 'displacementshader'))}{moved}"
+    (found,) = from_mtlx(text("", value("base_color", "0.3,0.2,0.1")).replace("</materialx>", f"{moved}</materialx>"))
+    assert [str(loss) for loss in found.losses] == ["lost: displacementshader linked: a stack has no place for it"]
