@@ -41,11 +41,26 @@ def fresnel_conductor(cos_theta_i: np.ndarray, eta, k) -> np.ndarray:
     cos2 = np.square(cos_i)
     sin2 = 1.0 - cos2
     eta2, k2 = np.square(eta), np.square(k)
-    t0 = eta2 - k2 - sin2
-    a2_plus_b2 = np.sqrt(np.square(t0) + 4.0 * eta2 * k2)
-    a = np.sqrt(np.maximum(0.5 * (a2_plus_b2 + t0), 0.0))
-    r_s = (a2_plus_b2 + cos2 - 2.0 * cos_i * a) / (a2_plus_b2 + cos2 + 2.0 * cos_i * a)
-    t3 = cos2 * a2_plus_b2 + np.square(sin2)
-    t4 = 2.0 * cos_i * a * sin2
-    r_p = r_s * (t3 - t4) / (t3 + t4)
-    return 0.5 * (r_s + r_p)
+    # in place: arrays are large where it counts
+    twice = eta2 - k2 - sin2
+    a2_plus_b2 = np.square(twice)
+    a2_plus_b2 += 4.0 * eta2 * k2
+    a2_plus_b2 = np.sqrt(a2_plus_b2)
+    twice += a2_plus_b2
+    twice *= 0.5
+    twice = np.sqrt(np.maximum(twice, 0.0))
+    twice *= 2.0 * cos_i
+    t3 = cos2 * a2_plus_b2
+    t3 += np.square(sin2)
+    t4 = twice * sin2
+    a2_plus_b2 += cos2
+    r_s = a2_plus_b2 - twice
+    a2_plus_b2 += twice
+    r_s /= a2_plus_b2
+    r_p = t3 - t4
+    r_p *= r_s
+    t3 += t4
+    r_p /= t3
+    r_s += r_p
+    r_s *= 0.5
+    return r_s

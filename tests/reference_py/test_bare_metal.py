@@ -60,7 +60,7 @@ def test_a_metals_closure_has_its_curve_and_energy(roughness):
 )
 def test_every_metal_of_a_texture_is_closer_than_its_own_fits(live, albedo, shape):
     """Nine draws: the worst albedo, the median of shapes over that of the fits of each alone, and no view as far off as what fits of textures were."""
-    followed, rng, found = bake_metal(BARE, live, lambda share: None), np.random.default_rng(17), []
+    followed, rng, found = bake_metal(BARE, live, 2, lambda share: None), np.random.default_rng(17), []
     for _ in range(9):
         here = drawn(rng, BARE, live)
         estimator = ErrorEstimator(here, truth_of(here), COSINES)
@@ -90,7 +90,7 @@ def test_those_that_do_not_know_the_curve_have_fits():
 
 
 def test_a_bake_of_metals_is_kept_and_found_again():
-    exact = bake_metal(BARE, (ROUGHNESS,), lambda share: None)
+    exact = bake_metal(BARE, (ROUGHNESS,), 2, lambda share: None)
     here = with_values(BARE, roughness=0.62)
     again = unpack_grid(pack_grid(exact), here)
     for lobe, other in zip(exact.with_values_of(here).lobes(COSINES), again.lobes(COSINES), strict=True):

@@ -36,8 +36,7 @@ def baked(stack: Stack, live: tuple[Place, ...], glossy: int, progress: Callable
         return _over_base_color(stack, glossy, progress)
     report = progress or (lambda share: None)
     if is_bare_metal(stack, live):
-        exact = bake_metal(stack, live, lambda share: report(0.4 * share))
-        return replace(exact, stock=bake_live(stack, live, glossy, lambda share: report(0.4 + 0.6 * share)))
+        return bake_metal(stack, live, glossy, report)
     return _over_live_values(stack, live, glossy, report)
 
 

@@ -2,6 +2,7 @@
 """Bakes of a bare metal over its live values: what is reflected once is a closure with the metal's own curve, what is reflected more often a lobe as wide and a Lambert lobe with a ramp."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import reduce
 
 import numpy as np
@@ -15,15 +16,14 @@ from ..closure import lobe_f, unit_energy
 from ..diffuse_ramp import RAMP_COSINES, ramp_f, ramp_of
 from ..live_grid import LiveLobes
 from ..lobe import ConductorCurve, GlossyLobe
-from ..samples import truth_at, view_of
-from ..truth import truth_of
+from ..samples import Views, truth_at, view_of
 from ..view_table import KNOTS, DiffuseTable, GlossyTable, TableLobes, interpolate, knot_cosines
 from .base_ramp import with_ramp
 from .fit_lobes import non_negative
 from .grid_energies import stacks_of, told
-from .live import axes_of, computed_of
+from .live import axes_of, bake_live, computed_of
 from .make_grid import grid_of
-from .side_by_side import in_groups
+from .side_by_side import groups, in_groups
 
 # Directions of an energy, as rings and places on each: six times as many move it by 8e-4 of the light at most.
 _RULE = (64, 16)
@@ -40,8 +40,11 @@ def is_bare_metal(stack: Stack, live: tuple[Place, ...]) -> bool:
     return is_plain and (Place(None, "roughness") in live or not base.is_specular)
 
 
-def bake_metal(stack: Stack, live: tuple[Place, ...], report: Callable[[float], None]) -> LiveLobes:
-    """The lobes of a bare metal over live values of its own; `report` gets the share done and may raise to cancel."""
+def bake_metal(stack: Stack, live: tuple[Place, ...], glossy: int, report: Callable[[float], None]) -> LiveLobes:
+    """The lobes of a bare metal over live values of its own, and what stock nodes have in their place, of so many glossy lobes.
+
+    `report` gets the share done and may raise to cancel.
+    """
     axes = axes_of(stack, live)
     assert axes is not None, "see follows"
 
@@ -49,21 +52,25 @@ def bake_metal(stack: Stack, live: tuple[Place, ...], report: Callable[[float], 
         return reduce(lambda here, part: part[0].at(here, part[1]), zip(axes, coordinates), stack)
 
     knots = [axis.knots.knots[axis.before :] for axis in axes]
-    nodes = {}
-    for node in np.ndindex(*map(len, knots)):
-        nodes[node] = _tables(at([float(values[i]) for values, i in zip(knots, node)]))
-        report(0.5 * len(nodes) / np.prod([len(values) for values in knots]))
+    places = list(np.ndindex(*map(len, knots)))
+    stacks, nodes = [at([float(values[i]) for values, i in zip(knots, node)]) for node in places], {}
+    for members, truth in groups(stacks):
+        seen = truth_at(truth, knot_cosines(), [Microfacets.of(stacks[members[0]].base).alpha], _POINTS)
+        nodes |= {places[i]: _tables(stacks[i], replace(seen, f=f)) for i, f in zip(members, np.split(seen.f, len(members), axis=-1))}
+        report(0.2 * len(nodes) / len(places))
     sampled = [computed_of(axis, axes) for axis in axes]
     size = tuple(scale.count for scale in sampled)
 
-    def more_often(truth, count: int) -> list[np.ndarray]:
+    def energies(truth, count: int) -> list[np.ndarray]:
         once = unit_energy(_once(truth.stack), knot_cosines(), rule=_RULE)
-        return np.split(np.maximum(truth.albedo(np.stack([view_of(c) for c in knot_cosines()])) - once, 0.0), count, axis=-1)
+        albedo = truth.albedo(np.stack([view_of(c) for c in knot_cosines()]))
+        return np.split(np.stack([albedo, np.maximum(albedo - once, 0.0)]), count, axis=-1)
 
-    energies = np.array(in_groups(stacks_of(sampled, at), more_often)).reshape(*size, KNOTS, 3)
-    found, coefficients = told(axes, sampled, {"fitted": energies})
-    report(0.9)
-    return with_ramp(grid_of(stack, axes, nodes, found, coefficients))
+    albedos, more_often = np.moveaxis(np.array(in_groups(stacks_of(sampled, at), energies)), 1, 0).reshape(2, *size, KNOTS, 3)
+    found, coefficients = told(axes, sampled, {"fitted": more_often})
+    report(0.4)
+    stock = bake_live(stack, live, glossy, lambda share: report(0.4 + 0.6 * share), albedos)
+    return replace(with_ramp(grid_of(stack, axes, nodes, found, coefficients)), stock=stock)
 
 
 def _once(stack: Stack) -> GlossyLobe:
@@ -72,10 +79,9 @@ def _once(stack: Stack) -> GlossyLobe:
     return GlossyLobe(stack.base["distribution"], np.ones(3), alpha, alpha, fresnel=ConductorCurve.of(stack.base))
 
 
-def _tables(stack: Stack) -> TableLobes:
-    """The lobes of constant values, each of its own energy."""
-    once, truth = _once(stack), truth_of(stack)
-    seen = truth_at(truth, knot_cosines(), [float(once.alpha_x[0])], _POINTS)
+def _tables(stack: Stack, seen: Views) -> TableLobes:
+    """The lobes of constant values, each of its own energy, of what is seen at the knots of the view."""
+    once = _once(stack)
     wo, cos_i = seen.wo[:, None], seen.wi[..., 2]
     shape = np.stack([once.alpha_x, once.alpha_y, np.zeros(KNOTS)], axis=-1)
     known, wide = (GlossyTable(once.distribution, np.ones((KNOTS, 3)), shape, curve) for curve in (once.fresnel, None))

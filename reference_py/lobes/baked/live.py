@@ -38,7 +38,7 @@ from .bake import Baker, samples_of
 from .base_ramp import with_ramp
 from .black_and_white import over
 from .brushed_bake import is_brushed
-from .grid_energies import energies_of
+from .grid_energies import energies_of, told
 from .lobe_order import in_one_order
 from .make_grid import grid_of
 from .side_by_side import groups, truth_of_all
@@ -237,10 +237,11 @@ def _better_from(start: tuple[int, ...], bakers: dict, found: dict, glossy: int)
                 fresh.append(other)
 
 
-def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, report: Callable[[float], None]) -> LiveLobes:
+def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, report: Callable[[float], None], albedos: np.ndarray | None = None) -> LiveLobes:
     """The grid of a stack over live values of which at least one needs knots.
 
-    `report` gets the share done and may raise to cancel.
+    `report` gets the share done and may raise to cancel. `albedos` (..., KNOTS, 3) are those at all crossings of the values that `computed_of`
+    names, where they are known of a bare surface without a mirror.
     """
     axes = axes_of(stack, without_knots(stack, live))
     assert axes is not None, "see follows"
@@ -307,5 +308,9 @@ def bake_live(stack: Stack, live: tuple[Place, ...], glossy: int, report: Callab
     nodes = in_one_order(nodes)
     report(0.8)
     computed = [computed_of(axis, axes) for axis in axes]
-    lobes = grid_of(stack, axes, nodes, *energies_of(axes, computed, at, bool(found[center].plan), over_color))
+    if albedos is None:
+        energies = energies_of(axes, computed, at, bool(found[center].plan), over_color)
+    else:
+        energies = told(axes, computed, {"mirrors": np.zeros_like(albedos), "fitted": albedos})
+    lobes = grid_of(stack, axes, nodes, *energies)
     return with_ramp(lobes) if over_color else lobes
