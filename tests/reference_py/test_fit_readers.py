@@ -180,6 +180,56 @@ def test_tables_give_back_f(tmp_path):
         assert read(path).f == pytest.approx(f, rel=1e-6)
 
 
+def test_tables_as_instruments_write_them(tmp_path):
+    """Each is 10 degrees in, 10 and 20 out away from the light and 20 back, with f 1, .5 and .25: in another dress."""
+    path = tmp_path / "paint.csv"
+
+    def written(text, encoding="utf-8"):
+        path.write_bytes(text.encode(encoding))
+        return read(path)
+
+    wanted = written("theta_i,phi_i,theta_o,phi_o,f\n10,0,10,180,1\n10,0,20,180,.5\n10,0,20,0,.25\n")
+    ten, twenty, half = (f"{np.radians(angle):.9f}" for angle in (10, 20, 180))
+    rows = "10,0,10,180,1\n10,0,20,180,.5\n10,0,20,0,.25\n"
+    same = {
+        f"theta_i [rad],phi_i (rad),theta_r [radians],phi_r [rad],brdf\n{ten},0,{ten},{half},1\n{ten},0,{twenty},{half},.5\n{ten},0,{twenty},0,.25\n": "in radians: theta_i",
+        f"θi (°),φi (°),θr (°),φr (°),BRDF (sr-1)\n{rows}": "θi is theta_i",
+        f"Theta Incident,Phi Incident,Theta Scatter,Phi Scatter,BRDF\n{rows}": "theta scatter is theta_o",
+        f"theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,f\n{rows}": "one value",
+        f"Instrument: gonio, 3 axes\nDate: 2024-01-01\n\ntheta_i,phi_i,theta_o,phi_o,f\n{rows}": "one value",
+        f"# gonio\n# theta_i,phi_i,theta_o,phi_o,f\n{rows}": "one value",
+        "theta_i,phi_i,theta_o,phi_o,f,\n" + rows.replace("\n", ",\n"): "one value",
+        "theta_i,phi_i,theta_o,phi_o,f,sigma\n" + rows.replace("\n", ",?\n"): "column sigma is left out",
+        f"theta_i,phi_i,theta_o,phi_o,f\n{rows}10,0,30,0,\n": "1 of 4 values above the horizon are not finite and left out",
+    }  # fmt: skip
+    for text, told in same.items():
+        for encoding in ("utf-8", "utf-16"):
+            m = written(text, encoding)
+            assert m.wo == pytest.approx(wanted.wo, abs=1e-8) and m.wi == pytest.approx(wanted.wi, abs=1e-8) and m.f == pytest.approx(wanted.f)
+            assert told in "; ".join(map(str, m.found))
+    assert written(f"theta_i (°),phi_i (°),theta_o (°),phi_o (°),f\n{rows}", "latin-1").f == pytest.approx(wanted.f)
+
+
+def test_wavelengths_stand_in_columns_or_in_rows(tmp_path):
+    path = tmp_path / "paint.csv"
+
+    def written(text):
+        path.write_text(text)
+        return read(path)
+
+    wanted = written("theta_i,theta_o,450,550,650\n10,10,1,2,3\n10,20,.1,.2,.4\n")
+    assert wanted.channels == 3 and wanted.f[0, 0] > wanted.f[0, 2]
+    for name in ("f_{}", "BRDF {} nm", "brdf_{}nm"):
+        columns = ",".join(name.format(nm) for nm in (450, 550, 650))
+        np.testing.assert_allclose(written(f"theta_i,theta_o,{columns}\n10,10,1,2,3\n10,20,.1,.2,.4\n").f, wanted.f)
+    long = "theta_i,theta_o,wavelength [nm],brdf\n10,20,550,.2\n10,10,450,1\n10,10,650,3\n10,20,450,.1\n10,10,550,2\n10,20,650,.4\n"
+    np.testing.assert_allclose(written(long).f, wanted.f)
+    np.testing.assert_allclose(written(long).wo, wanted.wo)
+    assert read(path, 550.0).f[:, 0] == pytest.approx([2.0, 0.2])
+    path.write_text(long + "10,30,450,.1\n")
+    refused(path, "not every pair of directions has each wavelength once")
+
+
 def test_tables_as_others_name_them(tmp_path):
     path = tmp_path / "paint.txt"
 
@@ -203,8 +253,8 @@ def test_tables_as_others_name_them(tmp_path):
         assert written(f"theta_i,phi_i,theta_o,phi_o,{name}\n10,0,10,180,1\n10,0,20,180,.5\n").channels == 1
     path.write_text("theta_r,theta_v,r,g,b\n10,10,1,1,2\n")
     refused(path, "it has theta_r, theta_v, r, g, b;")  # as the file has them
-    path.write_text("theta_i [rad],theta_o [rad],r,g,b\n.1,.1,1,1,2\n")
-    refused(path, "it has theta_i [rad]")
+    path.write_text("theta_i [grad],theta_o [grad],r,g,b\n.1,.1,1,1,2\n")
+    refused(path, "it has theta_i [grad]")
     refused_text = "theta_i,phi_i,theta_o,phi_o,{}\n10,0,10,180,1\n"
     for name, words in (("brf", "f times pi"), ("f_cos", "times the cosine")):
         path.write_text(refused_text.format(name))

@@ -12,7 +12,7 @@ from . import SUFFIXES, keyed, merl, rgl, speos, text_table, zemax
 from .measurement import Measurement, without_shadows
 from .tensor_file import MAGIC
 
-_CHOICES = ".binary (MERL), .bsdf (RGL, Zemax), .brdf (Speos), .astm (ASTM E1392), .dat (ALTA), .csv or .txt (a text_table)"
+_CHOICES = ".binary (MERL), .bsdf (RGL, Zemax), .brdf (Speos), .astm (ASTM E1392), .dat (ALTA), .csv or .txt (a table)"
 # Formats whose makers publish no description.
 _CLOSED = {".axf": Sentence("X-Rite's AxF has no public description"), ".sdf": Sentence("it has no public description")}
 Reader = Callable[[Path, float | None, float | None], Measurement]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plain tables: theta_i, phi_i, theta_o, phi_o in degrees, then r, g, b, one column per wavelength in nm, or one value.
+"""Plain tables: theta_i, phi_i, theta_o, phi_o in degrees, then r, g, b, one column per wavelength in nm, one value, or a wavelength and a value.
 
-The first line that is no comment (#) names the columns, in any order, by the names of `ALIASES` too, with units in brackets where a table has them;
-values are f in 1/sr, without cosine. Semicolons, tabs and blanks separate too; beside the first two a comma is a decimal one. Without both phi
+The first line that has the angles, or else the first that is no comment (#), names the columns, in any order, by the names of `ALIASES` too, with
+units where a table has them, radians among them; values are f in 1/sr, without cosine, and none where a cell is empty. Semicolons, tabs and blanks separate too; beside the first two a comma is a decimal one. Without both phi
 the table is in the plane of incidence: an angle of reflection is positive on the side away from the light. A negative
 angle from the normal is the positive one half a turn further.
 """
@@ -19,14 +19,16 @@ from .measurement import Measurement, checked
 
 ANGLES = ("theta_i", "phi_i", "theta_o", "phi_o")
 _ALIASES = {
-    "theta_i": ("theta_in", "theta_s", "theta_l", "thetai", "theta_incident", "incidence", "aoi"),
+    "theta_i": ("theta_in", "theta_s", "theta_l", "thetai", "theta_incident", "incidence", "aoi", "angle_of_incidence", "incident_angle", "incidence_angle"),
     "phi_i": ("phi_in", "phi_s", "phi_l", "phii", "phi_incident"),
-    "theta_o": ("theta_out", "theta_r", "theta_v", "theta_d", "thetao", "thetar", "theta_scatter", "theta_view"),
-    "phi_o": ("phi_out", "phi_r", "phi_v", "phi_d", "phio", "phir", "phi_scatter", "phi_view"),
-}
+    "theta_o": ("theta_out", "theta_r", "theta_v", "theta_d", "thetao", "thetar", "theta_scatter", "theta_view", "theta_reflected",
+        "scatter_angle", "viewing_angle", "detector_angle", "reflection_angle"),
+    "phi_o": ("phi_out", "phi_r", "phi_v", "phi_d", "phio", "phir", "phi_scatter", "phi_view", "phi_reflected"),
+    "r": ("red",), "g": ("green",), "b": ("blue",), "wavelength": ("lambda", "wl", "wavelength_nm"),
+}  # fmt: skip
 ALIASES = {alias: name for name, aliases in _ALIASES.items() for alias in aliases}
-"""Other names of the angles."""
-VALUES = ("f", "fr", "brdf", "bsdf", "value")
+"""Other names of the angles, colors and the wavelength."""
+VALUES = ("f", "fr", "f_r", "brdf", "bsdf", "value")
 """Names of the one value of a grey table."""
 _HINTS = {
     "brf": Sentence("f times pi; divide by pi"), "reflectance_factor": Sentence("f times pi; divide by pi"), "r_factor": Sentence("f times pi; divide by pi"),
@@ -34,12 +36,19 @@ _HINTS = {
     "ccbrdf": Sentence("f times the cosine of theta_o; divide by it"), "ccbsdf": Sentence("f times the cosine of theta_o; divide by it"),
 }  # fmt: skip
 _RGB = ("r", "g", "b")
+_WAVE = "wavelength"
 # Looked for in this order: beside the first two a comma is a decimal one.
 _DELIMITERS = (";", "\t", ",")
 _MOST_BYTES = 500_000_000
-_WAVELENGTH = re.compile(r"(\d+(?:\.\d+)?)\s*(?:nm)?")
+_WAVELENGTH = re.compile(r"(?:(?:f|fr|f_r|brdf|bsdf|value|wl|lambda)_?)?(\d+(?:\.\d+)?)[\s_]*(?:nm)?")
 # A column's unit: those that are meant anyway go, others stay a part of the name.
-_UNIT = re.compile(r"\s*[\[(](?:deg|degrees?|°|1/sr|sr\^?-1|nm)[\])]$")
+_UNIT = re.compile(r"(?:\s*[\[(](?:deg|degrees?|°|º|1/sr|sr\^?-1|sr⁻¹|nm)[\])]|[\s_]deg(?:rees)?)$")
+_RADIANS = re.compile(r"(?:\s*[\[(]rad(?:ians?)?[\])]|[\s_]rad(?:ians)?)$")
+_GREEK = str.maketrans({"θ": "theta", "ϑ": "theta", "φ": "phi", "ϕ": "phi", "λ": "lambda"})
+# Columns beside the values that say how sure or which they are.
+_BESIDE = re.compile(r"(?:sigma|std|stdev|std_dev|uncertainty|error|err|index|id|no|nr|point|time|timestamp)(?:_.*)?|.*_(?:std|sigma|err|error|uncertainty)")
+# Lines that are looked through for the names of columns.
+_HEAD = 200
 
 
 def _missing(names: list[str]) -> Sentence:
@@ -51,31 +60,85 @@ def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | N
     """The measurement of a file. Raises LaminaError on missing columns, duplicate or out-of-range angles, or text."""
     if path.stat().st_size > _MOST_BYTES:
         raise LaminaError("{path}: {size} bytes are too large for a table; at most {most}", path=path, size=path.stat().st_size, most=_MOST_BYTES)
-    try:
-        lines = [(i, line) for i, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")]
-    except UnicodeDecodeError as error:
-        raise LaminaError("{path}: not UTF-8 text: {reason} at byte {start}", path=path, reason=error.reason, start=error.start) from None
-    if len(lines) < 2:
-        raise LaminaError("{path}: no rows; a table has a line of column names ({angles}, r, g, b) and numbers below it", path=path, angles=", ".join(ANGLES))
-    delimiter = next((d for d in _DELIMITERS if d in lines[0][1]), None)
-    given = [_UNIT.sub("", name.strip().lower()) for name in _cells(lines[0][1], delimiter)]
-    names = [ALIASES.get(name, name) for name in given]
+    lines, delimiter = _lines(path)
+    cells = _cells(lines[0][1], delimiter)
+    if delimiter is not None and len(cells) > 1 and not cells[-1].strip():
+        cells = cells[:-1]  # a separator behind the last one
+    in_radians = [bool(_RADIANS.search(cell.strip().lower())) for cell in cells]
+    given = [_RADIANS.sub("", _UNIT.sub("", cell.strip().lower())) for cell in cells]
+    names = [_named(name) for name in given]
     found = []
-    if renamed := [Sentence("{old} is {new}", old=old, new=new) for old, new in zip(given, names) if old != new]:
+    if renamed := [Sentence("{old} is {new}", old=old, new=new) for old, new in zip(given, names) if old != new and new in _ALIASES]:
         found.append(joined(renamed))
+    found += [Sentence("column {name} is left out", name=name) for name in names if _BESIDE.fullmatch(name)]
     columns, nm = _columns(path, names, given)
     numbers = _numbers(path, lines[1:], names, delimiter)
     in_plane = "phi_o" not in names
     if in_plane:
         found.append(Sentence("in the plane of incidence: theta_o is positive on the side away from the light"))
+    numbers[:, in_radians] = np.degrees(numbers[:, in_radians])
+    if any(in_radians):
+        found.append(Sentence("in radians: {names}", names=", ".join(name for name, is_so in zip(names, in_radians) if is_so)))
     zero = np.zeros(len(numbers))
     angles = np.stack([numbers[:, names.index(a)] if a in names else zero + 180.0 * (a == "phi_o") for a in ANGLES], axis=-1)
     found += _made_positive(angles)
-    _check_angles(path, angles, [i for i, _ in lines[1:]])
+    values, places = numbers[:, columns], [i for i, _ in lines[1:]]
+    if _WAVE in names:
+        angles, values, nm, places = _unfolded(path, angles, values[:, 0], numbers[:, names.index(_WAVE)], places)
+    _check_angles(path, angles, places)
     theta_i, phi_i, theta_o, phi_o = np.radians(angles).T
     content = Sentence("wavelengths: {count}", count=len(nm)) if nm is not None else Sentence("RGB") if len(columns) == 3 else Sentence("one value")
     found.insert(0, Sentence("table of {rows} rows, {content}", rows=len(numbers), content=content))
-    return checked(spherical(theta_i, phi_i), spherical(theta_o, phi_o), numbers[:, columns], str(path), tuple(found), nm, wavelength_nm, steepest_deg)
+    return checked(spherical(theta_i, phi_i), spherical(theta_o, phi_o), values, str(path), tuple(found), nm, wavelength_nm, steepest_deg)
+
+
+def _lines(path: Path) -> tuple[list[tuple[int, str]], str | None]:
+    """The line with the names of columns and those below it, by their numbers, and what separates cells; None is blanks."""
+    data = path.read_bytes()
+    try:
+        text = data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
+    except UnicodeDecodeError as error:
+        if b"\0" in data:
+            raise LaminaError("{path}: not UTF-8 text: {reason} at byte {start}", path=path, reason=error.reason, start=error.start) from None
+        text = data.decode("latin-1")
+    every = [(i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip()]
+    lines = [(i, line) for i, line in every if not line.lstrip().startswith("#")]
+    said = [(i, line.lstrip(" \t#")) for i, line in every if line.lstrip().startswith("#")]
+    head = next((one for one in (*lines[:_HEAD], *said[:_HEAD]) if _has_angles(one[1])), lines[0] if lines else None)
+    if head is not None:
+        lines = [head, *((i, line) for i, line in lines if i > head[0])]
+    if len(lines) < 2:
+        raise LaminaError("{path}: no rows; a table has a line of column names ({angles}, r, g, b) and numbers below it", path=path, angles=", ".join(ANGLES))
+    return lines, _delimiter(lines[0][1])
+
+
+def _delimiter(line: str) -> str | None:
+    return next((d for d in _DELIMITERS if d in line), None)
+
+
+def _has_angles(line: str) -> bool:
+    names = {_named(_RADIANS.sub("", _UNIT.sub("", cell.strip().lower()))) for cell in _cells(line, _delimiter(line))}
+    return {"theta_i", "theta_o"} <= names
+
+
+def _named(name: str) -> str:
+    """A column's usual name: of Greek letters, blanks and other names of it."""
+    plain = re.sub(r"[\s\-]+", "_", name.translate(_GREEK))
+    return ALIASES.get(plain, plain)
+
+
+def _unfolded(path: Path, angles: np.ndarray, values: np.ndarray, wave: np.ndarray, places: list[int]):
+    """Angles, values by wavelength, wavelengths and lines of a table with a row for each wavelength. Raises LaminaError where some lack."""
+    nm = np.unique(wave)
+    pairs, first, pair = np.unique(np.round(angles, 4), axis=0, return_index=True, return_inverse=True)
+    counts = np.zeros((len(pairs), len(nm)), int)
+    column = np.searchsorted(nm, wave)
+    np.add.at(counts, (pair.ravel(), column), 1)
+    if np.any(counts != 1) or nm[0] < 200.0 or nm[-1] > 2500.0:
+        raise LaminaError("{path}: not every pair of directions has each wavelength once, in nm from 200 to 2500; give each", path=path)
+    result = np.empty(counts.shape)
+    result[pair.ravel(), column] = values
+    return angles[first], result, nm, [places[at] for at in first]
 
 
 def _cells(line: str, delimiter: str | None) -> list[str]:
@@ -112,7 +175,9 @@ def _columns(path: Path, names: list[str], given: list[str]) -> tuple[list[int],
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         raise LaminaError("{path}: column {column} is there twice", path=path, column=twice[0])
-    others = [name for name in names if name not in ANGLES]
+    others = [name for name in names if name not in ANGLES and not _BESIDE.fullmatch(name)]
+    if _WAVE in others and len(others) == 2 and (value := next(n for n in others if n != _WAVE)) in VALUES:
+        return [names.index(value)], None
     for name in others:
         if name in _HINTS:
             raise LaminaError("{path}: column {name!r} holds {hint}, and name the column f", path=path, name=name, hint=_HINTS[name])
@@ -147,6 +212,8 @@ def _numbers(path: Path, lines, names: list[str], delimiter: str | None) -> np.n
     rows = []
     for number, line in lines:
         cells = _cells(line if delimiter in (",", None) else line.replace(",", "."), delimiter)
+        if len(cells) == len(names) + 1 and not cells[-1].strip():
+            cells = cells[:-1]
         if len(cells) != len(names):
             raise LaminaError(
                 "{path}: line {number} has {cells} cells where {columns} are named{hint}",
@@ -157,18 +224,25 @@ def _numbers(path: Path, lines, names: list[str], delimiter: str | None) -> np.n
                 hint=Sentence("; truncated?") if len(cells) < len(names) else "",
             )
         try:
-            rows.append([float(cell) for cell in cells])
+            rows.append([_number(name, cell) for name, cell in zip(names, cells)])
         except ValueError:
-            name, bad = next(pair for pair in zip(names, cells) if not _is_number(pair[1]))
+            name, bad = next(pair for pair in zip(names, cells) if not _is_number(*pair))
             raise LaminaError(
                 "{path}: line {number}: {name} is {text!r}, which is not a number", path=path, number=number, name=name, text=bad.strip()
             ) from None
     return np.array(rows)
 
 
-def _is_number(text: str) -> bool:
+def _number(name: str, cell: str) -> float:
+    """Of a cell; an empty one of a value was not measured, and what stands beside the values is not read."""
+    if _BESIDE.fullmatch(name):
+        return 0.0
+    return float("nan") if not cell.strip() and name not in (*ANGLES, _WAVE) else float(cell)
+
+
+def _is_number(name: str, cell: str) -> bool:
     try:
-        float(text)
+        _number(name, cell)
     except ValueError:
         return False
     return True
