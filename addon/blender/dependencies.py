@@ -12,7 +12,8 @@ from pathlib import Path
 import bpy
 
 _TILE = re.compile(r"<UDIM>|<UVTILE>")
-_NUMBER = re.compile(r"(\d+)(\D*)$")
+# The number of a frame, before the ending of a file.
+_NUMBER = re.compile(r"\d+(?=\D*$)")
 _SHOWN = 5
 
 
@@ -22,7 +23,7 @@ def files_read() -> list[str]:
     Not what no render reads: sounds and texts, which have their text in the .blend; nor what is packed.
     """
     caches = _cache_folders()
-    unread = {_absolute(block, block.filepath) for block in (*bpy.data.sounds, *bpy.data.texts) if block.filepath}
+    unread = {absolute(block, block.filepath) for block in (*bpy.data.sounds, *bpy.data.texts) if block.filepath}
     sequences = _sequences()
     found: set[str] = set()
     for path in map(os.path.normpath, bpy.utils.blend_paths(absolute=True, packed=True, local=False)):
@@ -80,16 +81,49 @@ def named(phrases: Sequence[str]) -> str:
     return "; ".join(phrases[:_SHOWN]) + (f"; and {len(phrases) - _SHOWN} more" if len(phrases) > _SHOWN else "")
 
 
+def files_at(image: bpy.types.Image, user: bpy.types.ImageUser, frame: int) -> list[str]:
+    """The files that an image shows at a frame; none of one that reads none, as it is made or rendered."""
+    if image.source == "TILED":
+        return tile_files(image)
+    if image.source == "SEQUENCE":
+        return [frame_file(image, user, frame)]
+    return [absolute(image, image.filepath)] if image.source in ("FILE", "MOVIE") else []
+
+
+def tile_files(image: bpy.types.Image) -> list[str]:
+    """The file of each tile of a UDIM image, by number or by u and v."""
+    path, files = absolute(image, image.filepath), []
+    for tile in image.tiles:
+        u, v = (tile.number - 1001) % 10, (tile.number - 1001) // 10
+        files.append(path.replace("<UDIM>", str(tile.number)).replace("<UVTILE>", f"u{u + 1}_v{v + 1}"))
+    return files
+
+
+def frame_file(image: bpy.types.Image, user: bpy.types.ImageUser, frame: int) -> str:
+    """The file of a sequence at a frame of the scene; its own where its name has no number.
+
+    `user.frame_current` lags behind in what no object shows. Before its start a sequence shows the picture before its first
+    (BKE_image_user_frame_get).
+    """
+    folder, name = os.path.split(absolute(image, image.filepath))
+    length, at = user.frame_duration, frame - user.frame_start + 1
+    if length:
+        at = (at - 1) % length + 1 if user.use_cyclic else min(max(at, 0), length)
+    shown = at + user.frame_offset if length else 0
+    return os.path.join(folder, _NUMBER.sub(lambda found: f"{shown:0{len(found[0])}}", name))
+
+
+def absolute(block, path: str) -> str:
+    """A path of a data-block, in full."""
+    return os.path.normpath(bpy.path.abspath(path, library=block.library))
+
+
 def _why(path: str) -> str:
     if os.path.isdir(path):
         return "is a folder and no file"
     if not os.path.exists(path):
         return "is not there"
     return "" if os.access(path, os.R_OK) else "cannot be read"
-
-
-def _absolute(block, path: str) -> str:
-    return os.path.normpath(bpy.path.abspath(path, library=block.library))
 
 
 def _library_path(library) -> str:
@@ -100,7 +134,7 @@ def _sequences() -> set[str]:
     """Paths that stand for files of the same name with other numbers."""
     blocks = [i for i in (*bpy.data.images, *bpy.data.movieclips) if i.source == "SEQUENCE"]
     blocks += [b for b in (*bpy.data.volumes, *bpy.data.cache_files) if b.is_sequence]
-    return {_absolute(block, block.filepath) for block in blocks if block.filepath}
+    return {absolute(block, block.filepath) for block in blocks if block.filepath}
 
 
 def _frames(path: str) -> list[str]:
@@ -108,7 +142,7 @@ def _frames(path: str) -> list[str]:
     number = _NUMBER.search(name)
     if number is None:
         return []
-    pattern = re.compile(re.escape(name[: number.start()]) + r"\d+" + re.escape(number[2]))
+    pattern = re.compile(re.escape(name[: number.start()]) + r"\d+" + re.escape(name[number.end() :]))
     return _matching(folder, pattern) + ([] if os.path.exists(path) else [path])
 
 
@@ -121,28 +155,13 @@ def _pictures_at(frames: set[int]) -> set[str]:
         image, user = node.image, node.image_user
         if image is None or image.source != "SEQUENCE" or not image.filepath or image.packed_files or not user.use_auto_refresh or user.frame_duration < 1:
             continue
-        path = _absolute(image, image.filepath)
-        folder, name = os.path.split(path)
-        number = _NUMBER.search(name)
-        if number is None:
-            continue
-        for frame in frames:
-            at = frame - user.frame_start + 1
-            at = (at - 1) % user.frame_duration + 1 if user.use_cyclic else min(max(at, 0), user.frame_duration)
-            digits = f"{at + user.frame_offset:0{len(number[1])}d}"
-            found.add(os.path.join(folder, name[: number.start()] + digits + number[2]))
+        found.update(frame_file(image, user, frame) for frame in frames)
     return found
 
 
 def _tiles(path: str) -> list[str]:
-    """The tiles that the pictures of this path have, whether they are there or not."""
-    wanted = []
-    for image in bpy.data.images:
-        if image.source == "TILED" and _absolute(image, image.filepath) == path:
-            for tile in image.tiles:
-                u, v = (tile.number - 1001) % 10, (tile.number - 1001) // 10
-                wanted.append(path.replace("<UDIM>", str(tile.number)).replace("<UVTILE>", f"u{u + 1}_v{v + 1}"))
-    return wanted
+    """The tiles that the pictures of this path have."""
+    return [file for image in bpy.data.images if image.source == "TILED" and absolute(image, image.filepath) == path for file in tile_files(image)]
 
 
 def _matching(folder: str, pattern: re.Pattern) -> list[str]:
@@ -163,5 +182,5 @@ def _cache_folders() -> set[str]:
             settings = getattr(modifier, "domain_settings", None) if modifier.type == "FLUID" else None
             paths = [getattr(settings, "cache_directory", "")]
             paths += [getattr(modifier, name, "") for name in {"OCEAN": ("filepath",), "NODES": ("bake_directory",)}.get(modifier.type, ())]
-            found.update(_absolute(item, path) for path in paths if path)
+            found.update(absolute(item, path) for path in paths if path)
     return found

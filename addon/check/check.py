@@ -34,7 +34,7 @@ from ..shader.inputs import BASE, layer_owner
 from ..shader.nodes.node_groups import is_untouched as group_is_untouched
 from ..shader.nodes.node_groups import tables_size
 from .check_mends import MENDS
-from .lost_images import file_of, lost_images
+from .lost_images import lost_images
 from .tangents import without_uv_map
 
 # A note is of what does not show in this scene.
@@ -236,8 +236,8 @@ def _values(element, node, is_shown: bool, links: dict[int, list[bpy.types.NodeL
             elif link.is_muted:
                 yield Finding("link_muted", about, element.node, parameter.label)
             elif is_shown and (lost := list(lost_images(link.from_node))):
-                known = next(filter(None, lost), None)  # its link is work that a removal would lose, whatever else is fed by it
-                code, words = ("image_gone", {"image": known.name, "path": file_of(known)}) if known else ("image_missing", {})
+                known = next((each for each in lost if each.image), None)  # its link is work that a removal would lose, whatever else is fed by it
+                code, words = ("image_gone", {"image": known.image.name, "path": known.path}) if known else ("image_missing", {})
                 yield Finding(code, about | words, element.node, parameter.label)
         if not into and parameter.type == COLOR and outside_rec709(socket):
             yield Finding("out_of_gamut", about, element.node, parameter.label)

@@ -4,20 +4,17 @@
 Only what Cycles shows by a plain rule is summed here: three color spaces, no transparency. The rest is for a bake (`source_mean`).
 """
 
-import os
-import re
 from collections.abc import Callable, Iterator
 
 import bpy
 import numpy as np
 
 from ..blender import oiio
+from ..blender.dependencies import files_at
 from ..shader.working_space import REC709, out_of_working
 
 DATA, SRGB = "Non-Color", "sRGB"
 _LINEAR = (REC709, "Linear")
-# The number of a frame, before the ending of a file.
-_DIGITS = re.compile(r"\d+(?=\D*$)")
 # Floats that are read at once.
 _CHUNK = 1 << 22
 # Pixels of an image that Blender has to hold whole.
@@ -53,33 +50,13 @@ def image_mean(image: bpy.types.Image, user: bpy.types.ImageUser, read: Callable
     return np.mean(means, axis=0) if means else None
 
 
-def files_of(image: bpy.types.Image, user: bpy.types.ImageUser) -> list[str]:
-    """The files that an image shows now: its tiles, the present frame of a sequence, or its one file."""
-    path = bpy.path.abspath(image.filepath_raw, library=image.library)
-    if image.source == "TILED":
-        return [path.replace("<UDIM>", str(tile.number)) for tile in image.tiles]
-    if image.source == "SEQUENCE":
-        folder, name = os.path.split(path)
-        return [os.path.join(folder, _DIGITS.sub(lambda found: f"{_frame(user):0{len(found[0])}}", name))]
-    return [path]
-
-
-def _frame(user) -> int:
-    """The frame of a sequence that Blender shows; `user.frame_current` lags behind in what no object shows (BKE_image_user_frame_get)."""
-    length, frame = user.frame_duration, bpy.context.scene.frame_current - user.frame_start + 1
-    if not length:
-        return 0
-    frame = (frame - 1) % length + 1 if user.use_cyclic else min(max(frame, 1), length)
-    return frame + user.frame_offset
-
-
 def _parts(image, user) -> Iterator[Iterator[tuple[np.ndarray, bool]]]:
     """Pixels (n, 1 to 4) of each tile, or of the image, piece by piece, and whether they are in the working space already."""
     if image.source == "MOVIE":
         return
     in_file = image.source in ("FILE", "SEQUENCE", "TILED") and not image.packed_files and not image.is_dirty
     if in_file:
-        yield from map(_file_pixels, files_of(image, user))
+        yield from map(_file_pixels, files_at(image, user, bpy.context.scene.frame_current))
     elif image.source in ("FILE", "GENERATED"):
         yield _held_pixels(image)
 

@@ -16,8 +16,9 @@ import numpy as np
 
 from ...reference_py.errors import LaminaError
 from ...reference_py.material.schema import FLOAT, Parameter
+from ..blender.dependencies import files_at
 from ..shader.working_space import out_of_working, working_space
-from .image_mean import files_of, image_mean
+from .image_mean import image_mean
 from .shown_values import ShownValues, shown_values
 
 # Of luminance in linear Rec.709, which a color gives to a number (ITU-R BT.709).
@@ -218,7 +219,7 @@ def _plain(value) -> str:
 
 def _image_facts(image: bpy.types.Image, user) -> str:
     dates = []
-    for file in files_of(image, user) if image.source not in ("GENERATED", "VIEWER") and not image.packed_files else ():
+    for file in () if image.packed_files else files_at(image, user, bpy.context.scene.frame_current):
         try:
             dates.append((file, os.stat(file).st_size, os.stat(file).st_mtime_ns))
         except OSError:

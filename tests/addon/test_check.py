@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Check finds each thing that can be wrong with a material, and one click mends it."""
 
+import numpy as np
 import pytest
 
 bpy = pytest.importorskip("bpy")
 
 from lamina.addon.blender import environment
+from lamina.addon.blender.images import write_png
 from lamina.addon.check import check, check_mends
 from lamina.addon.jobs import bakes
 from lamina.addon.material import layers, material, osl_setting, properties, record
@@ -222,6 +224,31 @@ def test_an_image_whose_file_moved_keeps_its_link(owner, tmp_path):
     texture.image.filepath = str(moved)
     texture.image.reload()
     assert [f.code for f in found(owner) if f.level != check.NOTE] == []
+
+
+@pytest.mark.parametrize(
+    ("source", "pattern", "files"),
+    [("TILED", "t.<UDIM>.png", ["t.1001.png", "t.1002.png"]), ("SEQUENCE", "f001.png", ["f001.png", "f002.png"]), ("MOVIE", "m.png", ["m.png"])],
+)
+def test_a_tile_a_frame_or_a_movie_that_is_gone_is_named(owner, tmp_path, source, pattern, files):
+    for name in files:
+        write_png(tmp_path / name, np.full((4, 4, 3), 200, np.uint8))
+    texture = owner.node_tree.nodes.new("ShaderNodeTexImage")
+    image = texture.image = bpy.data.images.load(str(tmp_path / files[0]))
+    image.source, image.filepath = source, str(tmp_path / pattern)
+    if source == "TILED" and len(image.tiles) < 2:
+        image.tiles.new(1002)
+    texture.image_user.frame_duration = 2
+    owner.node_tree.links.new(texture.outputs[0], coat(owner).inputs["Tint"])
+    material.refresh(owner)
+    lost = lambda: [f.words["path"] for f in found(owner) if f.code == "image_gone"]
+    bpy.context.scene.frame_set(2)
+    assert lost() == []
+    (tmp_path / files[-1]).rename(tmp_path / "elsewhere")
+    assert lost() == [str(tmp_path / files[-1])]
+    if source == "SEQUENCE":  # the other picture is there
+        bpy.context.scene.frame_set(1)
+        assert lost() == []
 
 
 def test_values_that_reach_the_wrong_input_are_found(owner):

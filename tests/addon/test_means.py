@@ -87,6 +87,9 @@ def test_tiles_of_udim_and_frames_of_a_sequence(tree, tmp_path):
     for frame in (2, 1):
         bpy.context.scene.frame_set(frame)
         assert np.allclose(mean_of(node.outputs[0], COLORS), frames[frame - 1], rtol=2e-3), frame
+    before = picture(tmp_path, 5, "frame0000.png", 100, 110)[1]
+    node.image_user.frame_start = 10  # Cycles shows the picture before the first
+    assert np.allclose(mean_of(node.outputs[0], COLORS), before, rtol=2e-3)
 
 
 def test_tiles_through_nodes_are_all_baked(tree, tmp_path):
