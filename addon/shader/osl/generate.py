@@ -8,6 +8,8 @@ parameters, stacks of one structure share one text, and moving a slider never ch
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
+from types import ModuleType
 
 from ....reference_py.lobes.analytic import AnalyticLobes
 from ....reference_py.lobes.analytic.brushed import BrushedLobes
@@ -20,7 +22,6 @@ from ....reference_py.lobes.view_table import TableLobes
 from ....reference_py.material.schema import SCHEMA, Schema
 from ....reference_py.material.stack import Base, Layer, Stack
 from ..inputs import BASE, PRIMARIES, TANGENT_INPUT, ShaderInput, layer_owner, owners_of, shader_inputs
-from . import emit_analytic, emit_live_grid, emit_paper, emit_tables
 from .block import Block, Share, shader_text
 
 
@@ -37,21 +38,25 @@ class Shader:
 
 @dataclass(frozen=True)
 class _Emitter:
-    """How lobe sets of one class are written: their block, for the owners of their layers and base, a suffix of names, and whether they only stand
-    in, and a note."""
+    """How lobe sets of one class are written: by a module of this folder, which is imported with the first of them and has a NOTE, and its block,
+    for the owners of their layers and base, a suffix of names, and whether they only stand in."""
 
+    file: str
     block: Callable[..., Block]
-    note: str
     reads_all: bool
     """Whether it reads all values live, and not only what its tables follow."""
 
+    @property
+    def module(self) -> ModuleType:
+        return import_module(f".{self.file}", __package__)
+
 
 _EMITTERS = {
-    TableLobes: _Emitter(lambda lobes, owners, suffix, _: emit_tables.table_block(lobes, owners, suffix), emit_tables.NOTE, False),
-    LiveLobes: _Emitter(lambda lobes, owners, suffix, _: emit_live_grid.grid_block(lobes, owners, suffix), emit_live_grid.NOTE, False),
-    AnalyticLobes: _Emitter(lambda lobes, owners, _, stands_in: emit_analytic.analytic_block(lobes.stack, owners, stands_in), emit_analytic.NOTE, True),
-    BrushedLobes: _Emitter(lambda lobes, owners, _, stands_in: emit_analytic.analytic_block(lobes.stack, owners, stands_in), emit_analytic.NOTE, True),
-    PaperLobes: _Emitter(lambda lobes, owners, *_: emit_paper.weidlich_wilkie_block(lobes.stack, owners), emit_paper.NOTE, True),
+    TableLobes: _Emitter("emit_tables", lambda emit, lobes, owners, suffix, _: emit.table_block(lobes, owners, suffix), False),
+    LiveLobes: _Emitter("emit_live_grid", lambda emit, lobes, owners, suffix, _: emit.grid_block(lobes, owners, suffix), False),
+    AnalyticLobes: _Emitter("emit_analytic", lambda emit, lobes, owners, _, stands_in: emit.analytic_block(lobes.stack, owners, stands_in), True),
+    BrushedLobes: _Emitter("emit_analytic", lambda emit, lobes, owners, _, stands_in: emit.analytic_block(lobes.stack, owners, stands_in), True),
+    PaperLobes: _Emitter("emit_paper", lambda emit, lobes, owners, *_: emit.weidlich_wilkie_block(lobes.stack, owners), True),
 }
 
 
@@ -73,9 +78,9 @@ def generate(made: Made, schema: Schema = SCHEMA) -> Shader:
     for number, ((owners, covered, part), emitter) in enumerate(zip(parts, emitters)):
         own = {i: pool for (patch, i), pool in pools.items() if patch == number}
         share = Share(tuple((layer_owner(i), there) for i, there in covered), own)
-        blocks.append((share, emitter.block(part, owners, f"{number}_" if len(parts) > 1 else "", made.stands_in)))
+        blocks.append((share, emitter.block(emitter.module, part, owners, f"{number}_" if len(parts) > 1 else "", made.stands_in)))
     title = f"Lamina shader, tier {made.method}, from the top: {_words(stack)}." if is_live else f"Lamina shader, tier {made.method}."
-    body, closures = shader_text(title, " ".join(dict.fromkeys(emitter.note for emitter in emitters)), blocks, inputs)
+    body, closures = shader_text(title, " ".join(dict.fromkeys(emitter.module.NOTE for emitter in emitters)), blocks, inputs)
     name = "lamina_" + hashlib.sha256(body.encode()).hexdigest()[:12]
     return Shader(name, body.replace("@SHADER@", name), inputs, closures, ("Live", *PRIMARIES))
 
