@@ -165,6 +165,17 @@ def without_docstring(root: Path) -> list[str]:
     return found
 
 
+def compares_arrays(root: Path) -> list[str]:
+    """Frozen dataclasses that hold arrays and do not say `eq=False`: comparing two would fail, and the methods for it cost each start time."""
+    found = []
+    for path, tree in trees(root, "reference_py", "addon"):
+        for node in (each for each in ast.walk(tree) if isinstance(each, ast.ClassDef)):
+            is_frozen = any(ast.unparse(decorator) == "dataclass(frozen=True)" for decorator in node.decorator_list)
+            if is_frozen and any(isinstance(field, ast.AnnAssign) and "ndarray" in ast.unparse(field.annotation) for field in node.body):
+                found.append(f"{path.relative_to(root)}:{node.lineno} {node.name}")
+    return found
+
+
 def lines_with(root: Path, pattern: str, *tops: str) -> int:
     return sum(len(re.findall(pattern, path.read_text(encoding="utf-8"))) for path in python_files(root, *tops))
 

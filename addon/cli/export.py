@@ -23,7 +23,7 @@ LAYERS = "layers"
 _STEP_DEG, _ANISOTROPIC_STEP_DEG = 5.0, 10.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class _Table:
     """Refuses a stack it cannot hold; makes what it holds; writes that; reads a file back, at directions (wi, wo)."""
 

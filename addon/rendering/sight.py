@@ -12,7 +12,7 @@ from ...reference_py.errors import LaminaError
 _VIEWS = 8
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Sight:
     """`cosines` (8,) of the view split the object's pixels evenly; `pixels` is their number. Occlusion is not counted."""
 

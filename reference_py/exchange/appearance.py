@@ -49,7 +49,7 @@ class Rules:
     thin_subsurface: float = 1.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Appearance:
     """`solid` (views, 3): albedo of the opaque reflecting part. `seen`: the same by the file's opacity.
 

@@ -24,7 +24,7 @@ _POINTS = 1024
 _LEAST_IOR = 0.2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Light:
     """`back` (views, 3) comes back, `through` (views, 3) goes on to what is below; `lost`, by leaf, is what no stack sends back."""
 

@@ -161,7 +161,7 @@ def solve_near(albedos: Albedos, exact: np.ndarray) -> tuple[np.ndarray, np.ndar
     return color, albedos(color)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class ColorMap:
     """(p0 + p1 c) / (1 + p2 c) per channel, each (3,), kept in 0..most."""
 

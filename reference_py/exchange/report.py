@@ -63,7 +63,7 @@ def metal_or_not(is_metal: bool) -> Sentence:
     return Sentence("a base is metal or not; it is metal") if is_metal else Sentence("a base is metal or not; it is diffuse")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Match:
     """How far the converted material's albedo is from the original's, over views from the normal to grazing."""
 

@@ -28,7 +28,7 @@ class Term:
     usual: tuple[float, float]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class BaselineModel:
     """`f(values, wi, wo)`, (n, c), of values by name, each (c,) or a number."""
 
@@ -56,7 +56,7 @@ class BaselineModel:
         return found
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class BaselineFit:
     """A model at its best parameter vector `x` (p,); `error` is the metric's RMS residual."""
 

@@ -55,7 +55,7 @@ def share_of(progress: Progress | None, begin: float, end: float) -> Progress | 
     return None if progress is None else lambda share: progress(begin + (end - begin) * share)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Fit:
     """A stack, how far it is from the data, and how well they determine it. `x` (p,) is in coordinates of the parameters."""
 
@@ -99,7 +99,7 @@ class Fit:
         return self.parameters.stack(self.x, self.structure.name.capitalize(), text)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Start:
     """Where a fit of the model itself begins: coordinates (p,), and what the model says there, (m,) compressed, if it was asked."""
 

@@ -38,7 +38,7 @@ _DARK = 1e-3
 _MOST_PAIRS = 1500
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Metric:
     """Residuals against a measurement."""
 

@@ -18,7 +18,7 @@ _LEAST_DAMPING = 1e-14
 _CONFIRMED, _MOST_CONFIRMED = 0.5, 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Solution:
     """`x` (p,), residual (m,) there, and the count of steps."""
 
@@ -32,7 +32,7 @@ class Solution:
         return float(self.residual @ self.residual)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Ask:
     """What a search wants to know at `x` (p,): the residual (m,), or, where that is known to be `r`, the Jacobian (m, p)."""
 

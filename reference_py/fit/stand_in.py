@@ -27,7 +27,7 @@ _COARSE = {"nodes": 12, "modes": 12}
 _KNOTS = 24
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class StandIn(Forward):
     """The method's closures, plus what these lack to the model at some place, against one metric's data."""
 

@@ -29,7 +29,7 @@ def ball_cosines() -> np.ndarray:
     return np.sqrt(1.0 - (np.arange(_PIXELS) + 0.5) / _PIXELS)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Errors:
     """Shares of the truth's albedo per view (n,); albedo and shape of the worst channel."""
 

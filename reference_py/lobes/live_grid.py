@@ -30,7 +30,7 @@ DIGITS, COEFFICIENT_DIGITS = 4, 3
 MIN_ALPHA = 1e-4
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class LogEnergy:
     """The logarithm of an energy + FLOOR on the grid: a sum of one table along each axis, at its fine knots, and of what these leave.
 
@@ -48,7 +48,7 @@ class LogEnergy:
         return np.maximum(np.exp(total) - FLOOR if self.is_log else total, 0.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class LiveLobe:
     """One lobe on the grid, arrays with the axes first: `energy` and `shape` (..., KNOTS, 3), `unit` (..., KNOTS, 1).
 
@@ -86,7 +86,7 @@ class LiveLobe:
         return self.distribution is None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class LiveRamp:
     """Ramps of `diffuse_ramp`: Lambert's, and of each of `modes` (n, 8) so much as `amounts` (..., n, 3) has at the knots of the axes, which come first."""
 
@@ -98,7 +98,7 @@ class LiveRamp:
         return np.maximum(RAMP_COSINES[:, None] + self.modes.T @ amounts, 0.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class LiveBase:
     """What a diffuse base of any color adds (`BaseColorTable`) on the grid: the logarithms of `through` and of `back`.
 
@@ -110,7 +110,7 @@ class LiveBase:
     is_live: bool = True
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class LiveLobes:
     """A stack's lobes for all values of its axes; `lobes` are those of the stack's own values.
 

@@ -34,7 +34,7 @@ _FOLDED = {0: 2, 1: 25, 2: 13, 3: 9}
 _FOLDED_TURNS = 9
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class LiveTable:
     """One lobe over rows of the axes, arrays with these first: `energy` (..., KNOTS, 3), or None where the weight is 1.
 
@@ -53,7 +53,7 @@ class LiveTable:
     is_brushed: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class LiveTables:
     """A stack's lobes for all values of its axes, whose rows are at the knots of `scales`; `lobes` are those of the stack's own values."""
 

@@ -13,7 +13,7 @@ from ..optics.interface import Interface, Microfacets
 from ..optics.thin_film import Film
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class SchlickCurve:
     """Fresnel curve f0 + (f90 - f0) (1 - cos(wi, wh))^5 of a lobe; f0 and f90 are (..., 3)."""
 
@@ -50,7 +50,7 @@ class FilmCurve:
     film: Film
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class GlossyLobe:
     """A microfacet reflection lobe.
 
@@ -70,7 +70,7 @@ class GlossyLobe:
     normal: Place | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class DiffuseLobe:
     """Lambert of albedo `weight` (..., 3), or, where `color` (..., 3) is given, weight times Oren-Nayar of it.
 

@@ -12,7 +12,7 @@ from ..optics.quadrature import balanced_directions
 _STEP = 3.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Views:
     """Of each of V views, Q points: `wi` (V, Q, 3), `share` (V, Q) the measure cos(theta_i) dw of each, `f` (V, Q, 3) the truth there.
 

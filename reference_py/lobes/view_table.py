@@ -65,7 +65,7 @@ def weight_at(table: np.ndarray, cos_theta_o: np.ndarray, phi: np.ndarray | floa
     return sum(share[..., None] * interpolate(sheet, cos_theta_o) for share, sheet in zip(shares, table))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class GlossyTable:
     """A glossy lobe: `weight` (KNOTS, 3) or, with an `axis`, (AZIMUTHS, KNOTS, 3); `shape` (KNOTS, 3) of alpha_x, alpha_y and tan(tilt) / sin(theta_o).
 
@@ -93,7 +93,7 @@ class GlossyTable:
         return GlossyLobe(self.distribution, weight, alpha_x, alpha_y, tilt, self.fresnel, self.frame, self.normal)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class DiffuseTable:
     """A Lambert lobe of `weight` (KNOTS, 3) or, with an `axis`, (AZIMUTHS, KNOTS, 3); with a `ramp` (8, 3) one of `diffuse_ramp`."""
 
@@ -107,7 +107,7 @@ class DiffuseTable:
         return DiffuseLobe(weight_at(self.weight, cos_theta_o, phi, self.axis), normal=self.normal, ramp=self.ramp)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class OrenNayarTable:
     """An Oren-Nayar lobe whose colour `weight` (KNOTS, 3) depends on the view, as stock nodes have it; `power` as in `DiffuseLobe`."""
 
@@ -122,7 +122,7 @@ class OrenNayarTable:
         return DiffuseLobe(np.ones(3), weight_at(self.weight, cos_theta_o, phi, self.axis), self.sigma_deg, self.power, self.normal)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class RoughBase:
     """A bare Oren-Nayar base, which needs no table: stock nodes compute with its color and its slope deviation, of which `color` (3,) and `sigma_deg` are the present ones.
 
@@ -148,7 +148,7 @@ class RoughBase:
         return DiffuseLobe(np.ones(3), oren_nayar_color(cos_theta_o, energy, self.sigma_deg, self.power), self.sigma_deg, self.power, self.normal)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class BaseColorTable:
     """A fitted lobe of a stack over a diffuse base, for all its colors c: of weight own + through c / (1 - back c), and Lambert where it has no distribution.
 
@@ -185,7 +185,7 @@ class BaseColorTable:
         return self.now.lobe(cos_theta_o, phi)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class TableLobes:
     """A lobe set whose lobes are tables; `stock` is what stock nodes have in its place, which know no ramps, where they are not to have the same with Lambert's lobe."""
 

@@ -12,7 +12,7 @@ from ..optics.optical_stack import rough_surfaces
 from ..optics.quadrature import directional_albedo
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Distance:
     """Per view: relative error of the albedo (n,), worst channel; cosine-weighted L1 of f over the albedo (n,)."""
 

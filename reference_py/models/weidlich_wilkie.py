@@ -75,7 +75,7 @@ class _Facets:
         return d * self.masking(wi, wo, wh) / (4.0 * np.maximum(wi[..., 2] * wo[..., 2], 1e-30))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Level:
     """What one component of eq. 2 sees, once refracted through the interfaces above it."""
 

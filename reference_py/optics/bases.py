@@ -14,7 +14,7 @@ from .interface import Microfacets, film_of
 from .thin_film import Film, Films, film_of_channel, film_reflectance
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class DiffuseBase:
     """A base whose facets are diffuse (`diffuse.oren_nayar`); Lambert is the one of level facets, sigma 0."""
 
@@ -52,7 +52,7 @@ class DiffuseBase:
         return oren_nayar_albedo(cos_theta_o, self.color, self.sigma_deg)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class ConductorBase:
     """A metal of absolute complex index eta + i k, each (channels,)."""
 

@@ -64,7 +64,7 @@ class ConductorFacet:
 Facet = DielectricFacet | ConductorFacet
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class _FilmTable:
     """Reflectance of a channel at even cosines in the thinnest medium, of index `n`: elsewhere critical angles are roots, which a table would miss."""
 

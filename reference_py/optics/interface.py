@@ -55,7 +55,7 @@ class Microfacets:
         return is_specular(self.alpha)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Interface:
     """One dielectric interface and the medium below it."""
 

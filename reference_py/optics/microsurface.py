@@ -33,7 +33,7 @@ from .thin_film import FilmInterface
 SURFACES = ("multiple", "single")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Scattered:
     """What `scatter_dielectric` and `scatter_conductor` return."""
 

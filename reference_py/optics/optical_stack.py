@@ -55,7 +55,7 @@ def supports(role: str, **what) -> Callable[[Any], Any]:
     return decorate
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class OpticalStack:
     """Interfaces from the top, vacuum above the first, each with the medium below it; and the base.
 

@@ -16,7 +16,7 @@ FIT = (0.139, 1.17)
 _CLOSE, _ROUNDS = 1e-10, 100
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Scattering:
     """What a medium does with the light that it does not let pass; `Interface.tau` says how much that is."""
 

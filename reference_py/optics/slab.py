@@ -23,7 +23,7 @@ from .gauss import gauss_legendre
 _SUMS_TO, _ROUNDS = 1e-14, 200
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Slab:
     """Operators (modes, N, N): a radiance g becomes `reflection` g on its own side and `transmission` g on the other.
 

@@ -6,7 +6,18 @@ import re
 
 import pytest
 
-from lamina.study.house import KINDS, QUESTIONS, ROOT, answers, asks_for_kinds, asks_how_it_was_made, in_circles, shared_names, without_docstring
+from lamina.study.house import (
+    KINDS,
+    QUESTIONS,
+    ROOT,
+    answers,
+    asks_for_kinds,
+    asks_how_it_was_made,
+    compares_arrays,
+    in_circles,
+    shared_names,
+    without_docstring,
+)
 
 # Names of files that stand in several folders, and mean the same there.
 SAME = {
@@ -63,3 +74,10 @@ def test_a_newcomer_finds_it_by_names_of_files(question):
 
 def test_every_public_name_of_the_reference_says_what_it_is():
     assert without_docstring(ROOT) == []
+
+
+def test_dataclasses_of_arrays_are_not_compared(tmp_path):
+    assert compares_arrays(ROOT) == []
+    (tmp_path / "addon").mkdir()
+    (tmp_path / "addon" / "a.py").write_text("@dataclass(frozen=True)\nclass A:\n    x: np.ndarray | None\n@dataclass(frozen=True)\nclass B:\n    x: float\n")
+    assert compares_arrays(tmp_path) == ["addon/a.py:2 A"]

@@ -88,7 +88,7 @@ def write(stored: dict[str, np.ndarray], path: Path) -> None:
         temporary.write_bytes(tensor_bytes(stored))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class _Normals:
     """`ndf` and `sigma` (v, u); two rows that are alike where they know no azimuth."""
 

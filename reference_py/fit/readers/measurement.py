@@ -22,7 +22,7 @@ _BANDS_DEG = (0.0, 30.0, 60.0, 75.0, 85.0, 90.0)
 _LARGE, _NEIGHBOURS, _MOST_NEIGHBOURS, _CHUNK = 0.05, 5, 20_000, 200
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Measurement:
     """`wi`, `wo` (n, 3) unit directions above the surface, `f` (n, c) in 1/sr without cosine; c is 3 (linear RGB) or 1.
 

@@ -34,7 +34,7 @@ def read(path: Path, wavelength_nm: float | None = None, steepest_deg: float | N
     return checked(wi, wo, material.f(wi, wo), str(path), found, material.wavelength_nm, wavelength_nm, steepest_deg)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Material:
     """The tables. `values` (phi_i, theta_i, channel, phi_m, theta_m); `wavelength_nm` (channel,), or None for RGB."""
 

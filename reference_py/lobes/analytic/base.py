@@ -91,7 +91,7 @@ def from_base(up: Sequence[Crossing], n_base, p, variance) -> tuple[np.ndarray, 
     return (passage.first + passage.inner) * left * left, passage.transmitted * left
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Below:
     """The layers for light from below: polynomials through the nodes of light that may escape and of trapped light."""
 
@@ -146,7 +146,7 @@ def polynomial_fit(count: int) -> np.ndarray:
     return np.linalg.inv(np.vander(gauss(count)[0], increasing=True))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Facets:
     """A metal's facets as beams (...) see them: their alphas along and across the plane of incidence, and the share `white` (...)
     of light that one facet of a white surface lets go; `gap` is the difference of the alphas' squares over their sum."""
@@ -156,7 +156,7 @@ class Facets:
     gap: float = 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class MetalLobe:
     """Energies (..., 3) of light that a metal base sends out through the layers, per unit that reaches it."""
 

@@ -37,7 +37,7 @@ from .calibration import (
 from .interface_tables import diffuse_reflectance, reflectance, side
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Crossing:
     """One interface in the order of travel and the medium behind it; `tau` (3,) per perpendicular crossing.
 
@@ -51,7 +51,7 @@ class Crossing:
     tau: np.ndarray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Passage:
     """What becomes of a beam; energies (..., 3) per unit of energy that arrives."""
 

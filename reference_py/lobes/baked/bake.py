@@ -43,7 +43,7 @@ _LEAST_SHARE = 1e-3
 _LEAST_SAMPLED = 1e-5
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Bake:
     """`lobe_set` in tables; `shape_error` (KNOTS,) is its cosine-weighted L1 at each knot, worst channel."""
 
@@ -51,7 +51,7 @@ class Bake:
     shape_error: np.ndarray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Found:
     """What was fitted: the number of the plan, and its path."""
 

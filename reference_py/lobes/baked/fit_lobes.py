@@ -31,7 +31,7 @@ _NARROW, _SEEN = 0.05, 0.7
 _FIRST_DAMPING, _LEAST_DAMPING = 1e-2, 1e-6
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mixtures:
     """One mixture for each of V views: `shape` (V, k, 3) of the glossy lobes as the optimiser sees them; `weight` (V, C, k + 1) by
     channel, the last that of a Lambert lobe; `error` (V,)."""
@@ -50,7 +50,7 @@ class Mixtures:
         return Mixtures(np.where(wide, self.shape, other.shape), np.where(wide, self.weight, other.weight), np.where(mask, self.error, other.error))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class ViewFits:
     """Fits mixtures to the truth at V views of Q points in C channels, beside a lobe that is not fitted.
 

@@ -34,7 +34,7 @@ _WIDTHS = 5
 _ENERGY_COUNTS, _ENERGY_HURTS, _SHAPE_HURTS = 3.0, 0.0015, 0.15
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Branches:
     """Mixtures of lobes of `distributions` at the coarse knots, the best branch first, and their mean error where each is the best."""
 
@@ -179,7 +179,7 @@ def _widths(surfaces: list[tuple[str, float]]) -> list[float]:
     return chosen if len(chosen) <= _WIDTHS else list(np.geomspace(chosen[0], chosen[-1], _WIDTHS))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Path:
     """One mixture per knot and its errors at the knots, and, as a table interpolates it, between them."""
 

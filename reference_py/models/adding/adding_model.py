@@ -63,7 +63,7 @@ _PAIRS_OF_A_VIEW, _AT_ONCE = 4, 128
 _VIEWS = 64
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class LayerEnergies:
     """Reflectance and transmittance of the layers without the base, all media included.
 

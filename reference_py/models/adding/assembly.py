@@ -15,7 +15,7 @@ from ...optics.slab import Slab
 TRAPPED_LOSS = 1e-13
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Layers:
     """Reflection and transmission of some layers without base, for light from above (r_up, t_down) and from below."""
 
@@ -32,7 +32,7 @@ class Layers:
         return Layers(self.r_up, self.t_down * medium.share, column * self.r_down * medium.share, column * self.t_up)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Medium:
     """A medium that only absorbs, of which one crossing leaves `share` (N,)."""
 
@@ -47,7 +47,7 @@ class Medium:
         return np.zeros(1)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class ScatteringMedium(Medium):
     """A medium that scatters too, the same from above and below. `share` is what it lets pass as if nothing were met."""
 

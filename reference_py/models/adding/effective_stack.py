@@ -20,7 +20,7 @@ from .operators import RESOLVED, Resolution, conductor_rows, lambert_rows, oren_
 _BLURS = 2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class EffectiveStack:
     """`tau_above` (channels,) is absorption above the first interface; `tau` of an interface is that of the medium below it.
 

@@ -24,7 +24,7 @@ SURFACES = (MULTIPLE, SINGLE)
 GRAZING = 1e-9
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Facets:
     """Microfacets met by a walker; the plane of incidence is xz. Directions leave the surface, upwards is z > 0."""
 
@@ -138,7 +138,7 @@ def smith_lambda(cos_theta: np.ndarray, alpha: float, distribution: str) -> np.n
     return np.maximum(projected_area(w, alpha, distribution) / cos - 1.0, 0.0).reshape(np.shape(cos_theta))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class _StretchedCap:
     """Normals of the stretched hemisphere by angles a across and b along the plane of incidence."""
 

@@ -57,7 +57,7 @@ class Resolution:
 ENERGY = Resolution(modes=1, across=16, along=36)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class InterfaceOperators(Layers):
     """Operators of one interface; `single` is the part of r_up that meets exactly one facet."""
 

@@ -33,7 +33,7 @@ _LAST = 1e-3
 _NOISE, _LEAST = 1e-12, 1e-60
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class TwoReflections:
     """f of `curves` Fresnel curves, tabulated."""
 

@@ -67,7 +67,7 @@ class LayeredBxdf:
         return values.mean(axis=1), values.std(axis=1, ddof=1) / np.sqrt(self.walks)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class _Sample:
     """Directions (n, 3) off a surface, their energy (n, channels), and whether mirrors alone had a part in them (n,)."""
 
@@ -76,7 +76,7 @@ class _Sample:
     is_delta: np.ndarray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class _Exit:
     """A light's directions wi (n, 3), those below the top that were sampled to them, u (n, 3), their energy and their density (n,)."""
 
@@ -86,7 +86,7 @@ class _Exit:
     density: np.ndarray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class _Rays:
     """Walks between two interfaces: row of the result, travel, throughput (n, channels), depth from 0 to 1, and as in `_Sample`."""
 

@@ -42,7 +42,7 @@ class Cancelled(Exception):
     """Raised out of a method whose `cancel` returned true; no figures are returned."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Histogram:
     """Energy (T, P, 3) per bin of wi, and its standard error, for one viewer."""
 

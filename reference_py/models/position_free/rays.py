@@ -8,7 +8,7 @@ import numpy as np
 from ...optics.directions import take
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Rays:
     """Rays that wait for a surface, or fly in a medium that scatters, one per row."""
 

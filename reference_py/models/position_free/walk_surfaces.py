@@ -23,7 +23,7 @@ from .media import ScatteringMedium
 _COSINE_SHARE = 0.1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Event:
     """Directions (n, 3) after a surface, their energy (n, 3) or None where it is all, and BSDF cos at the target."""
 
