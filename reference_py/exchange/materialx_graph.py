@@ -201,6 +201,11 @@ class Graph:
             pass
         if not images:
             raise _Neither(Sentence("is computed by {kind}", kind=kind))
+        first, second = followed.get("in1"), followed.get("in2")
+        if kind == "multiply" and isinstance(first, Image) and isinstance(second, Image) and not (first.is_normal or second.is_normal):
+            kept, other = (second, first) if first.width == 1 < second.width else (first, second)
+            self.notes.append(Sentence("the image {file} multiplies it too, which is left out", file=other.file))
+            return kept
         raise _Neither(Sentence("is computed from the image {file}", file=next(iter(images)).file))
 
     def _normal(self, node: Element) -> Image:

@@ -66,6 +66,18 @@ def test_what_is_no_factor_is_lost_and_a_factor_of_nothing_is_a_number():
     assert not dark.images and dark.values["base_color"] == (0.0, 0.0, 0.0)
 
 
+@pytest.mark.parametrize("inputs", (("a", "o"), ("o", "a")))
+def test_of_two_images_the_color_stays(inputs):
+    """An albedo times an occlusion, in either order, halved."""
+    first, second = (link(name, one, "color3" if one == "a" else "float") for name, one in zip(("in1", "in2"), inputs))
+    nodes = image("a") + image("o", "float", file="ao.png") + node("multiply", "m", first + second)
+    nodes += node("multiply", "h", link("in1", "m") + value("in2", "0.5", "float"))
+    material = read(nodes, link("base_color", "h"))
+    assert material.images["base_color"].file == "wood.png" and material.images["base_color"].scale == (0.5,)
+    (loss,) = material.losses
+    assert loss.fate == APPROXIMATED and "the image ao.png multiplies it too, which is left out" in str(loss)
+
+
 def test_a_chain_of_arithmetic_takes_a_channel():
     """Green of an image, halved, from 1 down: 1 - g / 2."""
     nodes = image("a", "vector3") + node("separate3", "p", link("in", "a", "vector3"), "multioutput")

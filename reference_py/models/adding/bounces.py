@@ -97,7 +97,7 @@ class Microsurface:
             surface, side = replace(self, facet=self.facet.turned), 1
         scatter = _Scatter(surface, side, cos_theta, detail)
         # from above the surface, where c = 1, every ray comes down to some height
-        descent = _descent(np.ones(1), cos_theta, self, detail.heights)[:, 0]
+        descent = _from_top(self.alpha, self.distribution, tuple(np.asarray(cos_theta).tolist()), detail.heights)
         solution, source = _solution(surface, detail)
         again = np.einsum("ih,mihr->mir", descent, scatter.apply(solution))
         again = np.moveaxis(again.reshape(detail.azimuths, len(cos_theta), -1, detail.moments), 2, 0)
@@ -130,7 +130,7 @@ def _solution(surface: Microsurface, detail: Detail) -> tuple[np.ndarray, np.nda
     sides = len(surface.sides)
     directions, heights = detail.directions, detail.heights
     cosines = _node_cosines(surface.alpha, directions)
-    walk = _path(_node_heights(heights), cosines, surface)
+    walk = _node_path(surface.alpha, surface.distribution, directions, heights)
     scatters = [_Scatter(surface, side, -cosines, detail) for side in range(sides)]
     single = np.stack([s.single(sides) for s in scatters])
     source = np.einsum("jhk,smjkr->msjhr", walk, single)
@@ -236,6 +236,12 @@ class _Rays:
         return legendre(4.0 / np.pi * (polar - np.where(self._z < 0.0, 0.5 * np.pi, 0.0)) - 1.0, self._detail.directions // 2)
 
     @cached_property
+    def _nodes(self) -> np.ndarray:
+        """(I, Q, directions): weights of the direction nodes for rays of weight 1."""
+        nodes, falls = np.moveaxis(self._polar, 0, -1) @ to_nodes(self._detail.directions // 2), (self._z < 0.0)[..., None]
+        return np.concatenate([np.where(falls, 0.0, nodes), np.where(falls, nodes, 0.0)], axis=-1)
+
+    @cached_property
     def _free(self) -> np.ndarray:
         """(heights, I, Q): probability that a ray leaves."""
         return _free(self._z, _node_heights(self._detail.heights), self._alpha, self._distribution)
@@ -248,6 +254,8 @@ class _Rays:
     def at_directions(self, weights: np.ndarray) -> np.ndarray:
         """(azimuths, I, directions): weights of the direction nodes, half of them up and half down, for rays of weights (I, Q)."""
         weights = np.take_along_axis(weights, self._order, axis=1)
+        if len(self._turns) == 1:
+            return np.swapaxes(weights[:, None] @ self._nodes, 0, 1)
         rising = np.where(self._z < 0.0, 0.0, weights)
         turns = np.swapaxes(self._turns, 0, 1)
         moments = np.stack([turns @ np.moveaxis(self._polar * part, 0, -1) for part in (rising, weights - rising)])
@@ -282,32 +290,39 @@ def _node_heights(heights: int) -> np.ndarray:
     return np.square(np.sin(0.25 * np.pi * (gauss_legendre(heights)[0] + 1.0)))
 
 
-def _lambda(cos_theta, surface: Microsurface):
-    return smith_lambda(np.abs(cos_theta), surface.alpha, surface.distribution)
-
-
 def _free(cos_theta, heights, alpha: float, distribution: str) -> np.ndarray:
     """(len(heights), ...) probability that a ray of these cosines of travel leaves without another event."""
     log_c = np.log(heights).reshape(-1, *(1,) * np.ndim(cos_theta))
     return np.where(cos_theta > 0.0, np.exp(np.maximum(smith_lambda(np.abs(cos_theta), alpha, distribution) * log_c, -700.0)), 0.0)
 
 
-def _path(start, cos_theta, surface: Microsurface) -> np.ndarray:
-    """(I, heights, heights): weights of the height of the next event for rays of cosines of travel (I,) from `start` (heights,)."""
-    up = (cos_theta > 0.0)[:, None, None]
-    return np.where(up, _ascent(start, cos_theta, surface), _descent(start, cos_theta, surface, len(start)))
+# facets of a few widths, which all channels of a metal have in common
+@lru_cache(maxsize=8)
+def _node_path(alpha: float, distribution: str, directions: int, heights: int) -> np.ndarray:
+    """(directions, heights, heights): weights of the height of the next event for rays of the nodes' cosines of travel and heights; not to be written to."""
+    cosines, start = _node_cosines(alpha, directions), _node_heights(heights)
+    lambda_ = smith_lambda(np.abs(cosines), alpha, distribution)
+    return np.where((cosines > 0.0)[:, None, None], _ascent(start, lambda_), _descent(start, lambda_, heights))
 
 
-def _descent(start, cos_theta, surface: Microsurface, heights: int) -> np.ndarray:
+@lru_cache(maxsize=8)
+def _from_top(alpha: float, distribution: str, cos_theta: tuple[float, ...], heights: int) -> np.ndarray:
+    """(I, heights): the same for rays that come from above the surface; not to be written to."""
+    return _descent(np.ones(1), smith_lambda(np.abs(np.array(cos_theta)), alpha, distribution), heights)[:, 0]
+
+
+def _descent(start, lambda_, heights: int) -> np.ndarray:
+    """(I, start, heights) of `_node_path`, for rays down whose cosines have these Lambdas (I,)."""
     u, gauss = gauss_legendre(_STEPS)
     t = 0.5 * (u + 1.0)  # the probability is t^2, which softens the root at 0
-    fall = t ** (2.0 / (1.0 + _lambda(cos_theta, surface)))[:, None]
+    fall = t ** (2.0 / (1.0 + lambda_))[:, None]
     return np.einsum("ihtk,t->ihk", _at_heights(start[:, None] * fall[:, None, :], heights), gauss * t)
 
 
-def _ascent(start, cos_theta, surface: Microsurface) -> np.ndarray:
+def _ascent(start, lambda_) -> np.ndarray:
+    """The same for rays up."""
     u, gauss = gauss_legendre(_STEPS)
-    log_c, rise = np.log(start)[:, None], np.maximum(_lambda(cos_theta, surface), 1e-12)[:, None, None]
+    log_c, rise = np.log(start)[:, None], np.maximum(lambda_, 1e-12)[:, None, None]
     hit = -np.expm1(np.maximum(rise * log_c, -700.0))
     c = np.exp(np.minimum(log_c - np.log1p(-hit * 0.5 * (u + 1.0)) / rise, 0.0))
     return np.einsum("ihtk,t->ihk", _at_heights(c, len(start)), 0.5 * gauss) * hit
