@@ -3,6 +3,7 @@
 
 import math
 import operator
+from collections.abc import Sequence
 
 import bpy
 
@@ -72,6 +73,11 @@ class Builder:
         for name, operand in named.items():
             self._give(operand, node.inputs[name])
         return node.outputs[0]
+
+    def sum(self, closures: Sequence[bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
+        """All closures added."""
+        head, *tail = closures
+        return self.shader("ShaderNodeAddShader", head, self.sum(tail)) if tail else head
 
     def _give(self, operand, socket) -> None:
         if isinstance(operand, bpy.types.NodeSocket):

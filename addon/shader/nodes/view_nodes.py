@@ -6,7 +6,7 @@ table itself, up to float32.
 """
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, reduce
 from types import MappingProxyType
 
 import bpy
@@ -14,7 +14,7 @@ import numpy as np
 
 from ....reference_py.lobes.view_table import AZIMUTH_PLACES, KNOTS
 from ..inputs import ShaderInput, base_color_input
-from ..working_space import REC709, primaries, working_space
+from ..working_space import REC709, into_working, primaries, working_space
 from .node_builder import Builder
 from .table_lookup import Lookup
 
@@ -211,3 +211,23 @@ def ramp(build: Builder, place: bpy.types.NodeSocket, places: Sequence[int], tab
         element.color.foreach_set(color)
     build.link(place, node.inputs[0])
     return node
+
+
+def weight_at(build: Builder, view: View, table: np.ndarray, axis: float | None):
+    """A colour at the view: ramps, or a constant."""
+    if axis is not None:
+        sheets = [build.vector("SCALE", _view_ramp(build, view, sheet), scale=share) for share, sheet in zip(view.azimuth_shares(axis), table)]
+        return reduce(lambda a, b: build.vector("ADD", a, b), sheets)
+    if np.all(table == table[0]):
+        return (*map(float, into_working(table[0])), 1.0)
+    return _view_ramp(build, view, table)
+
+
+def columns_at(build: Builder, view: View, table: np.ndarray) -> list:
+    """The columns of numbers (KNOTS, 3) at the view."""
+    return numbers(build, view.place, STEP * np.arange(KNOTS), table)
+
+
+def _view_ramp(build: Builder, view: View, table: np.ndarray) -> bpy.types.NodeSocket:
+    """The colors (KNOTS, 3) of the model, none of them negative, at the view."""
+    return ramp(build, view.place, STEP * np.arange(KNOTS), np.column_stack([into_working(table), np.ones(KNOTS)])).outputs["Color"]
