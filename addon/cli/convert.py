@@ -80,20 +80,15 @@ def _import(options) -> None:
 
 def _with_means(material: AnyMaterial) -> tuple[AnyMaterial, list[str]]:
     """A material with the means of its images as values, as a stack file has no textures, and what no image gave."""
-    files = {given: image for given, image in material.images.items() if image.files and not image.is_normal}
+    files = [given for given, image in material.images.items() if image.files and not image.is_normal]
     notes = [f"lost: {given} image {image.file}: there is no such file" for given, image in material.images.items() if not image.files]
     if not files:
         return material, notes
-    means = {}
     with blender(say("convert")):
-        from ..exchange.image_means import mean_of_image
+        from ..exchange.image_means import with_means
 
-        for given, image in files.items():
-            try:
-                means[given] = mean_of_image(image)
-            except LaminaError as error:
-                notes.append(f"lost: {error}")
-    return material.with_means(means), notes
+        material, unread = with_means(material, files)
+    return material, [*notes, *(f"lost: {error}" for error in unread)]
 
 
 def _chosen(materials: list, options):

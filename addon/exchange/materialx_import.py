@@ -21,6 +21,7 @@ from ..material.elements import kind_of, node_of
 from ..material.means import mean_name
 from ..material.principled_node import link_through, parameter_of
 from ..material.state import is_followed
+from .image_means import with_means
 
 # Blender's names of color spaces; an image of another one is told.
 _SPACES = {
@@ -72,6 +73,9 @@ def apply_material(target: bpy.types.Material, source: AnyMaterial, tier: str, b
     there = [given for given, image in source.images.items() if image.files]
     gone = [(given, image.file) for given, image in source.images.items() if given not in there]
     notes = [noted(LOST, Sentence("{given} image {file}: there is no such file", given=given, file=file)) for given, file in gone]
+    # what else the file says is solved where its images are in the mean
+    source, unread = with_means(source, there)
+    notes += [noted(LOST, error.sentence) for error in unread]
     converted = source.to_stack(frozenset(source.images) - frozenset(there))
     places = {given: source.places(given, converted) for given in there}
     stack = _with_linked_features(converted, places)

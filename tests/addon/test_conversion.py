@@ -324,6 +324,24 @@ def test_graded_tiled_images_come_as_nodes_and_as_their_mean(plane, tmp_path, ca
     assert Stack.load(out).layers[0]["roughness"] == pytest.approx(0.36, abs=1e-3)
 
 
+def test_colors_are_solved_at_the_mean_of_a_roughness_that_an_image_gives(plane, tmp_path):
+    """As they are for a constant of that roughness: at the default they would be another base's."""
+    flat_image(tmp_path / "rough.png", (0.8, 0.8, 0.8))
+    surface = """<image name="i" type="float"><input name="file" type="filename" value="rough.png"/></image>
+<open_pbr_surface name="s" type="surfaceshader"><input name="base_color" type="color3" value="0.3, 0.5, 0.3"/>{rough}</open_pbr_surface>"""
+    stacks = []
+    for rough in ('nodename="i"', 'value="0.8"', 'value="0.3"'):
+        file = tmp_path / "s.mtlx"
+        file.write_text(
+            f'<materialx version="1.39" colorspace="lin_rec709">{surface.format(rough=f"""<input name="specular_roughness" type="float" {rough}/>""")}</materialx>'
+        )
+        imported = materialx_import.apply_material(bpy.data.materials.new("new"), load_mtlx(file)[0], "auto", "nodes")
+        stacks.append(materials.stack_of(imported.material))
+    of_image, of_mean, of_default = (stack.base["color"] for stack in stacks)
+    np.testing.assert_allclose(of_image, of_mean, rtol=2e-3)
+    assert np.max(np.abs(np.divide(of_default, of_mean) - 1.0)) > 0.01
+
+
 LAYERS = """<image name="i" type="color3"><input name="file" type="filename" value="wood.png" colorspace="srgb_texture"/></image>
 <image name="r" type="float"><input name="file" type="filename" value="wood.png"/></image>
 <roughness_anisotropy name="ra" type="vector2"><input name="roughness" type="float" nodename="r"/></roughness_anisotropy>
