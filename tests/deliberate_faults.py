@@ -57,7 +57,7 @@ FAULTS = (
     Fault("a metal has the curve that it was baked with", "reference_py/lobes/live_grid.py",
           "return ConductorCurve.of(stack.base)", "return curve",
           ("tests/reference_py/test_bare_metal.py::test_every_metal_of_a_texture_is_closer_than_its_own_fits",)),
-    Fault("what a metal reflects more often goes as Lambert's light", "reference_py/lobes/baked/bare_metal.py", "return with_ramp(grid_of(", "return (grid_of(",
+    Fault("what a metal reflects more often goes as Lambert's light", "reference_py/lobes/baked/bare_metal.py", "return replace(with_ramp(grid_of(", "return replace((grid_of(",
           ("tests/reference_py/test_bare_metal.py::test_every_metal_of_a_texture_is_closer_than_its_own_fits",)),
     Fault("fits do not see what they send between the points", "reference_py/lobes/baked/fit_lobes.py", " + self.unseen(found.shape, weight, columns)", "",
           ("tests/reference_py/test_bare_metal.py::test_a_polished_metal_has_one_highlight",)),
