@@ -18,13 +18,15 @@ QUICK := -q -m "not blender and not slow"
 # Of the reference's, those that `make check` runs beside the others.
 BESIDE := $(wildcard tests/reference_py/test_weidlich_wilkie*.py)
 
-.PHONY: gpu fit help demo check slow-tests test bench operations zip validate blends scenes thumbnails preset-sheet assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes bake-errors start felt branches budget surroundings house numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures release matrix licences clean
+.PHONY: gpu fit help demo style check thorough slow-tests test bench operations zip validate blends scenes thumbnails preset-sheet assets charts pareto viewport fit-table tilted-lobes scale killed-batch farm-tasks farm-race production field bakes bake-errors start felt branches budget surroundings house numbers fuzz faults calibration mitsuba-slabs docs sliders manual-pictures release matrix licences clean
 
 help:
 	@echo "make demo      render every demo scene into build/demo"
+	@echo "make style     look at style and types alone"
 	@echo "make check     look at style and types, and run what is quick without Blender (a minute)"
 	@echo "make slow-tests  measure which tests without Blender are slow (tests/slow.txt, ten minutes)"
 	@echo "make test      run all tests, then build and validate the extension"
+	@echo "make thorough  run the cases that make test leaves out, as they take long (tests/thorough.txt, ten minutes)"
 	@echo "make operations  do 1,000 random things with layers and check after each that all agree"
 	@echo "make bench     print how fast the reference models are"
 	@echo "make zip       build the extension into dist/"
@@ -81,17 +83,19 @@ build/demo/ready: $(READY) $(SOURCES)
 	$(VENV)/bin/lamina demo -o build/demo
 	@touch $@
 
-check: $(READY) $(CHECK)/ready
+style: $(READY) $(CHECK)/ready
 	$(CHECK)/bin/ruff check .
 	$(CHECK)/bin/ruff format --check --quiet .
 	@mkdir -p $(CHECK)/tree && ln -sfn $(CURDIR) $(CHECK)/tree/lamina
+	@cd $(CHECK)/tree && ../bin/mypy --config-file $(CURDIR)/pyproject.toml --python-executable $(CURDIR)/$(RUN) --follow-imports silent \
+	  --no-error-summary -p lamina.reference_py -p lamina.addon -p lamina.study -p lamina.demo_blend
+
+check: style
 	@# side by side; what the second says follows the first
 	@$(RUN) -m pytest $(QUICK) tests/reference_py $(BESIDE:%=--ignore=%) & first=$$!; \
-	{ (cd $(CHECK)/tree && ../bin/mypy --config-file $(CURDIR)/pyproject.toml --python-executable $(CURDIR)/$(RUN) --follow-imports silent \
-	  --no-error-summary -p lamina.reference_py -p lamina.addon -p lamina.study -p lamina.demo_blend); types=$$?; \
-	$(RUN) -m pytest $(QUICK) $(BESIDE); beside=$$?; \
+	{ $(RUN) -m pytest $(QUICK) $(BESIDE); beside=$$?; \
 	$(RUN) -m pytest $(QUICK) tests --ignore=tests/reference_py; second=$$?; } >$(CHECK)/second.txt 2>&1; \
-	wait $$first; first=$$?; cat $(CHECK)/second.txt; exit $$((first || types || beside || second))
+	wait $$first; first=$$?; cat $(CHECK)/second.txt; exit $$((first || beside || second))
 
 slow-tests: $(READY)
 	: > tests/slow.txt
@@ -111,6 +115,10 @@ test: $(READY)
 	$(RUN) -m pytest tests $(FIRST_HALF:%=--ignore=%); second=$$?; \
 	wait $$first && exit $$second
 	@$(MAKE) --no-print-directory validate
+
+thorough: $(READY)
+	@# each line is a name, which may have spaces and quotes
+	tr '\n' '\0' < tests/thorough.txt | LAMINA_THOROUGH=1 xargs -0 $(RUN) -m pytest
 
 operations: $(READY)
 	LAMINA_OPERATIONS=1000 $(RUN) -m pytest tests/addon/test_operations.py

@@ -11,6 +11,8 @@ import pytest
 # Tests without Blender that took more than `QUICK` seconds when `make slow-tests` measured all; `make check` leaves them out.
 SLOW = Path(__file__).with_name("slow.txt")
 QUICK = 0.2
+# Cases of a kind that other cases try in every run, and that take a quarter of a minute or more: `make thorough` and `make matrix` run them.
+THOROUGH = Path(__file__).with_name("thorough.txt")
 
 # One thread for numpy's matrices, here and in all that tests start: they are small, and two halves of the suite whose threads wait
 # for each other by spinning took a third more CPU and twice the time. Before numpy is read, which asks once.
@@ -48,11 +50,15 @@ def blender(registered_lamina):
     return bpy
 
 
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(config, items):
     slow = set(SLOW.read_text(encoding="utf-8").splitlines())
     for item in items:
         if item.nodeid in slow:
             item.add_marker(pytest.mark.slow)
+    if not os.environ.get("LAMINA_THOROUGH"):
+        thorough = set(THOROUGH.read_text(encoding="utf-8").splitlines())
+        config.hook.pytest_deselected(items=[item for item in items if item.nodeid in thorough])
+        items[:] = [item for item in items if item.nodeid not in thorough]
 
 
 # Seconds of every test of this run, its fixtures included.

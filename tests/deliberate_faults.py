@@ -161,7 +161,7 @@ def put_in(fault: Fault, tree: Path) -> str:
 def run(tests: tuple[str, ...], tree: Path) -> subprocess.CompletedProcess:
     """Run tests of a tree, as `lamina` in the folder that it is in."""
     # bytecode is known by second and length, which a fault may share with what was there
-    environment = {**os.environ, "PYTHONPATH": str(tree.parent), "PYTHONDONTWRITEBYTECODE": "1"}
+    environment = {**os.environ, "PYTHONPATH": str(tree.parent), "PYTHONDONTWRITEBYTECODE": "1", "LAMINA_THOROUGH": "1"}
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *tests]
     return subprocess.run(command, cwd=tree, env=environment, capture_output=True, text=True)
 

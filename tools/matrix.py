@@ -3,7 +3,7 @@
 
     matrix.py [-o TABLE.txt] [PYTEST_ARGUMENT...]     such as tests/addon/test_batch_job.py; exit code 1 if any test failed
 
-Without arguments the two halves of the suite run side by side, as `make test` has them. What failed is named on stderr and in the file.
+Without arguments the two halves of the suite run side by side, as `make test` has them, and with them what `make thorough` runs. What failed is named on stderr and in the file.
 """
 
 import os
@@ -61,7 +61,9 @@ def run(blender: str, arguments: list[str]) -> tuple[tuple[str, ...], list[str]]
 
 
 def _pytest(python: Path, arguments: list[str]) -> str:
-    return subprocess.run([python, "-m", "pytest", "-q", "-rfE", *arguments], cwd=ROOT, capture_output=True, text=True).stdout
+    return subprocess.run(
+        [python, "-m", "pytest", "-q", "-rfE", *arguments], cwd=ROOT, env=os.environ | {"LAMINA_THOROUGH": "1"}, capture_output=True, text=True
+    ).stdout
 
 
 def main() -> int:
