@@ -292,13 +292,18 @@ class TreeReader:
             raise LaminaError(
                 "{where}: {parameter} has {count} numbers; choose {wanted}", where=self._document.where, parameter=where, count=len(found), wanted=count
             )
-        kept = np.clip(value, *_LIMITS.get(parameter, (0.0, 1.0)))
+        kept = within(parameter, value)
         if np.any(np.abs(kept - value) > 1e-6):
             self.losses.append(Loss(where, tuple(value), APPROXIMATED, Sentence("out of its range; limited to {kept}", kept=shown(kept))))
         return tuple(map(float, kept)) if isinstance(default, tuple) else float(kept[0])
 
     def _lose(self, where: str, value, why: Sentence) -> None:
         self.losses.append(Loss(where, value, LOST, why))
+
+
+def within(given: str, value: np.ndarray) -> np.ndarray:
+    """A leaf's value in the range of its input."""
+    return np.clip(value, *_LIMITS.get(given, (0.0, 1.0)))
 
 
 _BLACK = Leaf(OREN_NAYAR, "black", DEFAULTS[OREN_NAYAR] | {"color": (0.0, 0.0, 0.0)})

@@ -18,13 +18,13 @@ from ..optics.colour import known_spaces
 from .appearance import Appearance
 from .bsdf_albedo import light_of
 from .bsdf_stack import Builder, metal_row, relative_colors
-from .bsdf_tree import SURFACE, Leaf, Mixed, Tree, TreeReader, every_part, images_of, mapped, without_nothing
+from .bsdf_tree import SURFACE, Leaf, Mixed, Tree, TreeReader, every_part, images_of, mapped, within, without_nothing
 from .conversion import Converted, matched
 from .matching import FINE, Albedos, color_map, mean, recolored, truth
 from .materialx_document import Document
 from .materialx_graph import input_of
 from .materialx_image import Image
-from .report import APPROXIMATED, LOST, Loss, Report, image_loss
+from .report import APPROXIMATED, LOST, Loss, Report, image_loss, shown
 from .slots import MOST_REFLECTANCE
 
 NAME = "a graph of layers"
@@ -54,17 +54,26 @@ class LayeredMaterial:
         return images_of(self.tree)
 
     def with_means(self, means: Mapping[str, np.ndarray]) -> "LayeredMaterial":
-        """With the means of images as the values of what they feed."""
+        """With the means of images as the values of what they feed; what is beyond its range is limited, and said."""
+        losses: dict[str, Loss] = {}  # a leaf may be linked twice
+
+        def kept(name: str, given: str) -> np.ndarray:
+            mean_ = means[f"{name} {given}"]
+            inside = within(given, mean_)
+            if np.any(np.abs(inside - mean_) > 1e-6):
+                why = Sentence("its mean is out of its range; limited to {kept}", kept=shown(inside))
+                losses[f"{name} {given}"] = Loss(f"{name} {given}", tuple(map(float, mean_)), APPROXIMATED, why)
+            return inside
 
         def change(part: Tree) -> Tree:
             if isinstance(part, Mixed):
-                return replace(part, share=float(means[f"{part.name} mix"][0])) if f"{part.name} mix" in means else part
+                return replace(part, share=float(kept(part.name, "mix")[0])) if f"{part.name} mix" in means else part
             if not isinstance(part, Leaf):
                 return part
-            here = {given: means[f"{part.name} {given}"] for given in part.images if f"{part.name} {given}" in means and given in part.values}
-            return replace(part, values={**part.values, **{given: _as_value(part, given, mean_) for given, mean_ in here.items()}})
+            here = [given for given in part.images if f"{part.name} {given}" in means and given in part.values]
+            return replace(part, values={**part.values, **{given: _as_value(part, given, kept(part.name, given)) for given in here}})
 
-        return replace(self, tree=mapped(self.tree, change), means=frozenset(means))
+        return replace(self, tree=mapped(self.tree, change), losses=(*self.losses, *losses.values()), means=frozenset(means))
 
     def to_stack(self, without: frozenset[str] = frozenset()) -> Converted:
         """The stack that is as bright; `without`: images that are not linked to it, and are lost. Raises LaminaError."""

@@ -122,6 +122,29 @@ def test_graphs_that_cannot_be_read_are_refused_in_one_line():
             read(more, bsdf)
 
 
+def test_a_mean_beyond_its_range_is_limited_and_said():
+    """As that of an image times two is: of a color, a share, a roughness, and a film's index, which begins at 1."""
+
+    def fed(name, kind):
+        return f'<input name="{name}" type="{kind}" nodename="{kind}_picture"/>'
+
+    more = "".join(f'<image name="{k}_picture" type="{k}"><input name="file" type="filename" value="{k}.png"/></image>' for k in ("float", "color3"))
+    more += f'<oren_nayar_diffuse_bsdf name="wall" type="BSDF">{fed("color", "color3")}{fed("roughness", "float")}</oren_nayar_diffuse_bsdf>'
+    more += f'<dielectric_bsdf name="film" type="BSDF">{fed("thinfilm_ior", "float")}</dielectric_bsdf>'
+    more += joined("layer", "coated", top="film", base="wall")
+    more += joined("mix", "x", bg="wall", fg="coated").replace("</mix>", fed("mix", "float") + "</mix>")
+    (material,) = from_mtlx(document(more, "x"))
+    means = {given: np.array([1.58, 0.5, -0.1]) if given.endswith("color") else np.array([1.6]) for given in material.images}
+    there = material.with_means(means | {"film thinfilm_ior": np.array([0.4])})
+    mixed, wall = there.tree, there.tree.first
+    assert mixed.share == 1.0 and wall.values["color"] == (1.0, 0.5, 0.0) and wall.values["roughness"] == 1.0
+    assert mixed.second.top.values["thinfilm_ior"] == 1.0 and mixed.second.base == wall
+    told = [str(loss) for loss in there.losses]
+    assert len(told) == 4 and "approximated: wall color 1.58 0.5 -0.1: its mean is out of its range; limited to 1 0.5 0" in told, told
+    (again,) = from_mtlx(document(more, "wall"))
+    assert again.with_means({"wall color": means["wall color"]}).to_stack().stack.base["color"][0] == pytest.approx(1.0, abs=1e-3)
+
+
 def leaf(kind, **values):
     return Leaf(kind, kind, DEFAULTS[kind] | values)
 
