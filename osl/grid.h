@@ -103,11 +103,14 @@ color grid_modes(color table[], color coefficients[], int count, int table_step,
 {
     color result = 0.0;
     int channels = table_step + coefficient_step > 0 ? 3 : 1;
-    for (int c = 0; c < channels; ++c) {
-        for (int i = 0; i < count; ++i) {
-            int at = c * table_step + i * KNOTS + cell;
-            color part = mix(table[at], table[at + 1], between) * coefficients[c * coefficient_step + i];
-            result[c] += part[0] + part[1] + part[2];
+    for (int i = 0; i < count; ++i) {
+        vector part = 0.0;
+        for (int c = 0; c < channels; ++c) {
+            if (c == 0 || table_step > 0) {
+                int at = c * table_step + i * KNOTS + cell;
+                part = (vector)mix(table[at], table[at + 1], between);
+            }
+            result[c] += dot(part, (vector)coefficients[c * coefficient_step + i]);
         }
     }
     return channels == 1 ? color(result[0]) : result;

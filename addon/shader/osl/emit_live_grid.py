@@ -62,6 +62,8 @@ class _Writer:
         self._about = Frame()
         """Whose normal the view is seen from in what is being written."""
         self._said: set[str] = set()
+        self._grey_terms: dict[tuple[str, int], str] = {}
+        """Of energies that are read together: by energy and axis."""
         self._brushed = self._name("brushed")
         if lobe_set.brushing is not None:
             self.functions.append("rotate_tangent.h")
@@ -145,7 +147,10 @@ class _Writer:
         scale, each, value = getattr(self._axes[i], which), "" if is_shared else "[3]", self._coordinates[i][is_shared]
         tag = f"{which}{i}{'' if is_shared else 's'}"
         cell, along = self._name(f"cell_{tag}"), self._name(f"along_{tag}")
-        value = value if is_shared else f"color({value})"
+        if not is_shared and not self._axes[i].is_color:  # one place for all channels is found once
+            lines = (f"{kind} {name}[3] = {{{', '.join([one] * 3)}}};" for kind, name, one in zip(("int", "float"), (cell, along), self._knots(i, which, True)))
+            self._once(cell, *lines)
+            return cell, along
         size = scale.high - scale.low
         if scale.bend == 1.0:
             place = f"({value} - {scale.low:.9g}) * {(scale.count - 1) / size:.9g}"
@@ -171,15 +176,18 @@ class _Writer:
             self._once(at, f"int {at}[3] = {{{', '.join(places)}}};")
         return ", ".join([at, *map(str, steps), *(along for _, along in parts), f"between{s}"])
 
-    def _value(self, name: str, values: np.ndarray, which: str = "knots", axes: tuple[int, ...] | None = None) -> str:
-        """An expression for values (..., KNOTS, 1 or 3) over some axes, all unless told, at the live parameters and the view."""
+    def _value(self, name: str, values: np.ndarray, which: str = "knots", axes: tuple[int, ...] | None = None, are_channels: bool = True) -> str:
+        """An expression for values (..., KNOTS, 1 or 3) over some axes, all unless told, at the live parameters and the view.
+
+        Three that are no channels are read at the place of the mean.
+        """
         axes = tuple(range(len(self._axes))) if axes is None else axes
         changing = [number for number in range(len(axes)) if np.any(values != values.take([0], number))]
         values = values[tuple(slice(None) if number in changing else 0 for number in range(len(axes)))]
         axes = tuple(axes[number] for number in changing)
         rows = values.reshape(-1, values.shape[-1])
-        is_shared = rows.shape[1] == 1 or not any(self._axes[i].is_color for i in axes)
-        if is_shared and np.all(rows == rows[:, :1]):
+        is_shared = rows.shape[1] == 1 or not are_channels or not any(self._axes[i].is_color for i in axes)
+        if is_shared and are_channels and np.all(rows == rows[:, :1]):
             rows = rows[:, :1]
         color = rows.shape[1] == 3
         if np.all(rows == rows[0]):
@@ -193,11 +201,20 @@ class _Writer:
         return f"grid({table}, {self._place(which, axes, is_shared)})"
 
     def _energy(self, name: str, log: LogEnergy) -> str:
-        terms = [self._value(f"{name}{i}", table, "fine", (i,)) for i, table in enumerate(log.along)]
+        terms = [self._grey_terms.get((name, i)) or self._value(f"{name}{i}", table, "fine", (i,)) for i, table in enumerate(log.along)]
         if log.modes is not None and np.any(log.modes):
             terms.append(self._modes(name, log.modes))
         total = " + ".join(terms)
         return f"grid_energy({total})" if log.is_log else f"max(({total}) * color(1.0), color(0.0))"
+
+    def _read_at_once(self, energies: dict[str, LogEnergy]) -> None:
+        """Read what three energies have along an axis as one color, where it and the place are the same in all channels."""
+        for i, axis in enumerate(self._axes):
+            tables = [log.along[i] for log in energies.values()]
+            if not axis.is_color and all(np.all(table == table[..., :1]) for table in tables):
+                term = self._name(f"along{i}")
+                self._say(f"color {term} = {self._value(f'LogAlong{i}', np.concatenate([t[..., :1] for t in tables], -1), 'fine', (i,), are_channels=False)};")
+                self._grey_terms |= {(name, i): f"{term}[{c}]" for c, name in enumerate(energies)}
 
     def _modes(self, name: str, modes: np.ndarray) -> str:
         """An expression for the modes of an energy (n, KNOTS, 3), each times its coefficient."""
@@ -249,6 +266,9 @@ class _Writer:
         # shares are 1 together: the last lobe has what the others leave, where all see one view
         last = fitted[-1] if len(fitted) > 1 and len({self.frames[i] for i in fitted}) == 1 else None
         shares: list[str] = []
+        if lobe_set.base is not None and len(set(self.frames)) == 1:
+            self._about = self.frames[0]
+            self._read_at_once({"LogSum": lobe_set.log_sum, "LogThrough": lobe_set.base.log_through, "LogBack": lobe_set.base.log_back})
         for i, lobe in enumerate(lobe_set.grid):
             self._about = self.frames[i]
             total = self._name(f"fitted{self._about.suffix}")
@@ -317,15 +337,23 @@ class _Writer:
         elif isinstance(lobe.fresnel, ConductorCurve):
             alpha, index = self._alpha(f"alpha_{i}", self._root(f"Root{i}", lobe.shape[..., 0])), self._metal(lobe.fresnel)
             return f'metal_bsdf({upright}, {alpha}, break_isotropy({alpha}), {index}, "{lobe.distribution}", {PRIMARY_ARGUMENTS})', True, ()
-        alphas = [self._alpha(f"alpha_{axis}{i}", self._root(f"Root{axis.upper()}{i}", lobe.shape[..., c])) for c, axis in enumerate("xy")]
+        is_upright = not np.any(lobe.shape[..., 2])
+        is_round = is_upright and not lobe.is_brushed and np.array_equal(lobe.shape[..., 0], lobe.shape[..., 1])
+        if is_round or any(self._live_root(lobe.shape[..., c]) for c in range(2)):
+            roots = [self._root(f"Root{axis.upper()}{i}", lobe.shape[..., c]) for c, axis in enumerate("x" if is_round else "xy")]
+            slope = "0.0" if is_upright else self._value(f"Slope{i}", lobe.shape[..., 2:])
+        else:
+            shape = self._name(f"shape{i}")
+            self._say(f"color {shape} = {self._value(f'Shape{i}', lobe.shape, are_channels=False)};")
+            *roots, slope = (f"{shape}[{c}]" for c in range(3))
+        alphas = [self._alpha(f"alpha_{axis}{i}", root) for axis, root in zip("xy", roots)]
         if lobe.is_brushed and lobe.fresnel is not None:
             eta = self._index or f"{lobe.fresnel.eta:.9g}"
             return f'interface_bsdf({upright}, {", ".join(alphas)}, {eta}, "{lobe.distribution}")', True, ()
         if lobe.is_brushed:
             return f'microfacet("{lobe.distribution}", {upright}, {", ".join(alphas)}, 1.0, 0)', True, ()
-        if np.array_equal(lobe.shape[..., 0], lobe.shape[..., 1]) and not np.any(lobe.shape[..., 2]):
-            return f'microfacet("{lobe.distribution}", {upright}, {alphas[0]}, break_isotropy({alphas[0]}), 1.0, 0)', True, (*alphas, "0.0")
-        slope = self._value(f"Slope{i}", lobe.shape[..., 2:])
+        if is_round:
+            return f'microfacet("{lobe.distribution}", {upright}, {alphas[0]}, break_isotropy({alphas[0]}), 1.0, 0)', True, (alphas[0], alphas[0], "0.0")
         return (
             f'microfacet("{lobe.distribution}", {self._about.tilted(slope)}, {alphas[0]}, break_isotropy({", ".join(alphas)}), 1.0, 0)',
             True,
@@ -334,11 +362,15 @@ class _Writer:
 
     def _root(self, name: str, values: np.ndarray) -> str:
         """An expression for the root (..., KNOTS) of an alpha, which may be a live roughness itself."""
+        return self._live_root(values) or self._value(name, values[..., None])
+
+    def _live_root(self, values: np.ndarray) -> str:
+        """The live roughness that a root (..., KNOTS) of an alpha is; empty where it is none."""
         for number, axis in enumerate(self._axes):
             knots = axis.knots.knots.reshape([-1 if n == number else 1 for n in range(values.ndim)])
             if isinstance(axis, NumberAxis) and np.allclose(values, knots, rtol=0.0, atol=_SAME):
                 return self._coordinates[number][1]
-        return self._value(name, values[..., None])
+        return ""
 
     def _metal(self, curve: ConductorCurve) -> str:
         """Arguments for a metal's index."""
