@@ -12,7 +12,7 @@ from pathlib import Path
 import bpy
 
 _TILE = re.compile(r"<UDIM>|<UVTILE>")
-# The number of a frame, before the ending of a file.
+# The number of a frame, in a file's name without its ending, which may have digits too (.jp2).
 _NUMBER = re.compile(r"\d+(?=\D*$)")
 _SHOWN = 5
 
@@ -110,7 +110,8 @@ def frame_file(image: bpy.types.Image, user: bpy.types.ImageUser, frame: int) ->
     if length:
         at = (at - 1) % length + 1 if user.use_cyclic else min(max(at, 0), length)
     shown = at + user.frame_offset if length else 0
-    return os.path.join(folder, _NUMBER.sub(lambda found: f"{shown:0{len(found[0])}}", name))
+    stem, ending = os.path.splitext(name)
+    return os.path.join(folder, _NUMBER.sub(lambda found: f"{shown:0{len(found[0])}}", stem) + ending)
 
 
 def absolute(block, path: str) -> str:
@@ -139,7 +140,7 @@ def _sequences() -> set[str]:
 
 def _frames(path: str) -> list[str]:
     folder, name = os.path.split(path)
-    number = _NUMBER.search(name)
+    number = _NUMBER.search(os.path.splitext(name)[0])
     if number is None:
         return []
     pattern = re.compile(re.escape(name[: number.start()]) + r"\d+" + re.escape(name[number.end() :]))

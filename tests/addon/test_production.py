@@ -167,6 +167,38 @@ def test_a_sequence_lacks_the_pictures_of_its_frames(blender, tmp_path, start, d
         assert missing([frame]) == ([] if number is None else [f"{tmp_path / f'dirt {number:03}.png'} is not there"]), frame
 
 
+@pytest.mark.parametrize(
+    "name", ["shot_0001.jp2", "shot_0001.png", "shot.v1.png", "v1_0001b.jp2", "a.0001.b.jp2", "shot_001..jp2", "0001", ".0001", "shot0001."]
+)
+def test_a_sequences_number_is_before_the_ending_as_blender_has_it(blender, tmp_path, name):
+    from lamina.addon.blender.dependencies import files_read, frame_file
+    from lamina.addon.blender.versions import node_tree
+
+    node = node_tree(blender.data.materials.new("m")).nodes.new("ShaderNodeTexImage")
+    node.image = image = blender.data.images.new("i", 4, 4)
+    image.source, image.filepath = "SEQUENCE", str(tmp_path / name)
+    node.image_user.frame_duration = 2
+    pair = [tmp_path / name, Path(frame_file(image, node.image_user, 2))]
+    assert pair[1].name == name[: (at := name.rindex("1"))] + "2" + name[at + 1 :] and frame_file(image, node.image_user, 1) == str(pair[0])
+    assert frame_file(image, node.image_user, 0) == image.filepath_from_user(image_user=node.image_user)
+    for path in pair:
+        path.write_bytes(b"x")
+    (tmp_path / "shot_0001.jp3").write_bytes(b"x")
+    assert files_read() == sorted(map(str, pair))
+
+
+@pytest.mark.parametrize("name", ["shot.jp2", "shot.0001"])
+def test_a_number_in_the_ending_is_that_of_no_frame(blender, tmp_path, name):
+    from lamina.addon.blender.dependencies import files_read, frame_file
+    from lamina.addon.blender.versions import node_tree
+
+    node = node_tree(blender.data.materials.new("m")).nodes.new("ShaderNodeTexImage")
+    node.image = image = blender.data.images.new("i", 4, 4)
+    image.source, image.filepath = "SEQUENCE", str(tmp_path / name)
+    assert frame_file(image, node.image_user, 7) == image.filepath_from_user(image_user=node.image_user) == str(tmp_path / name)
+    assert files_read() == [str(tmp_path / name)]
+
+
 def test_changed_files_are_noticed_and_missing_ones_refused(scene):
     """The whole way: a batch, a changed library; then one that is gone; then a loop of libraries and a folder in place of a file."""
     arguments = ("batch", scene / "job.json", "-o", scene / "out", "--no-sheet")
