@@ -165,6 +165,15 @@ class TreeReader:
             return sum(inner) * (self._number(input_of(node, factor), 1.0) if factor else 1.0)
         return np.broadcast_to(self._number(input_of(node, "color"), 1.0), 3)
 
+    def value(self, where: str, given: Element) -> np.ndarray | Image | Unread:
+        """Of an input; what it is not quite is in `losses`."""
+        found = self.graph.value(given)
+        self._note(where)
+        return found
+
+    def _note(self, where: str) -> None:
+        self.losses += [Loss(where, Sentence("linked"), APPROXIMATED, note) for note in dict.fromkeys(self.graph.notes)]
+
     def _number(self, given: Element | None, default: float) -> np.ndarray:
         """(1,) or (3,) of an input, or the default."""
         value = self.graph.value(given) if given is not None else None
@@ -195,7 +204,7 @@ class TreeReader:
         return top if base is None else Layered(top, base)
 
     def _share(self, name: str, given: Element | None) -> tuple[float, Image | None]:
-        found = self.graph.value(given) if given is not None else np.zeros(1)
+        found = self.value(f"{name} mix", given) if given is not None else np.zeros(1)
         if isinstance(found, Image):
             return _EVEN, self._placed(found)
         if isinstance(found, Unread):
@@ -204,7 +213,7 @@ class TreeReader:
         return float(np.clip(found[0], 0.0, 1.0)), None
 
     def _scaled(self, name: str, scaled: Tree, given: Element | None) -> Tree:
-        found = self.graph.value(given) if given is not None else np.ones(1)
+        found = self.value(f"{name} in2", given) if given is not None else np.ones(1)
         if isinstance(found, (Image, Unread)):
             self._lose(
                 f"{name} in2",
@@ -240,13 +249,13 @@ class TreeReader:
             elif parameter == "tangent":
                 turn = self._turn(given)
             elif parameter == "normal":
-                if isinstance(image := self.graph.value(given), Image):
+                if isinstance(image := self.value(f"{name} normal", given), Image):
                     images["normal"] = self._placed(image)
             elif parameter not in values:
                 self._lose(f"{name} {parameter}", given.get("value", Sentence("linked")), Sentence("a stack has no place for it"))
             elif any(given.get(key) for key in ("value", "nodename", "nodegraph", "interfacename", "output")):
                 found = self._roughness(given) if parameter == "roughness" and kind in (DIELECTRIC, CONDUCTOR, SCHLICK) else self.graph.value(given)
-                self.losses += [Loss(f"{name} {parameter}", Sentence("linked"), APPROXIMATED, note) for note in self.graph.notes]
+                self._note(f"{name} {parameter}")
                 if isinstance(found, Image):
                     images[parameter] = self._placed(found)
                 elif isinstance(found, Unread):

@@ -134,11 +134,10 @@ def read_layered(document: Document, name: str, node: Element, folder: Path | No
     tree = reader.tree(input_of(node, "bsdf"))
     if tree is None:
         raise LaminaError("{where}: {name} has no BSDF", where=document.where, name=node.get("name", SURFACE))
-    losses = list(reader.losses)
     emission = tuple(float(c) for c in reader.emission(input_of(node, "edf")))
-    opacity = 1.0
+    opacity, losses = 1.0, reader.losses
     if (given := input_of(node, "opacity")) is not None:
-        value = reader.graph.value(given)
+        value = reader.value("opacity", given)
         if isinstance(value, np.ndarray):
             opacity = float(np.clip(value[0], 0.0, 1.0))
         else:

@@ -182,7 +182,7 @@ def _materials(document: Document, folder: Path | None = None) -> tuple[list[Any
     others = []
     for name, node in _surfaces(document):
         read = _read(document, name, node, folder)
-        if isinstance(read, (Material, LayeredMaterial)) and _is_displaced(document, name):
+        if read is not None and _is_displaced(document, name):
             lost = Loss("displacementshader", Sentence("linked"), LOST, Sentence("a stack has no place for it"))
             read = replace(read, losses=(*read.losses, lost))
         if read is None:
@@ -220,6 +220,7 @@ def _read(document: Document, name: str, node: ElementTree.Element, folder: Path
     if None in parts:
         return None
     found, image, share = graph.value(given) if (given := input_of(node, "mix")) is not None else np.zeros(1), None, 0.5
+    losses += [Loss("mix", Sentence("linked"), APPROXIMATED, note) for note in dict.fromkeys(graph.notes)]
     if isinstance(found, Image):
         image = found if folder is None else replace(found, file=str(folder / found.file))
     elif isinstance(found, Unread):
@@ -293,7 +294,7 @@ def _material(document: Document, name: str, node: ElementTree.Element, folder: 
         if not any(given.get(key) for key in ("value", "nodename", "nodegraph", "interfacename", "output")):
             continue
         found = graph.value(given)
-        losses += [Loss(parameter, Sentence("linked"), APPROXIMATED, note) for note in graph.notes]
+        losses += [Loss(parameter, Sentence("linked"), APPROXIMATED, note) for note in dict.fromkeys(graph.notes)]
         if isinstance(found, Image):
             found = as_normal(found) if parameter in NORMALS and not found.is_normal else found
             found = found if folder is None else replace(found, file=str(folder / found.file))

@@ -122,6 +122,16 @@ def test_graphs_that_cannot_be_read_are_refused_in_one_line():
             read(more, bsdf)
 
 
+def test_a_place_that_is_not_followed_is_said_of_a_mask_and_of_a_normal():
+    more = '<fractal3d name="f" type="vector2"/><normalmap name="n" type="vector3"><input name="in" type="vector3" nodename="vector3_i"/></normalmap>'
+    for kind in ("float", "vector3"):
+        more += f'<image name="{kind}_i" type="{kind}"><input name="file" type="filename" value="i.png"/><input name="texcoord" type="vector2" nodename="f"/></image>'
+    more += '<oren_nayar_diffuse_bsdf name="wall" type="BSDF"><input name="normal" type="vector3" nodename="n"/></oren_nayar_diffuse_bsdf>'
+    mask = '<input name="mix" type="float" nodename="float_i"/></mix>'
+    (material,) = from_mtlx(document(more + joined("mix", "x", bg="wall", fg="plastic").replace("</mix>", mask), "x"))
+    assert [loss.parameter for loss in material.losses if "it lies on the plain UVs" in str(loss)] == ["x mix", "wall normal"]
+
+
 def test_a_mean_beyond_its_range_is_limited_and_said():
     """As that of an image times two is: of a color, a share, a roughness, and a film's index, which begins at 1."""
 

@@ -61,6 +61,22 @@ def test_an_image_of_the_share_is_lost_and_said():
     assert material.share == 0.5 and any(loss.parameter == "mix" and "even mix" in loss.how for loss in material.to_stack().report.losses)
 
 
+BENT = """<fractal3d name="f" type="vector2"/><image name="where" type="float"><input name="file" type="filename" value="where.png"/>
+<input name="texcoord" type="vector2" nodename="f"/></image>"""
+
+
+def test_a_place_that_is_not_followed_and_a_displacement_are_said():
+    material = mixed(PLASTIC, METAL, 'nodename="where"', BENT)
+    assert any("fractal3d: it lies on the plain UVs" in str(loss) for loss in material.losses)
+    moved = '<displacement name="d" type="displacementshader"/>'
+    linked = '<input name="displacementshader" type="displacementshader" nodename="d"/>'
+    text = f'{PLASTIC.format("p", ".2,.4,.6", "0.3")}{METAL.format("q")}{moved}<mix name="m" type="surfaceshader"><input name="bg" type="surfaceshader" nodename="p"/>'
+    text += '<input name="fg" type="surfaceshader" nodename="q"/></mix><surfacematerial name="M" type="material">'
+    text += f'<input name="surfaceshader" type="surfaceshader" nodename="m"/>{linked}</surfacematerial>'
+    (found,) = from_mtlx(f'<materialx version="1.39">{text}</materialx>')
+    assert [str(loss) for loss in found.losses] == ["lost: displacementshader linked: a stack has no place for it"]
+
+
 def test_a_mix_of_what_is_not_known_is_not_read():
     with pytest.raises(LaminaError, match="none of the surfaces"):
         mixed(PLASTIC, '<volume name="b" type="surfaceshader"/>')
