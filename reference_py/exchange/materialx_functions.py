@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nodes of MaterialX that compute numbers of numbers, by their definitions in its standard library (1.38 and 1.39).
 
-Each takes `inputs(name, default)`, which gives an input's numbers, and gives as many as it has.
+But of `UsdTransform2d`: its scale multiplies uv, as USD has it. Each takes `inputs(name, default)`, which gives an input's numbers, and gives as many as it has.
 """
 
 import colorsys
@@ -55,9 +55,9 @@ def _artistic(inputs) -> np.ndarray:
     return np.concatenate(artist_index(reflectance, np.clip(inputs("edge_color", np.array([0.998, 0.981, 0.751])), 0.0, 1.0)))
 
 
-def _if(holds: Callable) -> Callable:
-    """The first of two where two values are so, else the second."""
-    return lambda i: i("in1", ZERO) if holds(i("value1", ONE)[0], i("value2", ZERO)[0]) else i("in2", ZERO)
+def _if(holds: Callable, first: np.ndarray = ONE) -> Callable:
+    """The first of two where two values are so, else the second; `first` where the file has no value1."""
+    return lambda i: i("in1", ZERO) if holds(i("value1", first)[0], i("value2", ZERO)[0]) else i("in2", ZERO)
 
 
 def _remapped(inputs, clamped: bool) -> np.ndarray:
@@ -149,7 +149,7 @@ FUNCTIONS: dict[str, Callable] = {
     "combine2": lambda i: np.concatenate([i(f"in{n}", ZERO)[:1] for n in (1, 2)]),
     "combine3": lambda i: np.concatenate([i(f"in{n}", ZERO)[:1] for n in (1, 2, 3)]),
     "combine4": lambda i: np.concatenate([i(f"in{n}", ZERO)[:1] for n in (1, 2, 3, 4)]),
-    "ifgreater": _if(lambda a, b: a > b), "ifgreatereq": _if(lambda a, b: a >= b), "ifequal": _if(lambda a, b: a == b),
+    "ifgreater": _if(lambda a, b: a > b), "ifgreatereq": _if(lambda a, b: a >= b), "ifequal": _if(lambda a, b: a == b, ZERO),
     "sign": lambda i: np.sign(i("in", ZERO)), "floor": lambda i: np.floor(i("in", ZERO)), "ceil": lambda i: np.ceil(i("in", ZERO)),
     "round": lambda i: np.round(i("in", ZERO)), "fract": lambda i: i("in", ZERO) % 1.0, "exp": lambda i: np.exp(np.minimum(i("in", ZERO), 80.0)),
     "roughness_anisotropy": lambda i: _widths(i("roughness", ZERO), i), "glossiness_anisotropy": lambda i: _widths(1.0 - i("glossiness", ONE), i),

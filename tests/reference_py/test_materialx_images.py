@@ -78,6 +78,13 @@ def test_of_two_images_the_color_stays(inputs):
     assert loss.fate == APPROXIMATED and "the image ao.png multiplies it too, which is left out" in str(loss)
 
 
+def test_what_an_image_is_not_quite_is_told_once():
+    nodes = image("a") + image("o", "float", file="ao.png") + node("multiply", "m", link("in1", "a") + link("in2", "o", "float"))
+    nodes += node("mix", "h", link("bg", "m") + link("fg", "m") + value("mix", "0.5", "float"))
+    (loss,) = read(nodes, link("base_color", "h")).losses
+    assert "the image ao.png multiplies it too" in str(loss)
+
+
 def test_a_chain_of_arithmetic_takes_a_channel():
     """Green of an image, halved, from 1 down: 1 - g / 2."""
     nodes = image("a", "vector3") + node("separate3", "p", link("in", "a", "vector3"), "multioutput")
@@ -160,6 +167,8 @@ def test_a_normals_strength_stays():
 CONSTANTS = {
     "swizzle": (value("in", "0.1,0.2,0.3") + value("channels", "bgr", "string"), (0.3, 0.2, 0.1)),
     "contrast": (value("in", "0.6,0.4,0.5") + value("amount", "0.5", "float"), (0.55, 0.45, 0.5)),
+    "ifequal": (value("value2", "1", "float") + value("in1", "1,0,0") + value("in2", "0,1,0"), (0.0, 1.0, 0.0)),  # value1 is 0
+    "ifgreater": (value("in1", "1,0,0") + value("in2", "0,1,0"), (1.0, 0.0, 0.0)),  # value1 is 1, value2 0
     "switch": (value("in1", "1,0,0") + value("in2", "0,0.5,0") + value("which", "1", "float"), (0.0, 0.5, 0.0)),
     "hsvtorgb": (value("in", "0.3333333333,1,0.5"), (0.0, 0.5, 0.0)),
     "saturate": (value("in", "0.5,0.2,0.1") + value("amount", "0", "float"), (0.2762997,) * 3),  # by ACEScg's luminance, its default
