@@ -19,7 +19,7 @@ from .conversion import Converted
 from .layer_graph import LayeredMaterial, read_layered
 from .layer_graph_writing import add_surface
 from .materialx_document import Document
-from .materialx_graph import Graph, Unread, as_normal, input_of
+from .materialx_graph import Absent, Graph, Unread, as_normal, input_of
 from .materialx_image import Image
 from .mixed_surfaces import MixedSurfaces
 from .openpbr import PLACES, from_surface
@@ -223,6 +223,8 @@ def _read(document: Document, name: str, node: ElementTree.Element, folder: Path
     losses += [Loss("mix", Sentence("linked"), APPROXIMATED, note) for note in dict.fromkeys(graph.notes)]
     if isinstance(found, Image):
         image = found if folder is None else replace(found, file=str(folder / found.file))
+    elif isinstance(found, Absent):
+        share = 0.0
     elif isinstance(found, Unread):
         losses.append(Loss("mix", Sentence("linked"), LOST, Sentence("{why}; an even mix stands in", why=found.why)))
     else:
@@ -291,9 +293,9 @@ def _material(document: Document, name: str, node: ElementTree.Element, folder: 
         if parameter not in _FRAMES and default is None:
             losses.append(Loss(parameter, given.get("value", Sentence("linked")), LOST, Sentence("a stack has no place for it")))
             continue
-        if not any(given.get(key) for key in ("value", "nodename", "nodegraph", "interfacename", "output")):
-            continue
         found = graph.value(given)
+        if isinstance(found, Absent):
+            continue
         losses += [Loss(parameter, Sentence("linked"), APPROXIMATED, note) for note in dict.fromkeys(graph.notes)]
         if isinstance(found, Image):
             found = as_normal(found) if parameter in NORMALS and not found.is_normal else found
@@ -301,7 +303,8 @@ def _material(document: Document, name: str, node: ElementTree.Element, folder: 
             if folder is None or found.files or found.default is None or default is None:
                 images[parameter] = found
                 continue
-            value = _limited(surface, parameter, found.at(np.array(found.default)), document.where, losses)
+            stands_for = np.array(found.default[: found.width] if found.channel is None else [found.default[min(found.channel, len(found.default) - 1)]])
+            value = _limited(surface, parameter, found.at(stands_for), document.where, losses)
             values[parameter] = value
             why = Sentence("there is no such file; the file's own default, {value}, stands in", value=shown(value))
             losses.append(Loss(parameter, Sentence("image {file}", file=found.file), LOST, why))

@@ -12,6 +12,8 @@ from xml.parsers import expat
 from ..errors import LaminaError
 
 _MAX_DEPTH = 32
+LINKS = ("nodename", "nodegraph", "interfacename", "output")
+"""Attributes of an input that is linked."""
 
 
 class Document:
@@ -41,7 +43,7 @@ class Document:
     @contextmanager
     def inside(self, node: ElementTree.Element) -> Iterator[ElementTree.Element | None]:
         """The graph that defines a node of a file's own kind, whose interface has this node's inputs meanwhile; None where there is no such graph."""
-        definition = next((d for d in self.iter("nodedef") if d.get("node") == node.tag and d.get("name")), None)
+        definition = self._definition(node)
         graph = None
         if definition is not None and len(self._instances) < _MAX_DEPTH:
             written = next((i.get("nodegraph") for i in self.iter("implementation") if i.get("nodedef") == definition.get("name")), None)
@@ -55,15 +57,26 @@ class Document:
         finally:
             self._instances.pop()
 
+    def _definition(self, node: ElementTree.Element) -> ElementTree.Element | None:
+        """Of the definitions of a kind the one that the node names, or else the first of its type, or else the first."""
+        found = [d for d in self.iter("nodedef") if d.get("node") == node.tag and d.get("name")]
+        named = [d for d in found if d.get("name") == node.get("nodedef")]
+        typed = [d for d in found if any(o.tag == "output" and o.get("type") == node.get("type") for o in d)]
+        return next(iter(named + typed + found), None)
+
     def is_definition(self, graph: ElementTree.Element) -> bool:
         """Whether a graph says what a kind of nodes is."""
         return bool(graph.get("nodedef")) or any(i.get("nodegraph") == graph.get("name") for i in self.iter("implementation"))
 
     def interface(self, element: ElementTree.Element) -> ElementTree.Element | None:
-        """The input of the graph around an input's node that it is a name of; in a definition that of the node which is read."""
+        """The input of the graph around an input's node that it is a name of; in a definition that of the node which is read.
+
+        Where the node's says nothing it is the definition's.
+        """
         scope, name = self.parent(self.parent(element)), element.get("interfacename")
         places = [scope] + [place for graph, node, definition in reversed(self._instances) if graph is scope for place in (node, definition)]
-        return next((i for place in places for i in place if i.tag == "input" and i.get("name") == name), None)
+        found = [i for place in places for i in place if i.tag == "input" and i.get("name") == name]
+        return next((i for i in found if any(i.get(key) for key in LINKS) or i.get("value", "").strip()), found[-1] if found else None)
 
     def parent(self, element: ElementTree.Element) -> ElementTree.Element:
         """The element around it; the root's is itself."""

@@ -55,17 +55,16 @@ class Image:
         return 1 if self.channel is not None else self.count
 
     def at(self, values: np.ndarray) -> np.ndarray:
-        """What is made of values of the file: (..., n), or one channel (..., 1)."""
+        """What is made of values of the file (..., n); of one channel (..., 1) as many as there are factors or offsets."""
         n = values.shape[-1]
-        scale, offset = (np.array(v[:n]) if len(v) > 1 else np.array(v) for v in (self.scale, self.offset))
+        scale, offset = (np.array(v[:n] if n > 1 else v) for v in (self.scale, self.offset))
         return scale * values + offset
 
     def of_channel(self, index: int) -> "Image":
         """One channel of it."""
-        if self.channel is not None or self.count == 1:
-            return self
         one = [(v[min(index, len(v) - 1)],) for v in (self.scale, self.offset)]
-        return replace(self, is_normal=False, channel=index, scale=one[0], offset=one[1])
+        channel = index if self.channel is None and self.count > 1 else self.channel
+        return replace(self, is_normal=False, channel=channel, scale=one[0], offset=one[1])
 
     @property
     def files(self) -> list[str]:
@@ -94,7 +93,7 @@ def made_of(image: Image, at: Callable[[np.ndarray], np.ndarray]) -> Image | np.
     if n == 1:
         return replace(image, scale=_numbers(slopes[:, 0]), offset=_numbers(offset))
     diagonal = np.diagonal(slopes)
-    if len(offset) < 3 or np.any(np.abs(slopes - np.eye(*slopes.shape) * np.pad(diagonal, (0, len(offset) - len(diagonal)))[:, None]) > _CLOSE):
+    if np.any(np.abs(slopes - np.eye(*slopes.shape) * np.pad(diagonal, (0, len(offset) - len(diagonal)))[:, None]) > _CLOSE):
         return None
     return replace(image, count=min(n, len(offset)), scale=_numbers(diagonal), offset=_numbers(offset))
 

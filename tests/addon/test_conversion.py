@@ -292,6 +292,14 @@ GRADED = """<texcoord name="t" type="vector2"/><place2d name="p" type="vector2">
 <input name="specular_roughness" type="float" nodename="rr"/></open_pbr_surface>"""
 
 
+MIXED = """<image name="a" type="float"><input name="file" type="filename" value="mask.png"/></image>
+<mix name="m" type="color3"><input name="bg" type="color3" value="0.8,0.1,0.1"/><input name="fg" type="color3" value="0.1,0.1,0.8"/>
+<input name="mix" type="float" nodename="a"/></mix>
+<multiply name="h" type="color3"><input name="in1" type="color3" nodename="m"/><input name="in2" type="float" value="0.5"/></multiply>
+<open_pbr_surface name="s" type="surfaceshader"><input name="base_color" type="color3" nodename="h"/></open_pbr_surface>
+<surfacematerial name="M" type="material"><input name="surfaceshader" type="surfaceshader" nodename="s"/></surfacematerial>"""
+
+
 def flat_image(path, color):
     image = bpy.data.images.new(path.stem, 4, 4)
     image.pixels[:] = [*color, 1.0] * 16
@@ -322,6 +330,23 @@ def test_graded_tiled_images_come_as_nodes_and_as_their_mean(plane, tmp_path, ca
     told = capsys.readouterr().out
     assert "its mean, 0.2832 0.5664 0.1416, stands in" in told
     assert Stack.load(out).layers[0]["roughness"] == pytest.approx(0.36, abs=1e-3)
+
+
+def test_a_mask_that_mixes_colors_comes_as_nodes_and_as_their_mean(plane, tmp_path, capsys):
+    """From .8 .1 .1 to .1 .1 .8 by .4, halved: .26 .05 .19."""
+    flat_image(tmp_path / "mask.png", (0.4, 0.4, 0.4))
+    file, out = tmp_path / "mixed.mtlx", tmp_path / "out.json"
+    file.write_text(f'<materialx version="1.39" colorspace="lin_rec709">{MIXED}</materialx>')
+    assert bpy.ops.lamina.import_materials("EXEC_DEFAULT", filepath=str(file)) == {"FINISHED"}
+    nodes = plane.active_material.node_tree.nodes
+    before_color = [nodes[name] for name in feeding(node_of(plane.active_material.lamina.base).inputs["Color"])]
+    texture = next(n for n in before_color if n.bl_idname == "ShaderNodeTexImage")
+    graded = texture.outputs["Color"].links[0].to_node
+    assert graded.operation == "MULTIPLY_ADD"
+    for socket, wanted in zip(graded.inputs[1:3], ((-0.35, 0.0, 0.35), (0.4, 0.05, 0.05))):
+        np.testing.assert_allclose(socket.default_value, wanted, atol=1e-6)
+    assert run(["convert", str(file), "-o", str(out)]) == 0
+    assert "its mean, 0.26 0.05 0.19, stands in" in capsys.readouterr().out
 
 
 def test_colors_are_solved_at_the_mean_of_a_roughness_that_an_image_gives(plane, tmp_path):

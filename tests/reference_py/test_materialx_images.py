@@ -266,3 +266,140 @@ def test_a_films_unit_counts_and_a_displacement_is_told():
     moved = f"{material('s', link('displacementshader', 'd', 'displacementshader'))}{moved}"
     (found,) = from_mtlx(text("", value("base_color", "0.3,0.2,0.1")).replace("</materialx>", f"{moved}</materialx>"))
     assert [str(loss) for loss in found.losses] == ["lost: displacementshader linked: a stack has no place for it"]
+
+
+def handed(name, kind="vector2", to=None):
+    return f'<input name="{to or name}" type="{kind}" interfacename="{name}"/>'
+
+
+def test_an_input_without_a_value_has_its_default():
+    """Uv where an image is placed, also through place2d; nothing where it is the surface's own normal."""
+    moved = UV.replace("texcoord", "place2d").replace("/>", f">{handed('tc', to='texcoord')}{value('scale', '0.5,0.5', 'vector2')}</place2d>")
+    graph = '<nodegraph name="g"><input name="tc" type="vector2" defaultgeomprop="UV0"/>{}<output name="out" type="color3" nodename="a"/></nodegraph>'
+    for nodes, tiling in ((image("a", more=handed("tc", to="texcoord")), 1.0), (moved + image("a", more=link("texcoord", "t", "vector2")), 2.0)):
+        found = read(graph.format(nodes), '<input name="base_color" type="color3" nodegraph="g" output="out"/>')
+        assert not found.losses and found.images["base_color"].tiling == (tiling, tiling)
+    for name, kind in (("texcoord", "vector2"), ("default", "color3")):
+        assert read(image("a", more=value(name, "", kind)), link("base_color", "a")).images["base_color"].tiling == (1.0, 1.0)
+    normals = image("n", "vector3") + node("normalmap", "m", link("in", "n", "vector3") + '<input name="scale" type="float"/>', "vector3")
+    assert read(normals, link("geometry_normal", "m", "vector3")).images["geometry_normal"].strength == 1.0
+    paint = OWN.replace('value="0.1,0.1,0.1"/><output name="out" type="surf', 'value="0.1,0.1,0.1"/><input name="normal" type="vector3" defaultgeomprop="Nworld"/><output name="out" type="surf')  # fmt: skip
+    paint = paint.replace('interfacename="c"/></standard', f'interfacename="c"/>{handed("normal", "vector3")}</standard')
+    assert paint.count('"normal"') == 3
+    (found,) = from_mtlx(f'<materialx version="1.39">{paint}{node("paint", "x", "", "surfaceshader")}{material("x")}</materialx>')
+    assert not found.losses and found.values["base_color"] == pytest.approx((0.1,) * 3)
+
+
+@pytest.mark.parametrize("wide", (False, True))
+def test_a_channel_of_a_missing_image_has_that_of_its_default(tmp_path, wide):
+    usd = image("u", "multioutput", value("fallback", "0.2,0.3,0.4,1", "vector4"), node="UsdUVTexture")
+    gltf = image("u", "multioutput", value("default", "0.5,0.25,1,0.75", "color4"), node="gltf_colorimage")
+    split = image("a", more=value("default", "0.1,0.5,0.9")) + node("separate3", "u", link("in", "a"), "multioutput")
+    half = node("multiply", "h", link("in1", "u", more='output="rgb"') + value("in2", "0.5,0.5,0.25"))
+    rows = (
+        (usd, link("roughness", "u", "float", 'output="g"'), "UsdPreviewSurface", "roughness", 0.3),
+        (gltf, link("alpha", "u", "float", 'output="outa"'), "gltf_pbr", "alpha", 0.75),
+        (split, link("specular_roughness", "u", "float", 'output="outg"'), "open_pbr_surface", "specular_roughness", 0.5),
+    )
+    for nodes, inputs, surface, name, wanted in (
+        ((usd + half, link("diffuseColor", "h"), "UsdPreviewSurface", "diffuseColor", (0.1, 0.15, 0.1)),) if wide else rows
+    ):
+        (tmp_path / "a.mtlx").write_text(text(nodes, inputs, surface))
+        assert load_mtlx(tmp_path / "a.mtlx")[0].values[name] == pytest.approx(wanted)
+
+
+MASKS = {
+    "channel": image("v", "vector3") + node("separate3", "p", link("in", "v", "vector3"), "multioutput"),
+    "float": image("p", "float"),
+}
+
+
+@pytest.mark.parametrize("mask", MASKS)
+def test_a_mask_mixes_colors(mask):
+    """From .8 .1 .3 to .1 .2 .8, at a half .45 .15 .55; a half of that; its green."""
+    out = 'output="outx"' if mask == "channel" else ""
+    mixed = MASKS[mask] + node("mix", "m", value("bg", "0.8,0.1,0.3") + value("fg", "0.1,0.2,0.8") + link("mix", "p", "float", out))
+    darker = node("multiply", "h", link("in1", "m") + value("in2", "0.5", "float"))
+    green = node("separate3", "q", link("in", "m"), "multioutput")
+    assert read(mixed, link("base_color", "m")).images["base_color"].at(np.array([0.5])) == pytest.approx((0.45, 0.15, 0.55))
+    found = read(mixed + darker, link("base_color", "h")).images["base_color"]
+    assert found.at(np.array([0.5])) == pytest.approx((0.225, 0.075, 0.275)) and found.channel == (0 if mask == "channel" else None)
+    found = read(mixed + green, link("specular_roughness", "q", "float", 'output="outg"')).images["specular_roughness"]
+    assert (found.scale, found.offset, found.channel) == ((0.1,), (0.1,), 0 if mask == "channel" else None)
+
+
+WIDE = {
+    "usd": (image("a", "multioutput", node="UsdUVTexture"), "color3", 'output="rgb"', "0.5,0.25,1"),
+    "gltf": (image("a", "multioutput", node="gltf_colorimage"), "color3", 'output="outcolor"', "0.5,0.25,1"),
+    "color4": (image("a", "color4"), "color4", "", "0.5,0.25,1,1"),
+}
+
+
+@pytest.mark.parametrize("kind", WIDE)
+def test_images_of_four_channels_take_colors(kind):
+    nodes, width, out, factor = WIDE[kind]
+    for tag, names, wanted in (("multiply", ("in1", "in2"), (0.1, 0.1, 0.6)), ("add", ("in1", "in2"), (0.7, 0.65, 1.6))):
+        found = read(nodes + node(tag, "m", link(names[0], "a", width, out) + value(names[1], factor, width), width), link("base_color", "m"))
+        assert not found.losses
+        np.testing.assert_allclose(found.images["base_color"].at(np.array([0.2, 0.4, 0.6])), wanted)
+
+
+def test_an_image_of_two_channels_takes_two_numbers():
+    nodes = image("a", "vector2") + node("multiply", "m", link("in1", "a", "vector2") + value("in2", "0.5,0.25", "vector2"), "vector2")
+    nodes += node("extract", "e", link("in", "m", "vector2") + value("index", "1", "integer"), "float")
+    found = read(nodes, link("specular_roughness", "e", "float")).images["specular_roughness"]
+    assert (found.channel, found.scale) == (1, (0.25,))
+
+
+def overloaded(kind):
+    return (
+        f'<nodedef name="ND_{kind}" node="half"><input name="in" type="{kind}"/><output name="out" type="{kind}"/></nodedef>'
+        f'<nodegraph name="NG_{kind}" nodedef="ND_{kind}">{node("multiply", "m", handed("in", kind, "in1") + value("in2", "0.5", "float"), kind)}'
+        f'<output name="out" type="{kind}" nodename="m"/></nodegraph>'
+    )
+
+
+@pytest.mark.parametrize("kinds", (("float", "color3"), ("vector3", "color3")))
+def test_of_several_definitions_the_one_of_its_type_or_name_is_taken(kinds):
+    definitions = "".join(map(overloaded, kinds))
+    half = node("half", "h", value("in", "0.8,0.4,0.2"))
+    for one in (half, half.replace("<half ", '<half nodedef="ND_color3" ')):
+        assert read(definitions + one, link("base_color", "h")).values["base_color"] == pytest.approx((0.4, 0.2, 0.1))
+    named = half.replace("<half ", '<half nodedef="ND_float" ')
+    assert read(overloaded("color3") + overloaded("float") + named, link("base_color", "h")).values["base_color"] == pytest.approx((0.4,) * 3)
+
+
+TEXTURE = """<nodedef name="ND_tex" node="tex"><input name="file" type="filename" value="wood.png"/><output name="out" type="color3"/></nodedef>
+<nodegraph name="NG_tex" nodedef="ND_tex">{}<image name="i" type="color3"><input name="file" type="filename" interfacename="file"/></image>
+{}<output name="out" type="color3" nodename="{}"/></nodegraph>"""
+
+
+def test_a_definition_of_a_library_finds_the_images_of_who_uses_it(tmp_path):
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "lib" / "defs.mtlx").write_text(f'<materialx version="1.39">{TEXTURE.format("", "", "i")}</materialx>')
+    for given, wanted in ((value("file", "tex/a.png", "filename"), "tex/a.png"), ("", "lib/wood.png")):
+        used = text('<xi:include href="lib/defs.mtlx"/>' + node("tex", "q", given), link("base_color", "q"))
+        (tmp_path / "x.mtlx").write_text(used.replace("<materialx", '<materialx xmlns:xi="http://www.w3.org/2001/XInclude"'))
+        assert load_mtlx(tmp_path / "x.mtlx")[0].images["base_color"].file == str(tmp_path / wanted)
+
+
+def test_circles_end():
+    inner = node("tex", "n", handed("file", "filename"))
+    own = TEXTURE.format(inner, node("mix", "m", link("bg", "i") + link("fg", "n") + value("mix", "0.5", "float")), "m")
+    linked = '<input name="base_color" type="color3" nodegraph="g" output="out"/>'
+    circle = '<nodegraph name="g"><output name="out" type="color3" nodename="g"/></nodegraph>'
+    for nodes, inputs in ((own + node("tex", "q", ""), link("base_color", "q")), (circle, linked)):
+        (loss,) = (loss for loss in read(nodes, inputs).losses if loss.fate == LOST)
+        assert "its graph is too large, or runs in a circle" in str(loss)
+
+
+def test_an_image_that_is_read_often_is_no_circle():
+    given = {"scale": ("vector2", "2,2"), "rotate": ("float", "0"), "offset": ("vector2", "0,0"), "pivot": ("vector2", "0,0")}
+    nodes = "".join(f'<input name="{name}" type="{kind}" value="{text_}"/>' for name, (kind, text_) in given.items()) + UV
+    nodes += node("place2d", "p", link("texcoord", "t", "vector2") + "".join(handed(name, kind) for name, (kind, _) in given.items()), "vector2")
+    nodes += image("a", more=link("texcoord", "p", "vector2")) + node("multiply", "z0", link("in1", "a") + value("in2", "0.5", "float"))
+    nodes += "".join(node("mix", f"z{i}", link("fg", f"z{i - 1}") + link("bg", "a") + value("mix", "0.5", "float")) for i in range(1, 6))
+    graph = f'<nodegraph name="g">{nodes}<output name="out" type="color3" nodename="z5"/></nodegraph>'
+    found = read(graph, '<input name="base_color" type="color3" nodegraph="g" output="out"/>')
+    assert not found.losses and found.images["base_color"].tiling == (0.5, 0.5)
+    assert found.images["base_color"].scale == pytest.approx((1.0 - 0.5**6,))
