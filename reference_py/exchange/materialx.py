@@ -312,7 +312,7 @@ def _material(document: Document, name: str, node: ElementTree.Element, folder: 
             stands_in = Sentence("left out") if default is None else Sentence("its default, {value}, stands in", value=shown(default))
             losses.append(Loss(parameter, Sentence("linked"), LOST, Sentence("{why}; {stands_in}", why=found.why, stands_in=stands_in)))
         elif default is not None:
-            values[parameter] = _limited(surface, parameter, found * _of_unit(surface, parameter, given), document.where, losses)
+            values[parameter] = _limited(surface, parameter, found * _of_unit(surface, parameter, graph.unit or given.get("unit", "")), document.where, losses)
     losses += [
         Loss("color space", space[:40], APPROXIMATED, Sentence("unknown: read as linear Rec.709; known are {known}", known=", ".join(known_spaces())))
         for space in sorted(graph.unknown)
@@ -320,9 +320,9 @@ def _material(document: Document, name: str, node: ElementTree.Element, folder: 
     return Material(name, surface, surface.defaults | values, images, tuple(losses))
 
 
-def _of_unit(surface: Surface, parameter: str, given: ElementTree.Element) -> float:
+def _of_unit(surface: Surface, parameter: str, unit: str) -> float:
     """The factor from the unit of a film's thickness to the surface's own, of those that say one."""
-    return _UNITS.get(given.get("unit", ""), surface.film_unit) / surface.film_unit if parameter in _THICKNESSES else 1.0
+    return _UNITS.get(unit, surface.film_unit) / surface.film_unit if parameter in _THICKNESSES else 1.0
 
 
 def _limited(surface: Surface, parameter: str, found: np.ndarray, where: str, losses: list[Loss]):

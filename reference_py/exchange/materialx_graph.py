@@ -57,12 +57,13 @@ class _NoValue(_Neither):
 class Graph:
     """Follows inputs of one file. `unknown` are the names of color spaces that were met and not known: read as linear Rec.709.
 
-    `notes` are what the last value that was asked for is not quite.
+    `notes` are what the last value that was asked for is not quite, `unit` that of its numbers, where the file says one.
     """
 
     def __init__(self, document: Document):
         self._document = document
         self.unknown: set[str] = set()
+        self.unit = ""
         self.notes: list[Sentence] = []
         self._steps = self._all_steps = 0
         self._uv: np.ndarray | None = None
@@ -71,6 +72,7 @@ class Graph:
         """Of an input; also of an output, or a node with a value of its own."""
         self._steps, self._all_steps, self.notes = 0, 0, []
         try:
+            self.unit = ""
             return self._followed(element)
         except _NoValue as nothing:
             return Absent(nothing.why)
@@ -151,6 +153,7 @@ class Graph:
     def own_value(self, element: Element) -> np.ndarray:
         """The numbers that an element holds. Raises LaminaError for what is none."""
         kind, text = element.get("type", ""), element.get("value", "")
+        self.unit = element.get("unit", self.unit)
         where = f"{self._document.where}: {element.get('name', '')}"
         count = _COUNTS.get(kind)
         if count is None:

@@ -257,11 +257,17 @@ def test_graphs_and_surfaces_of_included_files_are_found(tmp_path):
     assert (found.name, found.values["base_color"]) == ("M_s", (0.3, 0.2, 0.1))
 
 
+UNIT = 'unit="nanometer"'
+
+
 def test_a_films_unit_counts_and_a_displacement_is_told():
     for surface, name, own in (("open_pbr_surface", "thin_film_thickness", 0.4), ("standard_surface", "thin_film_thickness", 400.0)):
         for text_, unit in (("400", "nanometer"), ("0.4", "micron"), ("0.0004", "millimeter")):
             assert read("", value(name, text_, "float", f'unit="{unit}"'), surface).values[name] == pytest.approx(own)
         assert read("", value(name, "0.5", "float"), surface).values[name] == 0.5
+        of_graph = node("multiply", "c", '<input name="in1" type="float" interfacename="t"/>' + value("in2", "2", "float"), "float")
+        graph = f'<nodegraph name="g">{value("t", "200", "float", UNIT)}{of_graph}<output name="out" type="float" nodename="c"/></nodegraph>'
+        assert read(graph, f'<input name="{name}" type="float" nodegraph="g" output="out"/>', surface).values[name] == pytest.approx(own)
     moved = node("displacement", "d", value("displacement", "0.1", "float"), "displacementshader")
     moved = f"{material('s', link('displacementshader', 'd', 'displacementshader'))}{moved}"
     (found,) = from_mtlx(text("", value("base_color", "0.3,0.2,0.1")).replace("</materialx>", f"{moved}</materialx>"))
