@@ -32,12 +32,16 @@ def compared(before: Fits, after: Fits) -> list[str]:
     told = []
     for is_noisy in (False, True):
         pairs = [(before[key], row) for key, row in after.items() if key in before and (float(row["noise"]) > 0.0) == is_noisy]
+        kind = "with" if is_noisy else "without"
+        if not pairs:
+            told.append(f"{kind} noise: the two tables share no fits")
+            continue
         for name in ERRORS:
             old, new = (np.maximum([float(row[name]) for row in side], LEAST) for side in zip(*pairs))
             worse = new > WORSE * old
             nearer = np.array([float(row["data_error"]) < float(row["true_data_error"]) for _, row in pairs])
             told.append(
-                f"{name} {'with' if is_noisy else 'without'} noise: {len(pairs)} fits, median ratio {np.median(new / old):.3f}; "
+                f"{name} {kind} noise: {len(pairs)} fits, median ratio {np.median(new / old):.3f}; "
                 f"{np.sum(worse)} worse by a tenth (to {np.max(new[worse], initial=0.0):.2g}), {np.sum(old > WORSE * new)} better; "
                 f"of the worse {np.sum(worse & nearer)} nearer to the data than the stack they were made from"
             )

@@ -16,3 +16,8 @@ def test_worse_and_better_fits_are_counted_with_what_the_data_say():
     without, _, noisy, _ = compared(before, after)
     assert "0 worse by a tenth" in without, "the table's last digit is no change"
     assert "2 worse by a tenth (to 0.012), 1 better; of the worse 1 nearer to the data" in noisy
+
+
+def test_tables_that_share_no_fits_of_a_kind_say_so():
+    _, _, noisy = compared(table(("0", "0.010", "0")), table(("0", "0.010", "0")))
+    assert noisy == "with noise: the two tables share no fits"
