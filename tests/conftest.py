@@ -50,13 +50,19 @@ def blender(registered_lamina):
     return bpy
 
 
+def _node_id(config, given: str) -> str:
+    """That of a test that is named on the command line."""
+    path, *names = given.split("::")
+    return "::".join([Path(os.path.relpath(config.invocation_params.dir / path, config.rootpath)).as_posix(), *names])
+
+
 def pytest_collection_modifyitems(config, items):
     slow = set(SLOW.read_text(encoding="utf-8").splitlines())
     for item in items:
         if item.nodeid in slow:
             item.add_marker(pytest.mark.slow)
     if not os.environ.get("LAMINA_THOROUGH"):
-        thorough = set(THOROUGH.read_text(encoding="utf-8").splitlines())
+        thorough = set(THOROUGH.read_text(encoding="utf-8").splitlines()) - {_node_id(config, given) for given in config.args}
         config.hook.pytest_deselected(items=[item for item in items if item.nodeid in thorough])
         items[:] = [item for item in items if item.nodeid not in thorough]
 
