@@ -2,9 +2,9 @@
 """Plain tables: theta_i, phi_i, theta_o, phi_o in degrees, then r, g, b, one column per wavelength in nm, one value, or a wavelength and a value.
 
 The first line that has the angles, or else the first that is no comment (#), names the columns, in any order, by the names of `ALIASES` too, with
-units where a table has them, radians among them; values are f in 1/sr, without cosine, and none where a cell is empty. Semicolons, tabs and blanks separate too; beside the first two a comma is a decimal one. Without both phi
-the table is in the plane of incidence: an angle of reflection is positive on the side away from the light. A negative
-angle from the normal is the positive one half a turn further.
+units where a table has them, radians among them; values are f in 1/sr, without cosine, and none where a cell is empty. Semicolons, tabs and blanks separate
+too; beside the first two a comma is a decimal one. Without both phi the table is in the plane of incidence: an angle of reflection is positive on the
+side away from the light. A negative angle from the normal is the positive one half a turn further.
 """
 
 import csv
