@@ -12,6 +12,8 @@ import numpy as np
 
 TILES = ("<UDIM>", "<UVTILE>")
 """What stands for the number of a tile in a file's name."""
+# 1001 to 2000, as Blender counts: other numbers of four digits are a frame's, or a size.
+_UDIM_NUMBERS = ("100[1-9]", "10[1-9][0-9]", "1[1-9][0-9][0-9]", "2000")
 _CLOSE = 1e-6
 
 
@@ -72,8 +74,9 @@ class Image:
         for mark in TILES:
             if mark in self.file:
                 path = Path(self.file)
-                pattern = "[0-9][0-9][0-9][0-9]" if mark == TILES[0] else "u[0-9]*_v[0-9]*"
-                return sorted(str(p) for p in path.parent.glob(path.name.replace("[", "[[]").replace(mark, pattern)) if p.is_file())
+                patterns = _UDIM_NUMBERS if mark == TILES[0] else ("u[0-9]*_v[0-9]*",)
+                names = [path.name.replace("[", "[[]").replace(mark, pattern) for pattern in patterns]
+                return sorted(str(p) for name in names for p in path.parent.glob(name) if p.is_file())
         return [self.file] if Path(self.file).is_file() else []
 
 

@@ -196,13 +196,13 @@ def test_no_function_refuses_what_it_has_by_default():
 
 def test_files_that_are_there_are_found_by_tiles_prefixes_and_windows_paths(tmp_path):
     (tmp_path / "tex").mkdir()
-    for name in ("wood.1001.png", "wood.1012.png", "plain.png"):
+    for name in ("wood.1001.png", "wood.1012.png", "wood.2000.png", "wood.0512.png", "wood.1000.png", "wood.2048.png", "plain.png"):
         (tmp_path / "tex" / name).write_bytes(b"")
     file = tmp_path / "a.mtlx"
     file.write_text(text(image("a", file="tex\\wood.&lt;UDIM&gt;.png") + image("b", "float", file=str(tmp_path / "tex/plain.png")),
                          link("base_color", "a") + link("specular_roughness", "b", "float")).replace("<materialx", '<materialx fileprefix=""'))  # fmt: skip
     (material,) = load_mtlx(file)
-    assert material.images["base_color"].files == [str(tmp_path / "tex" / f"wood.{n}.png") for n in (1001, 1012)]
+    assert material.images["base_color"].files == [str(tmp_path / "tex" / f"wood.{n}.png") for n in (1001, 1012, 2000)], "UDIM tiles are 1001 to 2000"
     assert material.images["specular_roughness"].files == [str(tmp_path / "tex/plain.png")]
     file.write_text(text(image("a", file="gone.png", more=value("default", "0.3,0.2,0.1")) + node("multiply", "m", link("in1", "a") + value("in2", "0.5", "float")),
                          link("base_color", "m")))  # fmt: skip
