@@ -15,7 +15,7 @@ from ..errors import LaminaError, Sentence
 from ..material.schema import DIELECTRIC as SCHEMA_DIELECTRIC
 from ..optics.microfacet import GGX
 from .materialx_document import Document
-from .materialx_graph import Graph, Unread, input_of
+from .materialx_graph import Absent, Graph, Unread, input_of
 from .materialx_image import Image
 from .report import APPROXIMATED, LOST, Loss, shown
 
@@ -207,6 +207,8 @@ class TreeReader:
         found = self.value(f"{name} mix", given) if given is not None else np.zeros(1)
         if isinstance(found, Image):
             return _EVEN, self._placed(found)
+        if isinstance(found, Absent):
+            return 0.0, None
         if isinstance(found, Unread):
             self._lose(f"{name} mix", Sentence("linked"), Sentence("{why}; an even mix stands in", why=found.why))
             return _EVEN, None
@@ -214,6 +216,8 @@ class TreeReader:
 
     def _scaled(self, name: str, scaled: Tree, given: Element | None) -> Tree:
         found = self.value(f"{name} in2", given) if given is not None else np.ones(1)
+        if isinstance(found, Absent):
+            return scaled
         if isinstance(found, (Image, Unread)):
             self._lose(
                 f"{name} in2",
@@ -253,18 +257,18 @@ class TreeReader:
                     images["normal"] = self._placed(image)
             elif parameter not in values:
                 self._lose(f"{name} {parameter}", given.get("value", Sentence("linked")), Sentence("a stack has no place for it"))
-            elif any(given.get(key) for key in ("value", "nodename", "nodegraph", "interfacename", "output")):
+            else:
                 found = self._roughness(given) if parameter == "roughness" and kind in (DIELECTRIC, CONDUCTOR, SCHLICK) else self.graph.value(given)
                 self._note(f"{name} {parameter}")
                 if isinstance(found, Image):
                     images[parameter] = self._placed(found)
-                elif isinstance(found, Unread):
+                elif isinstance(found, Unread) and not isinstance(found, Absent):
                     self._lose(
                         f"{name} {parameter}",
                         Sentence("linked"),
                         Sentence("{why}; its default, {value}, stands in", why=found.why, value=shown(values[parameter])),
                     )
-                else:
+                elif isinstance(found, np.ndarray):
                     values[parameter] = self._limited(f"{name} {parameter}", parameter, found, values[parameter])
         return Leaf(kind, name, values, mode, turn, images, self._distribution(node))
 

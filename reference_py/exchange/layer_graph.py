@@ -22,7 +22,7 @@ from .bsdf_tree import SURFACE, Leaf, Mixed, Tree, TreeReader, every_part, image
 from .conversion import Converted, matched
 from .matching import FINE, Albedos, color_map, mean, recolored, truth
 from .materialx_document import Document
-from .materialx_graph import input_of
+from .materialx_graph import Absent, input_of
 from .materialx_image import Image
 from .report import APPROXIMATED, LOST, Loss, Report, image_loss, shown
 from .slots import MOST_REFLECTANCE
@@ -140,7 +140,7 @@ def read_layered(document: Document, name: str, node: Element, folder: Path | No
         value = reader.value("opacity", given)
         if isinstance(value, np.ndarray):
             opacity = float(np.clip(value[0], 0.0, 1.0))
-        else:
+        elif not isinstance(value, Absent):
             losses.append(Loss("opacity", Sentence("linked"), LOST, Sentence("a stack is opaque")))
     losses += [
         Loss("color space", space[:40], APPROXIMATED, Sentence("unknown: read as linear Rec.709; known are {known}", known=", ".join(known_spaces())))

@@ -138,7 +138,7 @@ class Graph:
                 raise _Neither(Sentence("is linked to {name}, which is not in the file", name=name))
             result = self._of_node(*found)
             return self._swizzled(result, element.get("channels", ""), element.get("type", "")) if element.get("channels") else result
-        if not element.get("value", "").strip() and element.get("type", "") in _COUNTS:
+        if not element.get("value", "").strip() and element.get("type", "") in ("", *_COUNTS):
             return self._without_value(element.get("defaultgeomprop", ""))
         return self.own_value(element)
 

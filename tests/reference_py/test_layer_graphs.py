@@ -233,3 +233,14 @@ def test_a_coats_tint_is_lighter_where_no_metal_below_is_bright_enough():
     # with the coat's own color 4.5 and 13 %; what is left is how it goes with the angle
     assert converted.report.match.color_difference < 0.1 and converted.report.match.soft_light < 0.08
     assert "lighter" in said(converted, APPROXIMATED) and "coat_color" not in said(converted, "kept")
+
+
+def test_an_input_without_a_value_is_as_none():
+    """Of a leaf, a mix, a scale and the surface; as `value` may also be empty, and an input may lack its type."""
+    empty = '<input name="{}" type="{}" value=""/>'
+    rough = PLASTIC.replace('name="paint" type="BSDF">', f'name="paint" type="BSDF">{empty.format("roughness", "float")}<input name="weight"/>')
+    mix = f'<mix name="m" type="BSDF"><input name="bg" type="BSDF" nodename="paint"/><input name="fg" type="BSDF" nodename="chalk"/>{empty.format("mix", "float")}</mix>'
+    scale = f'<multiply name="t" type="BSDF"><input name="in1" type="BSDF" nodename="m"/>{empty.format("in2", "color3")}</multiply>'
+    text = document(mix + scale, "t", empty.format("opacity", "float")).replace(PLASTIC, rough)
+    (found,), paint = from_mtlx(text), read("", "paint")
+    assert found.to_stack().stack == paint.stack and not found.to_stack().report.losses
