@@ -11,7 +11,7 @@ import pytest
 # Tests without Blender that took more than `QUICK` seconds when `make slow-tests` measured all; `make check` leaves them out.
 SLOW = Path(__file__).with_name("slow.txt")
 QUICK = 0.2
-# Cases of a kind that other cases try in every run, and that take a quarter of a minute or more: `make thorough` and `make matrix` run them.
+# What takes long and is tried in every run by other cases of its kind, or part by part: `make thorough` and `make matrix` run it.
 THOROUGH = Path(__file__).with_name("thorough.txt")
 
 # One thread for numpy's matrices, here and in all that tests start: they are small, and two halves of the suite whose threads wait
