@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nodes of MaterialX that compute numbers of numbers, by their definitions in its standard library (1.38 and 1.39).
 
-But of `UsdTransform2d`: its scale multiplies uv, as USD has it. Each takes `inputs(name, default)`, which gives an input's numbers, and gives as many as it has.
+The one exception is `UsdTransform2d`: its scale multiplies uv, as USD has it. Each takes `inputs(name, default)`, which gives an
+input's numbers, and gives as many as it has.
 """
 
 import colorsys
